@@ -1,0 +1,51 @@
+# railhil: `make run` and `make test` need Python 3.11+, git and make.
+
+PYTHON ?= python3
+VENV   ?= .venv
+BIN    := $(VENV)/bin
+# What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
+ARGS   ?=
+
+.PHONY: run test test-fast lint bench dbc install clean
+
+# A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
+run: $(VENV)/.installed
+	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
+
+# Everything: lint, all tests, and the capabilities (kernel SocketCAN, Docker) brought up where this machine permits.
+test: lint $(VENV)/.installed-dev
+	$(BIN)/python -m hil_tests.everything
+
+# Without the virtual machine and without Docker.
+test-fast: $(VENV)/.installed-dev
+	$(BIN)/pytest -q -m "not needs_socketcan and not needs_docker"
+
+lint: $(VENV)/.installed-dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+bench: $(VENV)/.installed-dev
+	$(BIN)/python -m benchmarks
+
+dbc: $(VENV)/.installed
+	$(BIN)/python -m dbc.generate
+
+install: $(VENV)/.installed
+
+$(VENV)/bin/pip:
+	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "railhil needs Python 3.11 or newer")'
+	@$(PYTHON) -m venv $(VENV) || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
+	  && apt-get update -q && apt-get install -y -q python3-venv && $(PYTHON) -m venv $(VENV); }
+
+$(VENV)/.installed: pyproject.toml | $(VENV)/bin/pip
+	$(BIN)/pip install -q --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
+	$(BIN)/pip install -q --disable-pip-version-check -e '.[dev,plot]'
+	@touch $@ $(VENV)/.installed
+
+clean:
+	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

@@ -1,0 +1,138 @@
+"""Bus administrator: publishes its own ports on their period and polls the ports of the others.
+
+In lockstep it waits for every answer, so time stands still until the whole bench has agreed; in realtime an answer
+that is later than ``reply_ns`` is a missed telegram that ages.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from bus.clock import Pacer
+from bus.errors import PeerSilent
+from bus.frame import Frame
+from bus.layout import Telegram
+from bus.link import Endpoint
+from bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
+from bus.store import TrafficStore
+from dbc import Port, wire_contract
+
+#: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
+REPLY_NS = 5_000_000
+#: Lockstep: a peer that has not answered for this long on the wall clock is lost.
+WATCHDOG_NS = 2_000_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Schedule:
+    """Periods of the ports in ticks; a port is due at every tick that is a multiple of its period."""
+
+    base_tick_ns: int
+    periods_ns: dict[str, int]
+
+    @classmethod
+    def from_contract(cls, base_tick_ns: int, overrides: dict[str, int]) -> Schedule:
+        """Periods of the port table with the scenario's overrides."""
+        periods = {port.name: port.period_ns for port in wire_contract().ports if port.period_ns}
+        return cls(base_tick_ns, {**periods, **overrides})
+
+    def ticks(self, port: str) -> int:
+        """Period of a port in ticks, at least one."""
+        return max(1, self.periods_ns[port] // self.base_tick_ns)
+
+
+class Administrator:
+    """Master of the bus on one endpoint.
+
+    :param store: mailboxes for the ports that are polled.
+    :param now_ns: simulation time, asked at each reception.
+    :param fd: send the CAN FD form.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        store: TrafficStore,
+        now_ns: Callable[[], int],
+        pacer: Pacer,
+        published: Iterable[Port],
+        *,
+        fd: bool = False,
+        watchdog_ns: int = WATCHDOG_NS,
+        reply_ns: int = REPLY_NS,
+    ) -> None:
+        self.counters: Counter[str] = Counter()
+        self._endpoint = endpoint
+        self._store = store
+        self._now_ns = now_ns
+        self._pacer = pacer
+        self._sources = {port.name: TelegramSource(port, fd) for port in published}
+        self._queue: list[Frame] = []
+        self._watchdog_ns = watchdog_ns
+        self._reply_ns = reply_ns
+
+    def publish(self, telegram: Telegram) -> None:
+        """Queue one telegram; it leaves with the next ``flush`` or poll."""
+        self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
+
+    def flush(self) -> None:
+        """Send what is queued."""
+        if self._queue:
+            self._endpoint.send(self._queue)
+            self._queue = []
+
+    def poll(self, port: Port) -> bool:
+        """Ask the owner of a port for its telegram.
+
+        Lockstep waits for the answer; realtime gives up after the reply time-out.
+
+        :returns: True when the answer was committed to the store, False for a missed one (realtime only).
+        :raises PeerSilent: in lockstep, after the wall-clock watchdog.
+        """
+        self.counters["polls"] += 1
+        self._queue.append(master_frame(port.f_code, port.address))
+        self.flush()
+        limit_ns = self._reply_ns if self._pacer.rate else self._watchdog_ns
+        if self._wait_for(port.name, time.monotonic_ns() + limit_ns):
+            return True
+        self.counters["missed_polls"] += 1
+        if not self._pacer.rate:
+            raise PeerSilent(
+                f"bus administrator waits for {port.source} ({port.name}) for {limit_ns / 1e9:.1f} s, "
+                f"at simulation time {self._now_ns() / 1e9:.2f} s"
+            )
+        return False
+
+    def _wait_for(self, name: str, deadline_ns: int) -> bool:
+        receive, feed, now_ns = self._endpoint.receive, self._store.feed, self._now_ns
+        while True:
+            remaining_ns = deadline_ns - time.monotonic_ns()
+            if remaining_ns <= 0:
+                return False
+            answered = False
+            for frame in receive(remaining_ns / 1e9):
+                if feed(frame, now_ns()) == name:
+                    answered = True
+            if answered:
+                return True
+
+    def find_devices(self, devices: Iterable[int], timeout_ns: int, interval_ns: int = 100_000_000) -> set[int]:
+        """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.
+
+        :returns: the devices that did *not* answer.
+        """
+        missing = set(devices)
+        deadline_ns = time.monotonic_ns() + timeout_ns
+        while missing and time.monotonic_ns() < deadline_ns:
+            self._endpoint.send([master_frame(F_DEVICE_STATUS, device) for device in sorted(missing)])
+            round_ns = time.monotonic_ns() + interval_ns
+            while missing and (remaining_ns := round_ns - time.monotonic_ns()) > 0:
+                for frame in self._endpoint.receive(remaining_ns / 1e9):
+                    if frame.can_id == wire_contract().device_status_id:
+                        answer = parse_device_status(frame.data)
+                        if answer is not None:
+                            missing.discard(answer[0])
+        return missing

@@ -1,0 +1,27 @@
+"""What can go wrong on the bus.
+
+::
+
+    BusError
+     +-- BusUnavailable   the interface cannot be opened (missing, busy, no permission)
+     +-- BusLost          an open interface is gone (hub died, adapter unplugged)
+     +-- PeerSilent       a lockstep answer did not come within the wall-clock watchdog
+"""
+
+from __future__ import annotations
+
+
+class BusError(Exception):
+    """Base of all bus errors; the text is one line that can be shown to a user as it stands."""
+
+
+class BusUnavailable(BusError):
+    """The interface cannot be opened. Example: no such vcan, socket path in use, no hub at the path."""
+
+
+class BusLost(BusError):
+    """The interface was open and is gone. Example: the hub process was killed."""
+
+
+class PeerSilent(BusError):
+    """Nobody answered within the watchdog. The text says who waited for whom, since when."""

@@ -1,0 +1,62 @@
+"""A CAN frame as the bench passes it around: a plain tuple, cheap to make and to compare.
+
+python-can's :class:`can.Message` appears only at the edge (transports and log files): it costs more than a
+microsecond to build, and its equality is identity.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import can
+
+#: ``Frame.flags`` bits.
+EXTENDED = 1
+REMOTE = 2
+ERROR = 4
+FD = 8
+BRS = 16
+
+
+class Frame(NamedTuple):
+    """One CAN frame.
+
+    ``can_id``: 11-bit identifier (29-bit when ``flags`` has EXTENDED). ``data``: 0..8 bytes, 0..64 with FD.
+    ``flags``: 0 for the plain data frames that carry MVB telegrams.
+    """
+
+    can_id: int
+    data: bytes
+    flags: int = 0
+
+
+def to_message(frame: Frame, timestamp_s: float = 0.0) -> can.Message:
+    """python-can form of a frame; the identifier is standard unless the frame says otherwise."""
+    flags = frame.flags
+    return can.Message(
+        timestamp=timestamp_s,
+        arbitration_id=frame.can_id,
+        is_extended_id=bool(flags & EXTENDED),
+        is_remote_frame=bool(flags & REMOTE),
+        is_error_frame=bool(flags & ERROR),
+        is_fd=bool(flags & FD),
+        bitrate_switch=bool(flags & BRS),
+        dlc=len(frame.data),
+        data=b"" if flags & REMOTE else frame.data,
+    )
+
+
+def from_message(message: can.Message) -> Frame:
+    """Frame of a python-can message (timestamp and channel are dropped)."""
+    flags = 0
+    if message.is_extended_id:
+        flags |= EXTENDED
+    if message.is_remote_frame:
+        flags |= REMOTE
+    if message.is_error_frame:
+        flags |= ERROR
+    if message.is_fd:
+        flags |= FD
+    if message.bitrate_switch:
+        flags |= BRS
+    return Frame(message.arbitration_id, bytes(message.data), flags)

@@ -1,0 +1,20 @@
+"""The hub: a software CAN switch in user space, for machines without a kernel CAN.
+
+============ ==================================================================================
+module       what it holds
+============ ==================================================================================
+``wire``     the packet format (SocketCAN frame structs in batches, JSON hello)
+``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
+``link``     the client's end of a connection: whole packets, deadlines
+``client``   :class:`~bus.hub.client.HubBus`, the python-can plugin ``railhil``
+``ports``    the hub's end of a connection: never blocks, bounded queue
+``switch``   the loop that carries packets from one port to all others
+``bitlength`` length of a frame on the wire, stuff bits counted
+``model``    optional bit rate and arbitration
+``server``   the hub process; ``cli`` its command line
+============ ==================================================================================
+
+The hub is reliable and gives every client the same total order. It does not model acknowledgement, error
+counters (TEC/REC), bus-off, error frames caused by bit errors, or sampling; bit rate and arbitration only
+when asked for.
+"""

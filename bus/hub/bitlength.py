@@ -1,0 +1,115 @@
+"""How many bit times a frame takes on the wire, its own stuff bits counted exactly.
+
+Classic frames (Bosch CAN 2.0; ISO 11898-1): the field from start of frame to the end of the CRC is stuffed
+(after five equal bits one opposite bit, which counts for the next five), then come CRC delimiter,
+acknowledge slot and delimiter, 7 bits end of frame and 3 bits interframe space::
+
+    SOF 1 | id 11 | RTR IDE r0 | DLC 4 | data 8n | CRC 15 || 1 | 2 | 7 | 3         standard
+    SOF 1 | id 11 | SRR IDE | id 18 | RTR r1 r0 | DLC 4 | data 8n | CRC 15 || ...  extended
+
+CAN FD frames: stuffed up to the end of the data; then stuff count (4 bits) and CRC (17 bits up to 16 data
+bytes, else 21) with a fixed stuff bit before the first and after every fourth bit, so that their length
+does not depend on values. With bit rate switch, ESI to CRC delimiter count at the data bit rate.
+"""
+
+from __future__ import annotations
+
+from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+
+#: CRC delimiter, acknowledge slot, acknowledge delimiter, end of frame, interframe space.
+_TAIL_BITS = 1 + 1 + 1 + 7 + 3
+_FD_DLC = {**{n: n for n in range(9)}, 12: 9, 16: 10, 20: 11, 24: 12, 32: 13, 48: 14, 64: 15}
+
+
+def crc15(bits: str) -> int:
+    """CRC-15/CAN (polynomial 0x4599, start 0) over a string of '0' and '1'."""
+    register = 0
+    for bit in bits:
+        feedback = (register >> 14 & 1) ^ (bit == "1")
+        register = register << 1 & 0x7FFF
+        if feedback:
+            register ^= 0x4599
+    return register
+
+
+def stuff_bit_positions(bits: str, at_end: bool) -> list[int]:
+    """Indices in ``bits`` after which a stuff bit goes; ``at_end``: one may follow the last bit."""
+    positions: list[int] = []
+    run, last = 0, ""
+    for index, bit in enumerate(bits):
+        run = run + 1 if bit == last else 1
+        last = bit
+        if run == 5:
+            positions.append(index)
+            # The stuff bit is the opposite and is the first of the next run.
+            last = "1" if bit == "0" else "0"
+            run = 1
+    if positions and not at_end and positions[-1] == len(bits) - 1:
+        positions.pop()
+    return positions
+
+
+def _identifier_bits(frame: Frame, remote: str) -> str:
+    """Start of frame to identifier, with RTR (CAN FD: RRS) and IDE."""
+    if frame.flags & EXTENDED:
+        return f"0{frame.can_id >> 18:011b}11{frame.can_id & 0x3FFFF:018b}{remote}"
+    return f"0{frame.can_id:011b}{remote}0"
+
+
+def _data_bits(data: bytes) -> str:
+    return "".join(f"{octet:08b}" for octet in data)
+
+
+def _classic_bits(frame: Frame) -> int:
+    remote = bool(frame.flags & REMOTE)
+    reserved = "00" if frame.flags & EXTENDED else "0"
+    content = _identifier_bits(frame, "1" if remote else "0") + reserved + f"{len(frame.data):04b}"
+    if not remote:
+        content += _data_bits(frame.data)
+    content += f"{crc15(content):015b}"
+    return len(content) + len(stuff_bit_positions(content, at_end=True)) + _TAIL_BITS
+
+
+def _fd_bits(frame: Frame) -> tuple[int, int]:
+    switched = bool(frame.flags & BRS)
+    # Identifier, FDF 1, res 0, BRS | ESI 0 (error active), DLC, data.
+    nominal = _identifier_bits(frame, "0") + "10" + ("1" if switched else "0")
+    content = nominal + "0" + f"{_FD_DLC[len(frame.data)]:04b}" + _data_bits(frame.data)
+    check_bits = 4 + (17 if len(frame.data) <= 16 else 21)
+    fixed_stuff_bits = 1 + check_bits // 4
+    # No stuff bit of the data's own at their end: the first fixed stuff bit stands there.
+    positions = stuff_bit_positions(content, at_end=False)
+    early_stuff_bits = sum(index < len(nominal) - 1 for index in positions)
+    total = len(content) + len(positions) + fixed_stuff_bits + check_bits + _TAIL_BITS
+    if not switched:
+        return total, 0
+    nominal_total = len(nominal) + early_stuff_bits + _TAIL_BITS - 1
+    return nominal_total, total - nominal_total
+
+
+def frame_bits(frame: Frame) -> tuple[int, int]:
+    """Bit times of a frame: (at the nominal bit rate, at the data bit rate), interframe space included.
+
+    An error frame takes none: SocketCAN's error frames are reports of a controller and not on the wire.
+    """
+    if frame.flags & ERROR:
+        return 0, 0
+    if frame.flags & FD:
+        return _fd_bits(frame)
+    return _classic_bits(frame), 0
+
+
+def arbitration_key(frame: Frame) -> int:
+    """Rank in arbitration: the lowest wins, as the first dominant bit does on the wire.
+
+    Order of the bits: base identifier, RTR or SRR, IDE, identifier extension, RTR of the extended frame. So
+    a standard frame wins against an extended one with the same base identifier, a data frame against the
+    remote frame. Error frames come first (they are no bus traffic, see :func:`frame_bits`).
+    """
+    can_id, _, flags = frame
+    if flags & ERROR:
+        return -1
+    remote = 1 if flags & REMOTE else 0
+    if flags & EXTENDED:
+        return (can_id >> 18) << 21 | 0b11 << 19 | (can_id & 0x3FFFF) << 1 | remote
+    return can_id << 21 | remote << 20

@@ -1,0 +1,76 @@
+"""Command line of the hub process (``railhil bus hub``, ``python -m bus.hub``)."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from bus.errors import BusUnavailable
+from bus.hub.address import default_channel
+from bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
+
+
+def _positive_int(text: str) -> int:
+    value = int(text) if text.isascii() and text.isdigit() else 0
+    if value <= 0:
+        raise argparse.ArgumentTypeError(f"found {text!r}, allowed: a whole number above 0")
+    return value
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the hub's options to a parser."""
+    parser.add_argument(
+        "-c",
+        "--channel",
+        help=f"socket path, or tcp://127.0.0.1:PORT (open to any local user); default {default_channel()}",
+    )
+    parser.add_argument("--once", action="store_true", help="exit when all clients have left")
+    parser.add_argument(
+        "--bitrate-model", action="store_true", help="frames take their time on the wire (exact stuff bits)"
+    )
+    parser.add_argument(
+        "-b",
+        "--bitrate",
+        type=_positive_int,
+        metavar="BPS",
+        help=f"bit rate of the model, default {DEFAULT_BITRATE_BPS} bit/s",
+    )
+    parser.add_argument(
+        "--data-bitrate",
+        type=_positive_int,
+        metavar="BPS",
+        help="CAN FD data bit rate of the model, default that of -b",
+    )
+    parser.add_argument(
+        "--arbitration",
+        action="store_true",
+        help="frames that wait at the same time leave in order of their identifier",
+    )
+    parser.add_argument(
+        "--queue-limit",
+        type=_positive_int,
+        default=DEFAULT_QUEUE_LIMIT_BYTES,
+        metavar="BYTES",
+        help="how far a client may fall behind before it is disconnected, default %(default)s",
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run the hub as the parsed options say; the exit code (0, or 2 with one line on standard error)."""
+    try:
+        if not args.bitrate_model and (args.bitrate is not None or args.data_bitrate is not None):
+            option = "-b/--bitrate" if args.bitrate is not None else "--data-bitrate"
+            raise BusUnavailable(f"option {option}: found without --bitrate-model, allowed: only with it")
+        bitrate_bps = (args.bitrate or DEFAULT_BITRATE_BPS) if args.bitrate_model else None
+        serve(
+            args.channel or default_channel(),
+            once=args.once,
+            bitrate_bps=bitrate_bps,
+            data_bitrate_bps=args.data_bitrate,
+            arbitration=args.arbitration,
+            queue_limit_bytes=args.queue_limit,
+        )
+    except BusUnavailable as error:
+        print(f"railhil bus hub: error: {error}", file=sys.stderr)
+        return 2
+    return 0

@@ -1,0 +1,271 @@
+"""python-can interface ``railhil``: a client of the hub.
+
+``python -m can.viewer -i railhil -c PATH``, ``can.logger`` and ``cantools monitor`` attach with it
+unchanged; our own nodes use the batch calls :meth:`HubBus.send_frames` and :meth:`HubBus.recv_frames`,
+which spare a :class:`can.Message` per frame.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import time
+from typing import Any
+
+import can
+
+from bus.errors import BusUnavailable
+from bus.frame import EXTENDED, FD, Frame
+from bus.hub import wire
+from bus.hub.address import Address, connect, default_channel, describe, new_socket, parse_channel
+from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, StreamLink
+
+#: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
+CHANNEL_NAME = "railhil"
+_ANSWER_TIMEOUT_S = 5.0
+_RETRY_PERIOD_S = 0.01
+#: Errors after which a hub that is only just starting may still come.
+_RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
+
+
+class HubUnavailable(BusUnavailable, can.CanInitializationError):
+    """No hub answers on the channel, or it refuses this client."""
+
+
+class HubBus(can.BusABC):
+    """A client port of the hub.
+
+    Frames are never lost: ``send`` blocks while the hub cannot take more, and a receiver that falls behind
+    by more than the hub's bound (64 MiB unless set otherwise) is cut off with :class:`HubLost`, after it
+    has read what came before. All clients see the same total order. ``send`` and ``send_frames`` may be
+    mixed, and so may ``recv`` and ``recv_frames``.
+
+    Unlike SocketCAN, a bus opened without ``fd=True`` does receive CAN FD frames (it only cannot send them).
+    ``Message.timestamp`` is the wall clock at reception by this client.
+
+    :ivar hub_properties: what the hub said of itself: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
+        ``data_bitrate_bps``, ``queue_limit_bytes``.
+    """
+
+    def __init__(
+        self,
+        channel: str | None = None,
+        can_filters: Any = None,
+        receive_own_messages: bool = False,
+        fd: bool = False,
+        connect_timeout: float = 0.0,
+        name: str | None = None,
+        bitrate: int | None = None,
+        **_other_bus_settings: Any,
+    ) -> None:
+        """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
+
+        Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
+        ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
+        messages. ``bitrate``: checked against the hub's bit rate model, ignored when it has none; other
+        settings of real interfaces (sample points and the like) have no meaning here and are ignored.
+
+        Raises :class:`HubUnavailable`.
+        """
+        self._link: Link | None = None
+        self._readiness: ReadinessFd | None = None
+        self._fd_enabled = fd
+        self._is_passive = False
+        self._packet = b""
+        self._offset = 0
+        self._timestamp_s = 0.0
+        self._packet_is_own = False
+        try:
+            address = parse_channel(default_channel() if channel is None else str(channel))
+        except BusUnavailable as error:
+            raise HubUnavailable(str(error)) from None
+        link = _connect(address, float(connect_timeout))
+        try:
+            self.hub_properties = _exchange_hello(link, name or f"pid {os.getpid()}", bool(receive_own_messages))
+            hub_bitrate = self.hub_properties.get("bitrate_bps")
+            if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
+                raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
+        except BaseException:
+            link.close()
+            raise
+        self._link = link
+        self._can_protocol = can.CanProtocol.CAN_FD if fd else can.CanProtocol.CAN_20
+        self.channel_info = f"railhil hub at {address}"
+        super().__init__(channel=str(address), can_filters=can_filters)
+
+    # --- python-can ---------------------------------------------------------------------------------------
+
+    def send(self, msg: can.Message, timeout: float | None = None) -> None:
+        """Send one message.
+
+        ``timeout`` in seconds for the hub to take it, None waits for ever, 0 tries once. Raises
+        :class:`SendTimeout` (a ``can.CanOperationError`` and ``can.CanTimeoutError``), :class:`HubLost`,
+        ValueError for an impossible frame.
+        """
+        if msg.is_fd and not self._fd_enabled:
+            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
+        self._send(wire.pack_message(msg), None if timeout is None else time.monotonic() + timeout)
+
+    def _recv_internal(self, timeout: float | None) -> tuple[can.Message | None, bool]:
+        if not self._packet and not self._next_packet(None if timeout is None else time.monotonic() + timeout):
+            return None, False
+        packet, offset = self._packet, self._offset
+        message = wire.unpack_message(packet, offset, self._timestamp_s, CHANNEL_NAME, self._packet_is_own)
+        offset += wire.CLASSIC_SIZE
+        if offset >= len(packet) or len(packet) == wire.FD_SIZE:
+            self._drop_packet()
+        else:
+            self._offset = offset
+        self._update_readiness()
+        return message, False
+
+    def fileno(self) -> int:
+        """Descriptor that is readable while :meth:`recv` or :meth:`recv_frames` would not wait."""
+        link = self._open_link()
+        if self._readiness is None:
+            self._readiness = ReadinessFd(link.sock)
+            self._update_readiness()
+        return self._readiness.fileno()
+
+    def shutdown(self) -> None:
+        """Leave the hub; everything sent before is delivered. May be called again."""
+        super().shutdown()
+        if self._readiness is not None:
+            self._readiness.close()
+            self._readiness = None
+        if self._link is not None:
+            self._link.close()
+            self._link = None
+
+    @property
+    def state(self) -> can.BusState:
+        """ACTIVE, PASSIVE (listen only), or ERROR once the hub is gone."""
+        if self._link is None or self._link.is_lost:
+            return can.BusState.ERROR
+        return can.BusState.PASSIVE if self._is_passive else can.BusState.ACTIVE
+
+    @state.setter
+    def state(self, new_state: can.BusState) -> None:
+        if new_state is can.BusState.ERROR:
+            raise ValueError("state: found ERROR, allowed: ACTIVE, PASSIVE")
+        self._is_passive = new_state is can.BusState.PASSIVE
+
+    # --- batches ------------------------------------------------------------------------------------------
+
+    def send_frames(self, frames: list[Frame], timeout_s: float | None = None) -> None:
+        """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
+
+        ``timeout_s``: seconds for the whole list, None waits for ever. Raises as :meth:`send`; ValueError
+        comes before anything is sent.
+        """
+        deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
+        packets: list[bytes] = []
+        batch: list[bytes] = []
+        for frame in frames:
+            packed = wire.pack_frame(frame)
+            if frame.flags & FD:
+                if not self._fd_enabled:
+                    raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
+                if batch:
+                    packets.append(b"".join(batch))
+                    batch = []
+                packets.append(packed)
+                continue
+            batch.append(packed)
+            if len(batch) == wire.MAX_BATCH_FRAMES:
+                packets.append(b"".join(batch))
+                batch = []
+        if batch:
+            packets.append(b"".join(batch))
+        for packet in packets:
+            self._send(packet, deadline_s)
+
+    def recv_frames(self, timeout_s: float | None) -> list[Frame]:
+        """All frames of the next packet that pass the filters; [] at the timeout (None waits for ever).
+
+        Frames that ``recv`` has left of a packet come first. Raises :class:`HubLost`.
+        """
+        deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
+        while self._packet or self._next_packet(deadline_s):
+            frames = wire.unpack_frames(self._packet, self._offset)
+            self._drop_packet()
+            self._update_readiness()
+            if self._filters is not None:
+                frames = [frame for frame in frames if self._frame_passes(frame)]
+            if frames:
+                return frames
+        return []
+
+    # --- inside -------------------------------------------------------------------------------------------
+
+    def _open_link(self) -> Link:
+        if self._link is None:
+            raise can.CanOperationError("the bus is shut down")
+        return self._link
+
+    def _send(self, packet: bytes, deadline_s: float | None) -> None:
+        link = self._open_link()
+        if self._is_passive:
+            raise can.CanOperationError("the bus is in state PASSIVE (listen only)")
+        link.send_packet(packet, deadline_s)
+
+    def _next_packet(self, deadline_s: float | None) -> bool:
+        packet = self._open_link().receive_packet(deadline_s)
+        if packet is None:
+            return False
+        self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
+        self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet
+        self._offset = 0
+        self._timestamp_s = time.time()
+        return True
+
+    def _drop_packet(self) -> None:
+        self._packet = b""
+        self._offset = 0
+
+    def _update_readiness(self) -> None:
+        if self._readiness is not None:
+            self._readiness.set_buffered(bool(self._packet) or self._open_link().has_buffered())
+
+    def _frame_passes(self, frame: Frame) -> bool:
+        extended = bool(frame.flags & EXTENDED)
+        for rule in self._filters or ():
+            if rule.get("extended", extended) == extended and not (rule["can_id"] ^ frame.can_id) & rule["can_mask"]:
+                return True
+        return False
+
+
+def _connect(address: Address, connect_timeout_s: float) -> Link:
+    deadline_s = time.monotonic() + connect_timeout_s
+    while True:
+        sock = new_socket(address)
+        try:
+            # Bounded even on a hub that is stopped and whose backlog is full.
+            sock.settimeout(_ANSWER_TIMEOUT_S)
+            connect(sock, address)
+        except OSError as error:
+            sock.close()
+            remaining_s = deadline_s - time.monotonic()
+            if error.errno in _RETRY_ERRNOS and remaining_s > 0:
+                time.sleep(min(_RETRY_PERIOD_S, remaining_s))
+                continue
+            raise HubUnavailable(f"no hub at {address}: {describe(error)}") from None
+        sock.settimeout(None)
+        return PacketLink(sock, str(address)) if address.path is not None else StreamLink(sock, str(address))
+
+
+def _exchange_hello(link: Link, name: str, receive_own: bool) -> dict[str, Any]:
+    deadline_s = time.monotonic() + _ANSWER_TIMEOUT_S
+    try:
+        link.send_packet(wire.encode_hello(name=name, receive_own=receive_own), deadline_s)
+        packet = link.receive_packet(deadline_s)
+        if packet is None:
+            raise HubUnavailable(f"hub at {link.peer}: no answer within {_ANSWER_TIMEOUT_S:.0f} s")
+        properties = wire.decode_hello(packet)
+    except HubLost as error:
+        raise HubUnavailable(str(error)) from None
+    except ValueError as error:
+        raise HubUnavailable(f"hub at {link.peer}: {error}") from None
+    if "error" in properties:
+        raise HubUnavailable(f"hub at {link.peer}: {properties['error']}")
+    return properties

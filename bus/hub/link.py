@@ -1,0 +1,219 @@
+"""The client's end of a hub connection: whole packets in and out, with deadlines on the monotonic clock.
+
+The sockets stay in blocking mode and every call says ``MSG_DONTWAIT`` where it must not block, so one
+thread may wait for packets while another sends (python-can's periodic tasks do that).
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import socket
+import threading
+import time
+from abc import ABC, abstractmethod
+
+import can
+
+from bus.errors import BusError, BusLost
+from bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
+
+_RECEIVE_SIZE = MAX_PACKET_SIZE + len(OWN_MARK)
+_STREAM_CHUNK_SIZE = 65536
+#: ``select`` waits in microseconds but takes low descriptors only; ``poll`` rounds up to whole milliseconds.
+_SELECT_FD_LIMIT = 1024
+_GOODBYE_TIMEOUT_S = 1.0
+
+
+class HubLost(BusLost, can.CanOperationError):
+    """The hub is gone, or has cut this client off (malformed packet, or too far behind)."""
+
+
+class SendTimeout(BusError, can.CanOperationError, can.CanTimeoutError):
+    """The hub did not take the frame within the timeout."""
+
+
+def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool:
+    """Wait until the socket is ready; False when the deadline came first. Errors and EOF count as ready."""
+    descriptor = sock.fileno()
+    timeout_s = None if deadline_s is None else max(deadline_s - time.monotonic(), 0.0)
+    if descriptor < _SELECT_FD_LIMIT:
+        wanted: tuple[int, ...] = (descriptor,)
+        readable_fds, writable_fds, _ = select.select(
+            () if writable else wanted, wanted if writable else (), (), timeout_s
+        )
+        return bool(readable_fds or writable_fds)
+    poller = select.poll()
+    poller.register(descriptor, select.POLLOUT if writable else select.POLLIN)
+    return bool(poller.poll(None if timeout_s is None else timeout_s * 1000))
+
+
+class Link(ABC):
+    """One connection. ``peer`` is the channel name, used in messages."""
+
+    def __init__(self, sock: socket.socket, peer: str) -> None:
+        self.sock = sock
+        self.peer = peer
+        self.is_lost = False
+
+    @abstractmethod
+    def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
+        """Send one packet whole. Raises :class:`HubLost`, :class:`SendTimeout`."""
+
+    @abstractmethod
+    def receive_packet(self, deadline_s: float | None) -> bytes | None:
+        """Next packet, or None at the deadline. Raises :class:`HubLost`."""
+
+    def has_buffered(self) -> bool:
+        """True when a packet waits in this process, where a poll of the socket cannot see it."""
+        return False
+
+    def close(self) -> None:
+        """Close after everything sent has been handed over."""
+        self.sock.close()
+
+    def _lost(self, why: str) -> HubLost:
+        self.is_lost = True
+        return HubLost(f"hub at {self.peer}: {why}")
+
+    def _receive(self, size: int, deadline_s: float | None) -> bytes | None:
+        """Bytes of one socket read, or None at the deadline."""
+        for _ in range(2):
+            try:
+                if deadline_s is None:
+                    chunk = self.sock.recv(size)
+                elif _wait(self.sock, False, deadline_s):
+                    chunk = self.sock.recv(size, socket.MSG_DONTWAIT)
+                else:
+                    return None
+            except BlockingIOError:
+                return None
+            except ConnectionResetError:
+                # The hub closed while packets of ours were unread. What it sent before is still in our queue:
+                # the next read gets it, and finally the end of file.
+                continue
+            except OSError as error:
+                raise self._lost(f"connection lost ({error.strerror})") from None
+            if not chunk:
+                break
+            return chunk
+        raise self._lost("connection closed by the hub")
+
+    def _send(self, chunk: bytes, deadline_s: float | None) -> int:
+        """Bytes taken by the socket, 0 at the deadline."""
+        while True:
+            try:
+                return self.sock.send(chunk, socket.MSG_DONTWAIT)
+            except BlockingIOError:
+                if not _wait(self.sock, True, deadline_s):
+                    return 0
+            except OSError as error:
+                raise self._lost(f"connection lost ({error.strerror})") from None
+
+    def _send_timeout(self) -> SendTimeout:
+        return SendTimeout(f"hub at {self.peer}: transmit buffer full, the frame was not taken in time")
+
+
+class PacketLink(Link):
+    """AF_UNIX SEQPACKET: one record is one packet."""
+
+    def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
+        """See :meth:`Link.send_packet`."""
+        if not self._send(packet, deadline_s):
+            raise self._send_timeout()
+
+    def receive_packet(self, deadline_s: float | None) -> bytes | None:
+        """See :meth:`Link.receive_packet`."""
+        return self._receive(_RECEIVE_SIZE, deadline_s)
+
+
+class StreamLink(Link):
+    """TCP: a big-endian u16 length before each packet."""
+
+    def __init__(self, sock: socket.socket, peer: str) -> None:
+        super().__init__(sock, peer)
+        self._incoming = bytearray()
+        #: Rest of a packet whose first bytes the socket has already taken when a deadline came.
+        self._unsent = b""
+        self._send_lock = threading.Lock()
+
+    def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
+        """See :meth:`Link.send_packet`. A packet that is partly sent at the deadline counts as taken."""
+        with self._send_lock:
+            if not self._flush_unsent(deadline_s):
+                raise self._send_timeout()
+            chunk = len(packet).to_bytes(2, "big") + packet
+            taken = self._send(chunk, deadline_s)
+            if not taken:
+                raise self._send_timeout()
+            self._unsent = chunk[taken:]
+            self._flush_unsent(deadline_s)
+
+    def _flush_unsent(self, deadline_s: float | None) -> bool:
+        while self._unsent:
+            taken = self._send(self._unsent, deadline_s)
+            if not taken:
+                return False
+            self._unsent = self._unsent[taken:]
+        return True
+
+    def receive_packet(self, deadline_s: float | None) -> bytes | None:
+        """See :meth:`Link.receive_packet`."""
+        incoming = self._incoming
+        while not self.has_buffered():
+            chunk = self._receive(_STREAM_CHUNK_SIZE, deadline_s)
+            if chunk is None:
+                return None
+            incoming += chunk
+        end = 2 + int.from_bytes(incoming[:2], "big")
+        packet = bytes(incoming[2:end])
+        del incoming[:end]
+        return packet
+
+    def has_buffered(self) -> bool:
+        """See :meth:`Link.has_buffered`."""
+        incoming = self._incoming
+        return len(incoming) >= 2 and len(incoming) >= 2 + int.from_bytes(incoming[:2], "big")
+
+    def close(self) -> None:
+        """Half-close, and let the hub read to the end: a close with unread input would discard our output."""
+        deadline_s = time.monotonic() + _GOODBYE_TIMEOUT_S
+        with contextlib.suppress(OSError, HubLost):
+            self._flush_unsent(deadline_s)
+            self.sock.shutdown(socket.SHUT_WR)
+            while self._receive(_STREAM_CHUNK_SIZE, deadline_s) is not None:
+                pass
+        self.sock.close()
+
+
+class ReadinessFd:
+    """A descriptor that is readable while the socket has packets, or this process has frames of one left.
+
+    Selectors and asyncio need it: a packet may hold many frames, of which ``recv`` hands out one at a time.
+    """
+
+    def __init__(self, sock: socket.socket) -> None:
+        self._event_fd = os.eventfd(0, os.EFD_NONBLOCK)
+        self._epoll = select.epoll()
+        self._epoll.register(sock.fileno(), select.EPOLLIN)
+        self._epoll.register(self._event_fd, select.EPOLLIN)
+        self._is_set = False
+
+    def fileno(self) -> int:
+        """The descriptor to wait on."""
+        return self._epoll.fileno()
+
+    def set_buffered(self, buffered: bool) -> None:
+        """Say whether frames wait in this process."""
+        if buffered != self._is_set:
+            if buffered:
+                os.eventfd_write(self._event_fd, 1)
+            else:
+                os.eventfd_read(self._event_fd)
+            self._is_set = buffered
+
+    def close(self) -> None:
+        """Close both descriptors."""
+        self._epoll.close()
+        os.close(self._event_fd)

@@ -1,0 +1,101 @@
+"""What a wire does to frames and the plain hub does not: they take time, and contend by identifier.
+
+Both are off unless asked for. Each client is a CAN controller with one first-in-first-out transmit queue.
+
+*Bit rate*: one frame at a time is on the wire, for its exact length (:mod:`bus.hub.bitlength`), and is
+delivered at its end. Time is the monotonic clock of the hub process; a hub that is woken late catches up,
+so rounding does not accumulate.
+
+*Arbitration*: when the wire falls idle, of the frames that head their queues at that instant the lowest
+arbitration key leaves first. Without a bit rate the wire is always idle; then the frames found waiting in
+one pass of the hub's loop contend. A tie (the same identifier from two clients, an error on a real bus)
+goes to the earlier arrival.
+
+Not modelled: acknowledgement, bit errors, error counters, bus-off, propagation delay.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from bus.hub.bitlength import arbitration_key, frame_bits
+from bus.hub.ports import Port
+from bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
+
+#: A client with this many frames waiting is not read until the wire has taken some: its ``send`` then
+#: blocks, as with the transmit queue of a real interface. (One packet more may be in.)
+PENDING_LIMIT_FRAMES = 512
+
+
+class _Pending(NamedTuple):
+    arbitration_key: int
+    sequence: int
+    arrival_ns: int
+    duration_ns: int
+    source: Port
+    packet: bytes
+
+
+class WireModel:
+    """The wire between the ports; ``bitrate_bps`` None means that frames take no time.
+
+    ``data_bitrate_bps`` is that of CAN FD frames with bit rate switch.
+    """
+
+    def __init__(self, bitrate_bps: int | None, data_bitrate_bps: int | None, arbitration: bool) -> None:
+        self._nominal_bit_ns = 0.0 if bitrate_bps is None else 1e9 / bitrate_bps
+        self._data_bit_ns = 0.0 if data_bitrate_bps is None else 1e9 / data_bitrate_bps
+        self._arbitration = arbitration
+        self._queues: dict[Port, deque[_Pending]] = {}
+        self._sequence = 0
+        self._on_wire: _Pending | None = None
+        self._wire_free_ns = 0
+
+    def offer(self, source: Port, packet: bytes, arrival_ns: int) -> None:
+        """Put the frames of a valid packet at the end of the source's queue."""
+        queue = self._queues.setdefault(source, deque())
+        step = len(packet) if len(packet) == FD_SIZE else CLASSIC_SIZE
+        for index, frame in enumerate(unpack_frames(packet)):
+            nominal_bits, data_bits = frame_bits(frame)
+            duration_ns = round(nominal_bits * self._nominal_bit_ns + data_bits * self._data_bit_ns)
+            key = arbitration_key(frame) if self._arbitration else 0
+            piece = packet[index * step : (index + 1) * step]
+            queue.append(_Pending(key, self._sequence, arrival_ns, duration_ns, source, piece))
+            self._sequence += 1
+
+    def is_full(self, source: Port) -> bool:
+        """True when the source must wait before it offers more."""
+        return len(self._queues.get(source, ())) >= PENDING_LIMIT_FRAMES
+
+    def due(self, now_ns: int) -> list[tuple[Port, bytes]]:
+        """Frames whose end on the wire has come by ``now_ns``: (source, packet) in the order of the wire."""
+        delivered: list[tuple[Port, bytes]] = []
+        while True:
+            if self._on_wire is None:
+                self._on_wire = self._next_on_wire()
+            if self._on_wire is None or self._wire_free_ns > now_ns:
+                return delivered
+            delivered.append((self._on_wire.source, self._on_wire.packet))
+            self._on_wire = None
+
+    def next_due_ns(self) -> int | None:
+        """After :meth:`due`: when it will next have a frame, None when the wire is idle."""
+        return None if self._on_wire is None else self._wire_free_ns
+
+    def pending_frames(self) -> int:
+        """Frames offered and not yet delivered."""
+        return sum(map(len, self._queues.values())) + (self._on_wire is not None)
+
+    def _next_on_wire(self) -> _Pending | None:
+        heads = [queue[0] for queue in self._queues.values()]
+        if not heads:
+            return None
+        start_ns = max(self._wire_free_ns, min(head.arrival_ns for head in heads))
+        winner = min(head for head in heads if head.arrival_ns <= start_ns)
+        queue = self._queues[winner.source]
+        queue.popleft()
+        if not queue:
+            del self._queues[winner.source]
+        self._wire_free_ns = start_ns + winner.duration_ns
+        return winner

@@ -1,0 +1,217 @@
+"""The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
+
+:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (a gateway).
+"""
+
+from __future__ import annotations
+
+import socket
+from abc import ABC, abstractmethod
+from collections import deque
+
+from bus.hub.wire import MAX_PACKET_SIZE
+
+#: What a queued packet costs beyond its bytes: the bytes object and its place in the queue.
+QUEUED_PACKET_OVERHEAD_BYTES = 48
+#: Room asked for in the kernel (which caps it silently), so that a short pause of a reader needs no queue.
+_KERNEL_BUFFER_BYTES = 4 << 20
+_STREAM_CHUNK_SIZE = 65536
+
+
+class PortClosed(Exception):
+    """The peer has left, and everything it sent has been read."""
+
+
+class PortFault(Exception):
+    """The peer must be cut off; the text says why, in one line."""
+
+
+class Port(ABC):
+    """One port of the switch.
+
+    ``name`` is shown in messages. ``is_member`` says that packets flow: false until the hello is answered.
+    ``receive_own`` asks for a copy of the port's own packets.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.is_member = False
+        self.receive_own = False
+        #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.
+        self.has_backlog = False
+
+    @abstractmethod
+    def fileno(self) -> int:
+        """Descriptor that becomes readable when :meth:`receive` has something."""
+
+    @abstractmethod
+    def receive(self) -> list[bytes]:
+        """Packets that have come, oldest first; may be none.
+
+        Raises :class:`PortClosed`, :class:`PortFault`.
+        """
+
+    @abstractmethod
+    def send(self, packet: bytes) -> bool:
+        """Hand over or queue one packet; True when ``has_backlog`` has become true.
+
+        Raises :class:`PortFault` when the queue is over its bound.
+        """
+
+    @abstractmethod
+    def flush(self) -> None:
+        """Hand over queued packets as far as the peer takes them; clears ``has_backlog`` after the last."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Give the descriptor back; what is queued is lost."""
+
+
+class SocketPort(Port):
+    """A client on a SEQPACKET socket: one record is one packet."""
+
+    def __init__(self, sock: socket.socket, name: str, queue_limit_bytes: int) -> None:
+        super().__init__(name)
+        sock.setblocking(False)
+        sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _KERNEL_BUFFER_BYTES)
+        self._sock = sock
+        self._recv = sock.recv
+        self._send = sock.send
+        self._queue: deque[bytes] = deque()
+        self._queued_bytes = 0
+        self._queue_limit_bytes = queue_limit_bytes
+        #: The peer takes nothing any more, but what it sent before it left is still to be read.
+        self._is_deaf = False
+
+    def fileno(self) -> int:
+        """See :meth:`Port.fileno`."""
+        return self._sock.fileno()
+
+    def receive(self) -> list[bytes]:
+        """See :meth:`Port.receive`."""
+        packet = self._receive_bytes(MAX_PACKET_SIZE + 1)
+        return [] if packet is None else [packet]
+
+    def send(self, packet: bytes) -> bool:
+        """See :meth:`Port.send`."""
+        if self._is_deaf:
+            return False
+        if not self.has_backlog:
+            try:
+                self._send(packet)
+                return False
+            except BlockingIOError:
+                return self._enqueue(packet)
+            except OSError:
+                # Not yet a reason to leave: frames that the peer sent before it closed must still be carried.
+                self._is_deaf = True
+                return False
+        return self._enqueue(packet)
+
+    def flush(self) -> None:
+        """See :meth:`Port.flush`."""
+        queue = self._queue
+        try:
+            while queue:
+                self._flush_one(queue)
+        except BlockingIOError:
+            return
+        except OSError:
+            self._is_deaf = True
+            queue.clear()
+            self._queued_bytes = 0
+        self.has_backlog = False
+
+    def close(self) -> None:
+        """See :meth:`Port.close`."""
+        self._sock.close()
+
+    def _flush_one(self, queue: deque[bytes]) -> None:
+        self._send(queue[0])
+        self._queued_bytes -= len(queue.popleft()) + QUEUED_PACKET_OVERHEAD_BYTES
+
+    def _enqueue(self, packet: bytes) -> bool:
+        self._queued_bytes += len(packet) + QUEUED_PACKET_OVERHEAD_BYTES
+        if self._queued_bytes > self._queue_limit_bytes:
+            raise PortFault(f"it has fallen behind by more than {self._queue_limit_bytes} bytes of unread packets")
+        self._queue.append(packet)
+        is_new = not self.has_backlog
+        self.has_backlog = True
+        return is_new
+
+    def _receive_bytes(self, size: int) -> bytes | None:
+        """Bytes of one read, None when there are none now."""
+        for _ in range(2):
+            try:
+                chunk = self._recv(size)
+            except BlockingIOError:
+                return None
+            except ConnectionResetError:
+                # The peer closed with packets unread. What it sent is still in our queue: read on to the
+                # end of file.
+                continue
+            except OSError as error:
+                raise PortFault(f"connection failed ({error.strerror})") from None
+            if chunk:
+                return chunk
+            break
+        raise PortClosed
+
+
+class StreamPort(SocketPort):
+    """A client on a TCP socket: a big-endian u16 length before each packet."""
+
+    def __init__(self, sock: socket.socket, name: str, queue_limit_bytes: int) -> None:
+        super().__init__(sock, name, queue_limit_bytes)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._incoming = bytearray()
+
+    def receive(self) -> list[bytes]:
+        """See :meth:`Port.receive`."""
+        chunk = self._receive_bytes(_STREAM_CHUNK_SIZE)
+        if chunk is None:
+            return []
+        incoming = self._incoming
+        incoming += chunk
+        packets: list[bytes] = []
+        start = 0
+        while len(incoming) - start >= 2:
+            end = start + 2 + int.from_bytes(incoming[start : start + 2], "big")
+            if end - start - 2 > MAX_PACKET_SIZE:
+                # Never wait for the rest of a foreign protocol: over-long, so that the switch refuses it, and
+                # with its first bytes, so that the switch can show them.
+                packets.append(bytes(incoming[start : start + 64]).ljust(MAX_PACKET_SIZE + 1, b"\0"))
+                break
+            if end > len(incoming):
+                break
+            packets.append(bytes(incoming[start + 2 : end]))
+            start = end
+        del incoming[:start]
+        return packets
+
+    def send(self, packet: bytes) -> bool:
+        """See :meth:`Port.send`."""
+        if self._is_deaf:
+            return False
+        chunk = len(packet).to_bytes(2, "big") + packet
+        if not self.has_backlog:
+            try:
+                taken = self._send(chunk)
+            except BlockingIOError:
+                taken = 0
+            except OSError:
+                self._is_deaf = True
+                return False
+            if taken == len(chunk):
+                return False
+            chunk = chunk[taken:]
+        return self._enqueue(chunk)
+
+    def _flush_one(self, queue: deque[bytes]) -> None:
+        chunk = queue[0]
+        taken = self._send(chunk)
+        if taken < len(chunk):
+            queue[0] = chunk[taken:]
+            self._queued_bytes -= taken
+            raise BlockingIOError
+        self._queued_bytes -= len(queue.popleft()) + QUEUED_PACKET_OVERHEAD_BYTES

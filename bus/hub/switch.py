@@ -1,0 +1,265 @@
+"""The switch: reads packets from its ports and carries each one to all other ports, in one total order.
+
+One thread, one epoll loop. Without a model the work per packet is one read, one look at its lengths and one
+write per receiver; no frame is taken apart.
+"""
+
+from __future__ import annotations
+
+import os
+import select
+import socket
+import time
+from collections.abc import Callable
+
+from bus.hub.address import describe
+from bus.hub.model import WireModel
+from bus.hub.ports import Port, PortClosed, PortFault, SocketPort, StreamPort
+from bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
+
+MAX_PORTS = 256
+#: How long a stopped hub goes on handing out what it has already taken.
+DRAIN_TIMEOUT_S = 1.0
+_READ = select.EPOLLIN
+_WRITE = select.EPOLLOUT
+_READ_EVENTS = select.EPOLLIN | select.EPOLLHUP | select.EPOLLERR
+
+
+class Switch:
+    """Ports around a listening socket.
+
+    ``properties`` go into the hello answered to each client. ``report`` takes one line about each client
+    that is cut off. With ``once`` the loop ends when the last client has left.
+    """
+
+    def __init__(
+        self,
+        listener: socket.socket,
+        *,
+        queue_limit_bytes: int,
+        properties: dict[str, object],
+        report: Callable[[str], None],
+        model: WireModel | None = None,
+        once: bool = False,
+    ) -> None:
+        self._listener = listener
+        self._queue_limit_bytes = queue_limit_bytes
+        self._properties = properties
+        self._report = report
+        self._model = model
+        self._once = once
+        self._ports: dict[int, Port] = {}
+        #: Replaced, never changed in place: a port may be dropped while packets are carried.
+        self._members: list[Port] = []
+        #: Event mask each port is registered with; 0 means that it is not registered.
+        self._watched: dict[Port, int] = {}
+        self._is_accepting = True
+        self._had_member = False
+        self._stopping = False
+        self._accepted = 0
+        self._epoll = select.epoll()
+        self._wake_read, self._wake_write = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        self._epoll.register(self._wake_read, _READ)
+        self._epoll.register(listener.fileno(), _READ)
+
+    def stop(self) -> None:
+        """End the loop; may be called from another thread or a signal handler."""
+        os.write(self._wake_write, b"\0")
+
+    def run(self) -> None:
+        """Serve until :meth:`stop`, or with ``once`` until the last client has left."""
+        listener_fd = self._listener.fileno()
+        ports = self._ports
+        while not self._stopping:
+            for fd, events in self._wait():
+                port = ports.get(fd)
+                if port is not None:
+                    if events & _READ_EVENTS:
+                        self._read(port)
+                    if events & _WRITE:
+                        self._flush(port)
+                elif fd == listener_fd:
+                    self._accept()
+                elif fd == self._wake_read:
+                    self._stopping = True
+            if self._model is not None:
+                self._deliver_due(self._model)
+        self._drain()
+
+    def close(self) -> None:
+        """Close the ports and what the loop needs; the listening socket stays with its owner."""
+        for port in self._ports.values():
+            port.close()
+        self._ports.clear()
+        self._members = []
+        self._epoll.close()
+        os.close(self._wake_read)
+        os.close(self._wake_write)
+
+    # --- the hot path -------------------------------------------------------------------------------------
+
+    def _wait(self) -> list[tuple[int, int]]:
+        if self._model is not None:
+            due_ns = self._model.next_due_ns()
+            if due_ns is not None:
+                # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
+                timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
+                select.select((self._epoll.fileno(),), (), (), timeout_s)
+                return self._epoll.poll(0)
+        return self._epoll.poll()
+
+    def _read(self, port: Port) -> None:
+        try:
+            packets = port.receive()
+        except PortClosed:
+            self._leave(port)
+            return
+        except PortFault as fault:
+            self._drop(port, str(fault))
+            return
+        for packet in packets:
+            if not port.is_member:
+                if not self._greet(port, packet):
+                    return
+                continue
+            fault_text = fault_of(packet)
+            if fault_text is not None:
+                self._drop(port, f"malformed packet: {fault_text}")
+                return
+            if self._model is None:
+                self._carry(port, packet)
+            else:
+                self._model.offer(port, packet, time.monotonic_ns())
+                self._update(port)
+
+    def _carry(self, source: Port, packet: bytes) -> None:
+        for port in self._members:
+            if port is not source:
+                try:
+                    if port.send(packet):
+                        self._update(port)
+                except PortFault as fault:
+                    self._drop(port, str(fault))
+            elif source.receive_own:
+                try:
+                    if port.send(packet + OWN_MARK):
+                        self._update(port)
+                except PortFault as fault:
+                    self._drop(port, str(fault))
+
+    # --- the rest -----------------------------------------------------------------------------------------
+
+    def _deliver_due(self, model: WireModel) -> None:
+        for source, packet in model.due(time.monotonic_ns()):
+            self._carry(source, packet)
+        for port in [port for port, events in self._watched.items() if not events & _READ]:
+            self._update(port)
+
+    def _flush(self, port: Port) -> None:
+        if port in self._watched:
+            port.flush()
+            self._update(port)
+
+    def _update(self, port: Port) -> None:
+        """Let epoll watch the port's input unless the model is full, its output while it has a backlog."""
+        before = self._watched.get(port)
+        if before is None:
+            return
+        paused = self._model is not None and self._model.is_full(port)
+        events = (0 if paused else _READ) | (_WRITE if port.has_backlog else 0)
+        if events == before:
+            return
+        self._watched[port] = events
+        fd = port.fileno()
+        if not events:
+            # Not merely an empty mask: epoll would report a hang-up again and again.
+            self._epoll.unregister(fd)
+        elif not before:
+            self._epoll.register(fd, events)
+        else:
+            self._epoll.modify(fd, events)
+
+    def _accept(self) -> None:
+        try:
+            sock, _ = self._listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            # Out of descriptors, most likely: deaf until a client leaves, instead of failing in a busy loop.
+            self._report(f"no more clients are accepted until one leaves: {describe(error)}")
+            self._epoll.unregister(self._listener.fileno())
+            self._is_accepting = False
+            return
+        if len(self._ports) >= MAX_PORTS:
+            self._report(f"a client is refused: {MAX_PORTS} are connected, no more are allowed")
+            sock.close()
+            return
+        self._accepted += 1
+        kind = SocketPort if sock.family == socket.AF_UNIX else StreamPort
+        port = kind(sock, f"client {self._accepted}", self._queue_limit_bytes)
+        self._ports[port.fileno()] = port
+        self._watched[port] = _READ
+        self._epoll.register(port.fileno(), _READ)
+
+    def _greet(self, port: Port, packet: bytes) -> bool:
+        """Answer the hello and let the port in; False when it is cut off instead."""
+        try:
+            hello = decode_hello(packet)
+        except ValueError as error:
+            port.send(encode_hello(error=str(error)))
+            self._drop(port, str(error))
+            return False
+        name = hello.get("name")
+        if isinstance(name, str) and name:
+            port.name += f" {name[:80]!r}"
+        port.receive_own = hello.get("receive_own") is True
+        port.send(encode_hello(**self._properties))
+        port.is_member = True
+        self._had_member = True
+        self._members = [*self._members, port]
+        return True
+
+    def _drop(self, port: Port, reason: str) -> None:
+        self._report(f"{port.name} is disconnected: {reason}")
+        self._leave(port)
+
+    def _leave(self, port: Port) -> None:
+        fd = port.fileno()
+        if self._ports.get(fd) is not port:
+            return
+        del self._ports[fd]
+        if self._watched.pop(port):
+            self._epoll.unregister(fd)
+        port.close()
+        if not self._is_accepting:
+            self._epoll.register(self._listener.fileno(), _READ)
+            self._is_accepting = True
+        self._members = [member for member in self._members if member is not port]
+        if self._once and self._had_member and not self._members:
+            self._stopping = True
+
+    def _drain(self) -> None:
+        """Carry what clients had sent before the stop and hand out backlogs, within :data:`DRAIN_TIMEOUT_S`."""
+        if self._is_accepting:
+            self._epoll.unregister(self._listener.fileno())
+        # So that a client that leaves does not let the listener in again.
+        self._is_accepting = True
+        self._epoll.unregister(self._wake_read)
+        deadline_s = time.monotonic() + DRAIN_TIMEOUT_S
+        while time.monotonic() < deadline_s:
+            ready = self._epoll.poll(0)
+            if not ready:
+                if not any(port.has_backlog for port in self._members):
+                    break
+                ready = self._epoll.poll(max(deadline_s - time.monotonic(), 0.0))
+            for fd, events in ready:
+                port = self._ports.get(fd)
+                if port is not None and events & _READ_EVENTS:
+                    self._read(port)
+                if port is not None and events & _WRITE:
+                    self._flush(port)
+        for port in self._members:
+            if port.has_backlog:
+                self._report(f"{port.name} has not read all packets before the stop")
+        if self._model is not None and self._model.pending_frames():
+            self._report(f"{self._model.pending_frames()} frames were still waiting for the wire at the stop")

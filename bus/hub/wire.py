@@ -1,0 +1,201 @@
+"""What travels between a client and the hub.
+
+Every packet is one of these (a packet is one AF_UNIX SEQPACKET record, or on TCP a big-endian u16 length
+and then that many bytes):
+
+1. *hello*, JSON in UTF-8, the first packet in each direction::
+
+       client -> hub   {"railhil_hub": 1, "name": "plant", "receive_own": false}
+       hub -> client   {"railhil_hub": 1, "bitrate_model": false, "arbitration": false, "bitrate_bps": null,
+                        "data_bitrate_bps": null, "queue_limit_bytes": 67108864}
+                or     {"railhil_hub": 1, "error": "one line that says why not"}
+
+2. *batch* of 1..256 classic frames, each one ``struct can_frame`` of Linux in native byte order::
+
+        0       4   5      8               16
+       +-------+---+------+---------------+
+       |  id   |len| pad  |     data      |     id bits: 31 EFF, 30 RTR, 29 ERR, 28..0 identifier
+       +-------+---+------+---------------+
+
+3. one CAN FD frame, ``struct canfd_frame``::
+
+        0       4   5     6    8                          72
+       +-------+---+-----+----+--- ... ------------------+
+       |  id   |len|flags|pad |     data                 |     flags: 1 BRS, 2 ESI
+       +-------+---+-----+----+--- ... ------------------+
+
+A client that asked for its own frames (``receive_own``) gets them at their place in the total order, as the
+packet it sent followed by the four bytes :data:`OWN_MARK`; bit 2 of the packet length tells them apart.
+Source of the structs and flag bits: ``linux/can.h``.
+"""
+
+from __future__ import annotations
+
+import json
+from struct import Struct
+from typing import Any
+
+import can
+
+from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+
+PROTOCOL_VERSION = 1
+CLASSIC_SIZE = 16
+FD_SIZE = 72
+MAX_BATCH_FRAMES = 256
+MAX_PACKET_SIZE = MAX_BATCH_FRAMES * CLASSIC_SIZE
+OWN_MARK = b"own\x00"
+OWN_LENGTH_BIT = 4
+
+EFF_FLAG = 0x8000_0000
+RTR_FLAG = 0x4000_0000
+ERR_FLAG = 0x2000_0000
+EFF_MASK = 0x1FFF_FFFF
+SFF_MASK = 0x7FF
+FD_BRS = 1
+FD_ESI = 2
+
+#: The payload lengths that a CAN FD data length code can express.
+FD_LENGTHS = frozenset((*range(9), 12, 16, 20, 24, 32, 48, 64))
+
+_CLASSIC = Struct("=IB3x8s")
+_FD = Struct("=IBB2x64s")
+
+
+def fault_of(packet: bytes) -> str | None:
+    """What is wrong with a frame packet, or ``None``. Looks at lengths only, all of a batch in one step."""
+    size = len(packet)
+    if size == FD_SIZE:
+        if packet[4] in FD_LENGTHS:
+            return None
+        return f"CAN FD frame with payload length {packet[4]}, allowed: 0..8, 12, 16, 20, 24, 32, 48, 64"
+    if size == 0 or size % CLASSIC_SIZE or size > MAX_PACKET_SIZE:
+        shown = f"more than {MAX_PACKET_SIZE}" if size > MAX_PACKET_SIZE else str(size)
+        return f"packet of {shown} bytes, allowed: 16 to {MAX_PACKET_SIZE} in steps of 16, or {FD_SIZE}"
+    longest = max(packet[4::CLASSIC_SIZE])
+    if longest > 8:
+        return f"classic frame with payload length {longest}, allowed: 0..8"
+    return None
+
+
+# --- hello ------------------------------------------------------------------------------------------------
+
+
+def encode_hello(**properties: object) -> bytes:
+    """Hello packet with the protocol version and ``properties`` (JSON values)."""
+    return json.dumps({"railhil_hub": PROTOCOL_VERSION, **properties}).encode()
+
+
+def decode_hello(packet: bytes) -> dict[str, Any]:
+    """Properties of a hello packet.
+
+    Raises ValueError with one line when it is not a hello or speaks another protocol version.
+    """
+    try:
+        hello = json.loads(packet.decode())
+    except (ValueError, RecursionError):
+        hello = None
+    if not isinstance(hello, dict) or "railhil_hub" not in hello:
+        raise ValueError(f"no hello as first packet: found {packet[:24]!r}, expected JSON with the key 'railhil_hub'")
+    if hello["railhil_hub"] != PROTOCOL_VERSION:
+        found = hello["railhil_hub"]
+        raise ValueError(f"hello: key 'railhil_hub': found {found!r}, allowed: {PROTOCOL_VERSION}")
+    return hello
+
+
+# --- frames -----------------------------------------------------------------------------------------------
+
+
+def _wire_id(can_id: int, extended: bool, remote: bool, error: bool) -> int:
+    limit = EFF_MASK if extended or error else SFF_MASK
+    if not 0 <= can_id <= limit:
+        raise ValueError(f"CAN identifier 0x{can_id:X}, allowed: 0..0x{limit:X}")
+    return can_id | (EFF_FLAG if extended else 0) | (RTR_FLAG if remote else 0) | (ERR_FLAG if error else 0)
+
+
+def _pack(wire_id: int, length: int, data: bytes | bytearray, fd_flags: int | None) -> bytes:
+    if fd_flags is None:
+        if length > 8:
+            raise ValueError(f"frame 0x{wire_id & EFF_MASK:X}: payload of {length} bytes, allowed: 0..8 (64 with FD)")
+        return _CLASSIC.pack(wire_id, length, data)
+    if length not in FD_LENGTHS:
+        allowed = "0..8, 12, 16, 20, 24, 32, 48, 64"
+        raise ValueError(f"FD frame 0x{wire_id & EFF_MASK:X}: payload of {length} bytes, allowed: {allowed}")
+    if wire_id & RTR_FLAG:
+        raise ValueError(f"FD frame 0x{wire_id & EFF_MASK:X}: CAN FD has no remote frames")
+    return _FD.pack(wire_id, length, fd_flags, data)
+
+
+def pack_frame(frame: Frame) -> bytes:
+    """One frame as 16 bytes, or 72 with FD. Raises ValueError for what no CAN frame can hold.
+
+    A remote frame asks for ``len(frame.data)`` bytes; the bytes themselves are not sent.
+    """
+    can_id, data, flags = frame
+    if not flags and 0 <= can_id <= SFF_MASK and len(data) <= 8:
+        return _CLASSIC.pack(can_id, len(data), data)
+    remote = bool(flags & REMOTE)
+    wire_id = _wire_id(can_id, bool(flags & EXTENDED), remote, bool(flags & ERROR))
+    fd_flags = (FD_BRS if flags & BRS else 0) if flags & FD else None
+    return _pack(wire_id, len(data), b"" if remote else data, fd_flags)
+
+
+def pack_message(message: can.Message) -> bytes:
+    """One python-can message as 16 bytes, or 72 with FD. Raises ValueError for what no CAN frame can hold."""
+    remote = message.is_remote_frame
+    wire_id = _wire_id(message.arbitration_id, message.is_extended_id, remote, message.is_error_frame)
+    if not remote and message.dlc != len(message.data):
+        found = f"dlc {message.dlc} with {len(message.data)} data bytes"
+        raise ValueError(f"frame 0x{message.arbitration_id:X}: {found}, allowed: equal")
+    fd_flags = None
+    if message.is_fd:
+        fd_flags = (FD_BRS if message.bitrate_switch else 0) | (FD_ESI if message.error_state_indicator else 0)
+    return _pack(wire_id, message.dlc, b"" if remote else message.data, fd_flags)
+
+
+def _frame(wire_id: int, length: int, data: bytes, flags: int) -> Frame:
+    if wire_id & EFF_FLAG:
+        flags |= EXTENDED
+    if wire_id & RTR_FLAG:
+        flags |= REMOTE
+    if wire_id & ERR_FLAG:
+        flags |= ERROR
+    return Frame(wire_id & EFF_MASK, data[:length], flags)
+
+
+def unpack_frames(packet: bytes, offset: int = 0) -> list[Frame]:
+    """Frames of a packet (own mark already removed) from byte ``offset`` on; a remote frame shows its
+    length as zeros.
+    """
+    if len(packet) == FD_SIZE:
+        wire_id, length, fd_flags, data = _FD.unpack(packet)
+        return [_frame(wire_id, length, data, FD | (BRS if fd_flags & FD_BRS else 0))]
+    return [
+        Frame(wire_id, data[:length]) if wire_id <= SFF_MASK else _frame(wire_id, length, data, 0)
+        for wire_id, length, data in _CLASSIC.iter_unpack(packet[offset:] if offset else packet)
+    ]
+
+
+def unpack_message(packet: bytes, offset: int, timestamp_s: float, channel: str, own: bool) -> can.Message:
+    """The python-can message at byte ``offset`` of a packet; ``own`` says that this client sent it."""
+    is_fd = len(packet) == FD_SIZE
+    fd_flags = 0
+    if is_fd:
+        wire_id, length, fd_flags, data = _FD.unpack(packet)
+    else:
+        wire_id, length, data = _CLASSIC.unpack_from(packet, offset)
+    remote = bool(wire_id & RTR_FLAG)
+    return can.Message(
+        timestamp=timestamp_s,
+        arbitration_id=wire_id & EFF_MASK,
+        is_extended_id=bool(wire_id & EFF_FLAG),
+        is_remote_frame=remote,
+        is_error_frame=bool(wire_id & ERR_FLAG),
+        channel=channel,
+        dlc=length,
+        data=b"" if remote else data[:length],
+        is_fd=is_fd,
+        is_rx=not own,
+        bitrate_switch=bool(fd_flags & FD_BRS),
+        error_state_indicator=bool(fd_flags & FD_ESI),
+    )

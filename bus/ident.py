@@ -1,0 +1,133 @@
+"""The handshake: each node states what it is about to run, and a run starts only when all three say the same."""
+
+from __future__ import annotations
+
+import zlib
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import ClassVar
+
+from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
+from dbc import wire_contract
+from dbc.contract import WIRE_VERSION
+
+
+class Role(IntEnum):
+    """The three nodes; the numbers of controller and supervisor are also their MVB device addresses."""
+
+    PLANT = 0
+    CONTROLLER = 1
+    SUPERVISOR = 2
+
+
+#: Codes of ``arithmetic`` and ``indexing`` in the handshake.
+ARITHMETICS = ("none", "float64", "float32", "iq")
+INDEXINGS = ("none", "time", "distance")
+
+
+@dataclass(slots=True)
+class Ident(Telegram):
+    """What a node is about to run; one layout for PLT_IDENT, CTL_IDENT and SUP_IDENT.
+
+    ::
+
+          0    1    2    3    4    5    6    7
+        +-------------------+-------------------+
+        |   scenario hash   |     wire hash     |
+        +-------------------+-------------------+
+          8    9    10   11   12   13         14                   15
+        +-------------------+---------+--------------------+-------------------+
+        |       seed        |  law    |role arith index per| chk spare version |
+        +-------------------+---------+--------------------+-------------------+
+    """
+
+    PORT: ClassVar[str] = "PLT_IDENT"
+    scenario_hash: int = signal("{p}ScenarioHash")
+    wire_hash: int = signal("{p}WireHash")
+    seed: int = signal("{p}Seed")
+    law: int = signal("{p}Law")
+    role: int = signal("{p}Role")
+    arithmetic: int = signal("{p}Arithmetic")
+    indexing: int = signal("{p}Indexing")
+    perturbed: int = signal("{p}Perturbed", FLAG_FALSE)
+    check: int = signal("{p}IdentChk", CHECK_CORRECT)
+    spare: int = signal("{p}IdentSpare")
+    version: int = signal("{p}Version", WIRE_VERSION)
+
+    def differences(self, other: Ident) -> list[str]:
+        """One sentence for each thing in which two nodes disagree; what a node does not know (0) never differs."""
+        names = {Role.PLANT: "plant", Role.CONTROLLER: "controller", Role.SUPERVISOR: "supervisor"}
+        mine, theirs = names[Role(self.role)], names.get(Role(other.role), "?")
+        found = []
+        for name, title, known in (
+            ("scenario_hash", "scenario", lambda value: True),
+            ("wire_hash", "DBC", lambda value: True),
+            ("version", "wire version", lambda value: True),
+            ("law", "controller", bool),
+            ("arithmetic", "arithmetic", bool),
+            ("indexing", "indexing", bool),
+        ):
+            a, b = getattr(self, name), getattr(other, name)
+            if a != b and known(a) and known(b):
+                found.append(f"{title} differs: {mine} {a:08x}, {theirs} {b:08x}")
+        seeds_known = Role.CONTROLLER not in (self.role, other.role)
+        if seeds_known and (self.seed, self.perturbed) != (other.seed, other.perturbed):
+            found.append(f"seed differs: {mine} {self.seed}, {theirs} {other.seed}")
+        return found
+
+
+@dataclass(slots=True)
+class PltIdent(Ident):
+    """PLT_IDENT, see :class:`Ident`."""
+
+    PORT: ClassVar[str] = "PLT_IDENT"
+
+
+@dataclass(slots=True)
+class CtlIdent(Ident):
+    """CTL_IDENT, see :class:`Ident`."""
+
+    PORT: ClassVar[str] = "CTL_IDENT"
+
+
+@dataclass(slots=True)
+class SupIdent(Ident):
+    """SUP_IDENT, see :class:`Ident`."""
+
+    PORT: ClassVar[str] = "SUP_IDENT"
+
+
+_CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlIdent, Role.SUPERVISOR: SupIdent}
+
+
+def law_code(controller: str) -> int:
+    """16-bit code of a controller's name (low half of its CRC-32), 0 for the empty name."""
+    return zlib.crc32(controller.encode()) & 0xFFFF if controller else 0
+
+
+def make_ident(
+    role: Role,
+    scenario_sha256: str,
+    *,
+    seed: int = 0,
+    perturbed: bool = False,
+    controller: str = "",
+    arithmetic: str = "none",
+    indexing: str = "none",
+) -> Ident:
+    """Handshake telegram of a node; hashes are cut to their first 32 bit."""
+    return _CLASSES[role](
+        scenario_hash=int(scenario_sha256[:8], 16),
+        wire_hash=int(wire_contract().sha256[:8], 16),
+        seed=seed,
+        law=law_code(controller),
+        role=role,
+        arithmetic=ARITHMETICS.index(arithmetic),
+        indexing=INDEXINGS.index(indexing),
+        perturbed=flag(perturbed),
+    )
+
+
+def is_perturbed(ident: Ident) -> bool:
+    """True when the node says that it runs drawn parameters."""
+    return ident.perturbed == FLAG_TRUE

@@ -1,0 +1,81 @@
+"""The slave side of the bus: keeps the mailboxes of a node and answers the bus administrator's polls."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from bus.clock import BusClock
+from bus.frame import Frame
+from bus.layout import Telegram
+from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
+from bus.store import TrafficStore
+from bus.telegrams import TimeSync
+from dbc import Port, wire_contract
+
+#: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
+_STATUS_READY = 0x1000
+
+
+class Responder:
+    """Reacts to one frame at a time; holds no socket, so it runs in a process or in memory alike.
+
+    :param device: MVB device address, answered to device status polls.
+    :param sinks: ports with a mailbox.
+    :param answers: for each port that this node sources, what makes the telegram when the poll comes.
+    :param on_commit: called with the port's name whenever a telegram was accepted.
+    """
+
+    def __init__(
+        self,
+        device: int,
+        base_tick_ns: int,
+        sinks: list[Port],
+        answers: Mapping[str, Callable[[], Telegram]],
+        *,
+        fd: bool = False,
+        on_commit: Callable[[str], None] | None = None,
+    ) -> None:
+        contract = wire_contract()
+        self.clock = BusClock(base_tick_ns)
+        self.store = TrafficStore(sinks)
+        self._device = device
+        self._on_commit = on_commit
+        self._poll_id = contract.poll_id
+        self._clock_ids = (contract.clock_port.address, contract.clock_port.fd_id)
+        self._answers = {
+            contract.port(name).f_code << 12 | contract.port(name).address: (
+                TelegramSource(contract.port(name), fd),
+                make,
+            )
+            for name, make in answers.items()
+        }
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame; returns the answer to a poll of this node, otherwise nothing."""
+        if frame.can_id == self._poll_id and not frame.flags:
+            return self._answer(frame.data)
+        if frame.can_id in self._clock_ids:
+            self.clock.feed(frame)
+        committed = self.store.feed(frame, self.clock.now_ns)
+        if committed is not None:
+            if committed == TimeSync.PORT:
+                telegram, _ = self.store.read(TimeSync, self.clock.now_ns)
+                if telegram is not None:
+                    self.clock.synchronise(telegram)
+            if self._on_commit is not None:
+                self._on_commit(committed)
+        return []
+
+    def _answer(self, data: bytes) -> list[Frame]:
+        asked = parse_master_frame(data)
+        if asked is None:
+            self.store.counters["wrong_master_word"] += 1
+            return []
+        f_code, address = asked
+        if f_code == F_DEVICE_STATUS:
+            return [device_status_frame(self._device, _STATUS_READY)] if address == self._device else []
+        found = self._answers.get(f_code << 12 | address)
+        if found is None:
+            return []
+        source, make = found
+        return source.frames(make().encode())

@@ -1,0 +1,106 @@
+"""Which bus: what the user says, else kernel SocketCAN where vcan0 exists, else the user-space hub.
+
+The choice and its reason are always said. Interface and channel keep python-can's names, flags and configuration
+files; nothing is invented beside them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import socket
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import can
+
+from bus.hub.address import default_channel
+
+#: Name of the hub's python-can interface.
+HUB_INTERFACE = "railhil"
+#: How long the nodes of a run wait for the hub that starts beside them.
+HUB_START_S = 5
+_DEFAULT_VCAN = "vcan0"
+
+
+@dataclass(frozen=True, slots=True)
+class BusChoice:
+    """``config``: keyword arguments of ``can.Bus``; ``reason``: one clause; ``needs_hub``: nobody serves it yet."""
+
+    config: dict[str, Any]
+    reason: str
+    needs_hub: bool = False
+    arguments: list[str] = field(default_factory=list)
+
+    @property
+    def transport(self) -> str:
+        """``interface:channel`` as it stands in reports."""
+        return f"{self.config.get('interface')}:{self.config.get('channel', '')}"
+
+    @property
+    def fd(self) -> bool:
+        """True when telegrams are sent in the CAN FD form."""
+        return bool(self.config.get("fd", False))
+
+
+def vcan_available(channel: str = _DEFAULT_VCAN) -> bool:
+    """True when the kernel has AF_CAN and an interface of this name."""
+    if not hasattr(socket, "AF_CAN"):
+        return False
+    try:
+        with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
+            probe.bind((channel,))
+    except OSError:
+        return False
+    return True
+
+
+def config_from_namespace(namespace: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of ``can.Bus`` from the flags of ``can.cli.add_bus_arguments`` (only those given)."""
+    config: dict[str, Any] = {}
+    for key in ("interface", "channel", "bitrate", "fd", "data_bitrate", "timing"):
+        if key in namespace:
+            config[key] = getattr(namespace, key)
+    config.update(getattr(namespace, "bus_kwargs", {}))
+    return config
+
+
+def arguments_from_config(config: dict[str, Any]) -> list[str]:
+    """Command-line flags that give another process the same bus (timing objects excepted)."""
+    flags = {"interface": "-i", "channel": "-c", "bitrate": "-b", "data_bitrate": "--data-bitrate"}
+    arguments: list[str] = []
+    extra = []
+    for key, value in config.items():
+        if key in flags:
+            arguments += [flags[key], str(value)]
+        elif key == "fd":
+            arguments += ["--fd"] if value else []
+        elif key != "timing":
+            extra.append(f"{key}={value}")
+    return arguments + (["--bus-kwargs", *extra] if extra else [])
+
+
+def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -> BusChoice:
+    """Select the bus for a command.
+
+    :param private_hub: socket path at which the caller can start a hub of its own; without it the default hub is used.
+    """
+    given = config_from_namespace(namespace)
+    if given:
+        return BusChoice(given, "given on the command line", arguments=arguments_from_config(given))
+    try:
+        configured = can.util.load_config(config={})
+    except can.CanInterfaceNotImplementedError:
+        configured = None
+    if configured is not None and configured.get("interface"):
+        config = {key: value for key, value in configured.items() if key in ("interface", "channel", "bitrate", "fd")}
+        return BusChoice(config, "from python-can's configuration", arguments=arguments_from_config(config))
+    if vcan_available():
+        config = {"interface": "socketcan", "channel": _DEFAULT_VCAN}
+        return BusChoice(config, "the kernel has vcan0", arguments=arguments_from_config(config))
+    config = {"interface": HUB_INTERFACE, "channel": str(private_hub or default_channel())}
+    if private_hub is not None:
+        config["connect_timeout"] = str(HUB_START_S)
+    return BusChoice(
+        config, "no vcan0 in this kernel: user-space hub", private_hub is not None, arguments_from_config(config)
+    )

@@ -1,0 +1,183 @@
+"""Traffic store: CAN frames in, whole checked telegrams out, with their age.
+
+The receiving rules of the MVB-on-CAN mapping: blocks are staged per port and committed only when the trailer comes,
+all blocks have arrived since the last trailer within ``assembly_ns``, and count, F_code, address and every check
+sequence hold. Otherwise the telegram is dropped whole, its cause counted, and the old value goes on ageing.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TypeVar
+
+from bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
+from bus.layout import Telegram
+from bus.mvb import check_sequence, master_tail
+from dbc import Port
+
+#: Age of a port that has never received anything (freshness timer 65535 ms of an MVB link layer).
+NEVER_NS = 65_535_000_000
+#: All blocks of a telegram must come within this time (simulation time in lockstep).
+ASSEMBLY_NS = 5_000_000
+
+T = TypeVar("T", bound=Telegram)
+
+#: Causes for which a frame or telegram is not accepted, as they appear in ``TrafficStore.counters``.
+CAUSES = (
+    "error_frame",
+    "remote_frame",
+    "extended_id",
+    "unknown_id",
+    "wrong_length",
+    "wrong_check_sequence",
+    "wrong_master_word",
+    "wrong_block_count",
+    "missing_block",
+    "assembly_timeout",
+)
+
+
+@dataclass(slots=True)
+class _Sink:
+    """Receiving side of one port."""
+
+    port: Port
+    tail: bytes
+    fd_bytes: int
+    blocks: list[bytes | None]
+    first_ns: int = 0
+    data: bytes = b""
+    committed_ns: int = -1
+    accepted: int = 0
+
+
+class TrafficStore:
+    """Mailboxes for the ports of one node.
+
+    A port that is not in ``ports`` has no mailbox: its frames are counted as ``unknown_id`` and never decoded.
+    ``feed`` never raises, whatever the frame holds.
+    """
+
+    def __init__(self, ports: Iterable[Port], assembly_ns: int = ASSEMBLY_NS) -> None:
+        self.counters: Counter[str] = Counter()
+        self._assembly_ns = assembly_ns
+        self._sinks: dict[str, _Sink] = {}
+        # CAN identifier -> (sink, block index); -1 is the trailer, -2 a single frame, -3 the CAN FD form.
+        self._by_id: dict[int, tuple[_Sink, int]] = {}
+        for port in ports:
+            fd_bytes = (
+                8
+                if port.single_frame
+                else -(-(port.data_bytes + 8) // 16) * 16
+                if port.f_code == 4
+                else (port.data_bytes + 8)
+            )
+            sink = _Sink(port, master_tail(port.f_code, port.address), fd_bytes, [None] * port.blocks)
+            self._sinks[port.name] = sink
+            if port.single_frame:
+                self._by_id[port.address] = (sink, -2)
+            else:
+                for block in range(port.blocks):
+                    self._by_id[port.address + block] = (sink, block)
+                self._by_id[port.address + 4] = (sink, -1)
+            self._by_id[port.fd_id] = (sink, -3)
+
+    def feed(self, frame: Frame, now_ns: int) -> str | None:
+        """Take one frame at time ``now_ns``; returns the name of the port that it completed, else None."""
+        can_id, data, flags = frame
+        if flags:
+            if flags & ERROR:
+                return self._reject("error_frame")
+            if flags & REMOTE:
+                return self._reject("remote_frame")
+            if flags & EXTENDED:
+                return self._reject("extended_id")
+        found = self._by_id.get(can_id)
+        if found is None:
+            return self._reject("unknown_id")
+        sink, part = found
+        if part == -2:
+            if flags or len(data) != 8:
+                return self._reject("wrong_length")
+            return self._commit_single(sink, data, now_ns)
+        if part == -3:
+            if not flags & FD or len(data) != sink.fd_bytes:
+                return self._reject("wrong_length")
+            return self._commit_fd(sink, data, now_ns)
+        if flags or len(data) != 8:
+            return self._reject("wrong_length")
+        if part == -1:
+            return self._commit_blocks(sink, data, now_ns)
+        if all(block is None for block in sink.blocks):
+            sink.first_ns = now_ns
+        sink.blocks[part] = data
+        return None
+
+    def _reject(self, cause: str) -> str | None:
+        self.counters[cause] += 1
+        return None
+
+    def _commit_single(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
+        size = 2 if sink.port.f_code == 0 else 4
+        payload = data[:size]
+        if check_sequence(payload) != data[4]:
+            return self._reject("wrong_check_sequence")
+        if data[5:] != sink.tail:
+            return self._reject("wrong_master_word")
+        return self._commit(sink, payload, now_ns)
+
+    def _commit_fd(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
+        if sink.port.single_frame:
+            return self._commit_single(sink, data, now_ns)
+        size = sink.port.data_bytes
+        sink.blocks[:] = [data[k : k + 8] for k in range(0, size, 8)]
+        sink.first_ns = now_ns
+        return self._commit_blocks(sink, data[size : size + 8], now_ns)
+
+    def _commit_blocks(self, sink: _Sink, trailer: bytes, now_ns: int) -> str | None:
+        blocks, count = sink.blocks[:], sink.port.blocks
+        sink.blocks[:] = [None] * count
+        if None in blocks:
+            return self._reject("missing_block")
+        if now_ns - sink.first_ns > self._assembly_ns:
+            return self._reject("assembly_timeout")
+        if trailer[4] & 0xF != count:
+            return self._reject("wrong_block_count")
+        if trailer[5:] != sink.tail:
+            return self._reject("wrong_master_word")
+        data = b"".join(blocks)  # type: ignore[arg-type]
+        for k in range(count):
+            if check_sequence(data[8 * k : 8 * k + 8]) != trailer[k]:
+                return self._reject("wrong_check_sequence")
+        return self._commit(sink, data, now_ns)
+
+    def _commit(self, sink: _Sink, data: bytes, now_ns: int) -> str:
+        sink.data = data
+        sink.committed_ns = now_ns
+        sink.accepted += 1
+        return sink.port.name
+
+    def read(self, telegram: type[T], now_ns: int) -> tuple[T | None, int]:
+        """Newest telegram of a port and its age in ns: ``(None, NEVER_NS)`` before the first one.
+
+        :raises KeyError: when this node has no mailbox for the port.
+        """
+        sink = self._sinks[telegram.PORT]
+        if sink.committed_ns < 0:
+            return None, NEVER_NS
+        return telegram.decode(sink.data), now_ns - sink.committed_ns
+
+    def raw(self, port: str) -> bytes:
+        """Process data of the newest telegram of a port, empty before the first; KeyError without a mailbox."""
+        return self._sinks[port].data
+
+    def accepted(self, port: str) -> int:
+        """Number of telegrams committed for a port since the start; KeyError without a mailbox."""
+        return self._sinks[port].accepted
+
+    @property
+    def ports(self) -> tuple[str, ...]:
+        """Names of the ports with a mailbox."""
+        return tuple(self._sinks)

@@ -1,0 +1,326 @@
+"""The telegrams of the bench, one dataclass each.
+
+Fields are raw integers as they stand on the wire; a field's name ends in its unit (``_01mm``: 0.1 mm, ``_256th``:
+1/256). In the drawings one column is one byte, most significant bit first; ``chk`` is a 2-bit check variable,
+``life`` the 4-bit life sign.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import ClassVar
+
+from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
+
+
+class SupCommand(IntEnum):
+    """Orders of the supervisor."""
+
+    NONE = 0
+    INIT = 1
+    START = 2
+    PAUSE = 3
+    STOP = 4
+    RESET = 5
+
+
+class CtlMode(IntEnum):
+    """Mode that the controller reports with each notch command."""
+
+    INITIALISING = 0
+    RUNNING = 1
+    HOLD = 2
+    TRACTION_CUT = 3
+    SERVICE_BRAKE = 4
+    EMERGENCY = 5
+    ENDED = 6
+
+
+class TimeState(IntEnum):
+    """State of the simulation in TIME_SYNC."""
+
+    IDLE = 0
+    READY = 1
+    RUNNING = 2
+    ENDED = 3
+
+
+class Event(IntEnum):
+    """Milestones in RUN_EVENT; everything from ``ENDED_COMPLETE`` on ends the run."""
+
+    NONE = 0
+    DEPARTED = 1
+    STOPPED = 2
+    EMERGENCY = 3
+    ENDED_COMPLETE = 4
+    ENDED_NOT_STOPPED = 5
+    ENDED_BY_SUPERVISOR = 6
+    ENDED_CONTROLLER_LOST = 7
+    ENDED_REFUSED = 8
+    ENDED_PLANT_ERROR = 9
+
+    @property
+    def ends_run(self) -> bool:
+        """True for the events after which nothing more comes."""
+        return self >= Event.ENDED_COMPLETE
+
+
+@dataclass(slots=True)
+class TimeSync(Telegram):
+    """TIME_SYNC, simulation time of the current tick.
+
+    ::
+
+          0    1    2    3    4    5    6    7
+        +-------------------+---------+----+-----------------+
+        |    seconds u32    | 1/65536 |rate|chk state   life |
+        +-------------------+---------+----+-----------------+
+    """
+
+    PORT: ClassVar[str] = "TIME_SYNC"
+    seconds_s: int = signal("TimeSeconds")
+    fraction_65536th_s: int = signal("TimeTicks")
+    rate_10th: int = signal("SimRate")
+    check: int = signal("TimeChk", CHECK_CORRECT)
+    state: int = signal("TimeState")
+    life: int = signal("TimeLife")
+
+
+@dataclass(slots=True)
+class SupCmd(Telegram):
+    """SUP_CMD, order of the supervisor.
+
+    ::
+
+          0       1        2       3      4    5     6    7
+        +-------+--------+-------+------+---------+-----+---------------+
+        |command|scenario| fault |param | target  | seq |chk arm  life  |
+        +-------+--------+-------+------+---------+-----+---------------+
+    """
+
+    PORT: ClassVar[str] = "SUP_CMD"
+    command: int = signal("SupCommand")
+    scenario: int = signal("Scenario")
+    fault_type: int = signal("FaultType")
+    fault_param: int = signal("FaultParam")
+    fault_target: int = signal("FaultTarget")
+    sequence: int = signal("SupCmdSeq")
+    check: int = signal("SupChk", CHECK_CORRECT)
+    arm: int = signal("SupArm", FLAG_FALSE)
+    life: int = signal("SupLife")
+
+
+@dataclass(slots=True)
+class NotchCmd(Telegram):
+    """NOTCH_CMD, notch command in 1/256 notch, negative brakes.
+
+    ::
+
+          0    1    2      3
+        +---------+------+---------------------+
+        |  s16    | mode | chk emergency  life |
+        +---------+------+---------------------+
+    """
+
+    PORT: ClassVar[str] = "NOTCH_CMD"
+    notch_256th: int = signal("NotchCmd")
+    mode: int = signal("CtlMode")
+    check: int = signal("NotchChk", CHECK_CORRECT)
+    emergency: int = signal("EmergencyBrake", FLAG_FALSE)
+    life: int = signal("NotchLife")
+
+
+@dataclass(slots=True)
+class TrnSpeed(Telegram):
+    """TRN_SPEED, measured speed in 0.1 mm/s; opens every tick.
+
+    ::
+
+          0    1    2     3
+        +--------------+-----------------+
+        |     s24      | chk spare  life |
+        +--------------+-----------------+
+    """
+
+    PORT: ClassVar[str] = "TRN_SPEED"
+    speed_01mmps: int = signal("TrainSpeed")
+    check: int = signal("SpeedChk", CHECK_CORRECT)
+    spare: int = signal("SpeedSpare")
+    life: int = signal("SpeedLife")
+
+
+@dataclass(slots=True)
+class TrnPos(Telegram):
+    """TRN_POS, odometer and force.
+
+    ::
+
+          0    1    2    3    4    5      6      7
+        +-------------------+---------+-------+-------------------+
+        |  odometer s32 mm  |effort   | notch |chk chk(eff)  life |
+        +-------------------+---------+-------+-------------------+
+    """
+
+    PORT: ClassVar[str] = "TRN_POS"
+    odometer_mm: int = signal("TrainPos")
+    effort_bipolar2: int = signal("EffortActual")
+    notch_16th: int = signal("NotchActual")
+    check: int = signal("PosChk", CHECK_CORRECT)
+    effort_check: int = signal("EffortChk", CHECK_CORRECT)
+    life: int = signal("PosLife")
+
+
+@dataclass(slots=True)
+class PltStat(Telegram):
+    """PLT_STAT, train status; every flag is ANTIVALENT2 (power, pantograph, main breaker, doors | parking brake,
+    safety loop, traction enabled, brake available).
+
+    ::
+
+            0          1         2        3
+        +----------+----------+-------+------------+
+        | 4 flags  | 4 flags  | line %| fault life |
+        +----------+----------+-------+------------+
+    """
+
+    PORT: ClassVar[str] = "PLT_STAT"
+    power_on: int = signal("PowerOn", FLAG_TRUE)
+    pantograph_up: int = signal("PantographUp", FLAG_TRUE)
+    main_breaker_closed: int = signal("MainBreakerClosed", FLAG_TRUE)
+    doors_closed_locked: int = signal("DoorsClosedLocked", FLAG_TRUE)
+    parking_brake_released: int = signal("ParkingBrakeReleased", FLAG_TRUE)
+    safety_loop_closed: int = signal("SafetyLoopClosed", FLAG_TRUE)
+    traction_enabled: int = signal("TractionEnabled", FLAG_TRUE)
+    brake_available: int = signal("BrakeAvailable", FLAG_TRUE)
+    line_voltage_half_percent: int = signal("LineVoltage", 200)
+    fault: int = signal("PlantFault")
+    life: int = signal("PlantLife")
+
+
+@dataclass(slots=True)
+class TrkInfo(Telegram):
+    """TRK_INFO, target, limits and grade.
+
+    ::
+
+          0    1    2    3    4    5    6    7
+        +-------------------+---------+---------+
+        | target s32 1 mm   | 0.1 s   | limit   |   limits in 4 mm/s
+        +-------------------+---------+---------+
+          8    9    10   11   12   13   14     15
+        +---------+---------+---------+------+------------------+
+        |next lim | dist m  | grade   |speed | chk chk chk life |   grade s16 0.01 permil, speed 0.5 m/s
+        +---------+---------+---------+------+------------------+
+    """
+
+    PORT: ClassVar[str] = "TRK_INFO"
+    target_mm: int = signal("TargetPos")
+    target_time_ds: int = signal("TargetTime")
+    speed_limit_4mmps: int = signal("SpeedLimit")
+    next_limit_4mmps: int = signal("NextLimit")
+    next_limit_distance_m: int = signal("NextLimitDist")
+    grade_001permil: int = signal("Gradient")
+    target_speed_half_mps: int = signal("TargetSpeed")
+    target_check: int = signal("TargetChk", CHECK_CORRECT)
+    limit_check: int = signal("LimitChk", CHECK_CORRECT)
+    grade_check: int = signal("GradientChk", CHECK_CORRECT)
+    life: int = signal("TrackLife")
+
+
+@dataclass(slots=True)
+class CtlStat(Telegram):
+    """CTL_STAT, what the controller is doing.
+
+    ::
+
+             0          1        2    3     4    5     6    7
+        +-----------+---------+----------+----------+---------+
+        |basis level|overflow | alpha    | mu_min   | steps   |   alpha, mu_min UNIPOLAR2.16
+        +-----------+---------+----------+----------+---------+
+          8    9    10   11   12   13     14       15
+        +--------------+--------------+---------+----------------+
+        |    cycles    |  cycles max  |overruns | chk ready life |
+        +--------------+--------------+---------+----------------+
+    """
+
+    PORT: ClassVar[str] = "CTL_STAT"
+    basis: int = signal("BasisInUse")
+    ladder_level: int = signal("LadderLevel")
+    overflow_flags: int = signal("OverflowFlags")
+    softening_unipolar2: int = signal("SofteningFactor")
+    satisfaction_unipolar2: int = signal("Satisfaction")
+    step_count: int = signal("StepCount")
+    step_cycles: int = signal("StepCycles")
+    step_cycles_max: int = signal("StepCyclesMax")
+    overruns: int = signal("OverrunCount")
+    check: int = signal("CtlChk", CHECK_CORRECT)
+    ready: int = signal("CtlReady", FLAG_TRUE)
+    life: int = signal("CtlLife")
+
+
+@dataclass(slots=True)
+class BalisePassed(Telegram):
+    """BALISE, surveyed position of the balise passed and the odometer at that moment (its low 16 bit).
+
+    ::
+
+          0    1    2    3    4    5    6       7
+        +----+-------------------+---------+-----------------+
+        | id | surveyed s32 1 mm | odo u16 | chk spare  life |
+        +----+-------------------+---------+-----------------+
+    """
+
+    PORT: ClassVar[str] = "BALISE"
+    balise_id: int = signal("BaliseId")
+    surveyed_mm: int = signal("BalisePos")
+    odometer_low_mm: int = signal("BaliseOdometer")
+    check: int = signal("BaliseChk", CHECK_CORRECT)
+    spare: int = signal("BaliseSpare")
+    life: int = signal("BaliseLife")
+
+
+@dataclass(slots=True)
+class SimTruth(Telegram):
+    """SIM_TRUTH, what the simulation knows; for the score only.
+
+    ::
+
+          0    1    2    3    4    5    6       7
+        +-------------------+--------------+-----------------+
+        |  position 0.1 mm  | v s24        | chk spare  life |   v in 0.1 mm/s
+        +-------------------+--------------+-----------------+
+          8    9    10   11   12   13   14   15
+        +---------+---------+---------+---------+
+        | a s16   |traction | brake   | grade   |   a 0.1 mm/s2, forces 20 N, grade 0.01 permil
+        +---------+---------+---------+---------+
+    """
+
+    PORT: ClassVar[str] = "SIM_TRUTH"
+    position_01mm: int = signal("TruePos")
+    speed_01mmps: int = signal("TrueSpeed")
+    check: int = signal("TruthChk", CHECK_CORRECT)
+    spare: int = signal("TruthSpare")
+    life: int = signal("TruthLife")
+    accel_01mmps2: int = signal("TrueAccel")
+    traction_20n: int = signal("TractionForce")
+    brake_20n: int = signal("BrakeForce")
+    grade_001permil: int = signal("TrueGrade")
+
+
+@dataclass(slots=True)
+class RunEvent(Telegram):
+    """RUN_EVENT, a milestone at its exact instant and true position.
+
+    ::
+
+           0.7-4   0.3-3.0          4    5    6    7
+        +-------+---------------+-------------------+
+        | event | time u28      |  position s32     |   0.1 ms, 0.1 mm
+        +-------+---------------+-------------------+
+    """
+
+    PORT: ClassVar[str] = "RUN_EVENT"
+    event: int = signal("RunEvent")
+    instant_01ms: int = signal("EventTime")
+    position_01mm: int = signal("EventPos")

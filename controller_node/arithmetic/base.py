@@ -1,0 +1,210 @@
+"""What a control law may compute with: one interface, several number systems.
+
+A law is straight-line code of these operations. Comparisons yield a condition that only :meth:`Arithmetic.where`
+consumes, so that the same lines run on one train, on arrays over N trains, or under a recorder that writes C.
+
+Every quantity has a Q format, the number of fraction bits of its int32 (value = raw / 2^Q). Formats stand as
+arguments where they decide a result; arithmetics with a wide format (float64) do not look at them.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
+
+INT32_MIN = -(2**31)
+INT32_MAX = 2**31 - 1
+
+#: Bits of :attr:`Counters.flags`, as CTL_STAT carries them.
+WRAP = 1
+SATURATION = 2
+DIVISION_BY_ZERO = 4
+
+#: ``float``, ``int``, or a numpy array of either (one element per train).
+T = TypeVar("T")
+
+#: ``bool`` or an array of them, as the comparisons of the arithmetic give it.
+Condition: TypeAlias = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Constant:
+    """A number known before the run, with the format in which a fixed-point arithmetic holds it.
+
+    ``raw`` is rounded to nearest (``_IQ()`` of the target truncates: constants are therefore emitted as integers).
+    Raises ``ValueError`` when the value does not fit into int32.
+    """
+
+    name: str
+    value: float
+    q: int
+    #: Integer that stands for the value in Q ``q``.
+    raw: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        raw = math.floor(math.ldexp(self.value, self.q) + 0.5) if math.isfinite(self.value) else INT32_MAX + 1
+        if not INT32_MIN <= raw <= INT32_MAX:
+            raise ValueError(f"constant {self.name} = {self.value!r} does not fit into int32 with Q{self.q}")
+        object.__setattr__(self, "raw", raw)
+
+    @property
+    def rounding_error(self) -> float:
+        """Held value minus true value."""
+        return math.ldexp(self.raw, -self.q) - self.value
+
+    @property
+    def relative_error(self) -> float:
+        """Size of the rounding error over that of the value, 0 for the value 0."""
+        return abs(self.rounding_error / self.value) if self.value else 0.0
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A function on 0..1 that a law evaluates: exactly where that is possible, else from 257 samples.
+
+    The table is interpolated linearly: argument in Q ``q_in`` (at least 8), result in Q ``q_out``.
+    """
+
+    name: str
+    function: Callable[[float], float]
+    q_in: int
+    q_out: int
+    samples: tuple[Constant, ...] = field(init=False)
+
+    def __post_init__(self) -> None:
+        samples = (Constant(f"{self.name}[{i}]", self.function(i / 256), self.q_out) for i in range(257))
+        object.__setattr__(self, "samples", tuple(samples))
+
+
+@dataclass(slots=True)
+class Counters:
+    """What went wrong in an arithmetic since it was made; wide arithmetics keep zeros."""
+
+    wraps: int = 0
+    saturations: int = 0
+    zero_divisions: int = 0
+
+    @property
+    def flags(self) -> int:
+        """Bit 0 wrap, bit 1 saturation, bit 2 division by zero."""
+        return (
+            (WRAP if self.wraps else 0)
+            | (SATURATION if self.saturations else 0)
+            | (DIVISION_BY_ZERO if self.zero_divisions else 0)
+        )
+
+
+class Arithmetic(ABC, Generic[T]):
+    """Operations a law is made of. Named after TI's IQmath where that has the operation."""
+
+    #: Name used on the command line and in every record of a run.
+    name: ClassVar[str]
+    #: True when no format can overflow. Laws put their format limits under ``if not arithmetic.wide``; that is a
+    #: property of the build, not of the data.
+    wide: ClassVar[bool]
+
+    def __init__(self) -> None:
+        self.counters = Counters()
+
+    @abstractmethod
+    def const(self, constant: Constant) -> T:
+        """The constant as an operand."""
+
+    def load(self, constants: Sequence[Constant]) -> tuple[T, ...]:
+        """Several constants as operands."""
+        return tuple(self.const(constant) for constant in constants)
+
+    @abstractmethod
+    def raw(self, a: T, q: int) -> T:
+        """Integer that stands for ``a`` in Q ``q`` (``a`` is in that format already): for the wire and telemetry."""
+
+    @abstractmethod
+    def from_raw(self, raw: Any, q: int) -> T:
+        """The operand that an integer in Q ``q`` stands for: the inverse of :meth:`raw`."""
+
+    @abstractmethod
+    def convert(self, a: T, q_from: int, q_to: int) -> T:
+        """Same value in another format: left shift wraps, right shift floors."""
+
+    @abstractmethod
+    def quantise(self, a: T, q_from: int, q_to: int) -> T:
+        """Nearest multiple of 2^-q_to, ties upward; ``q_to`` < ``q_from``. Changes the value in every arithmetic."""
+
+    @abstractmethod
+    def add(self, a: T, b: T) -> T:
+        """a + b, wrapping."""
+
+    @abstractmethod
+    def sub(self, a: T, b: T) -> T:
+        """a - b, wrapping."""
+
+    @abstractmethod
+    def neg(self, a: T) -> T:
+        """-a, wrapping (INT32_MIN stays)."""
+
+    @abstractmethod
+    def abs(self, a: T) -> T:
+        """Size of a, wrapping (INT32_MIN stays)."""
+
+    @abstractmethod
+    def mpy(self, a: T, b: T, q: int) -> T:
+        """``_IQ<q>mpy``: product shifted right by q, floor, wrapping. The result's Q is Qa + Qb - q."""
+
+    @abstractmethod
+    def rmpy(self, a: T, b: T, q: int) -> T:
+        """``_IQ<q>rmpy``: as :meth:`mpy` with rounding, ties upward; q >= 1."""
+
+    @abstractmethod
+    def rsmpy(self, a: T, b: T, q: int) -> T:
+        """``_IQ<q>rsmpy``: as :meth:`rmpy`, saturating instead of wrapping."""
+
+    @abstractmethod
+    def mpy_iqx(self, a: T, q_a: int, b: T, q_b: int, q: int) -> T:
+        """``_IQ<q>mpyIQX``: product of two formats in a third, floor, wrapping."""
+
+    @abstractmethod
+    def dot(self, coefficients: Sequence[T], values: Sequence[T], q: int) -> T:
+        """Sum of ``rmpy(coefficient, value, q)`` in order, wrapping; q >= 1."""
+
+    @abstractmethod
+    def div(self, a: T, b: T, q: int) -> T:
+        """``_IQ<q>div``: quotient of two numbers of one format, in Q ``q``; rounded, saturating."""
+
+    @abstractmethod
+    def sat(self, a: T, upper: T, lower: T) -> T:
+        """``_IQsat`` as a format limit: counted when it acts."""
+
+    @abstractmethod
+    def clip(self, a: T, upper: T, lower: T) -> T:
+        """``_IQsat`` as part of a law's equations: not counted."""
+
+    @abstractmethod
+    def minimum(self, a: T, b: T) -> T:
+        """Smaller of the two."""
+
+    @abstractmethod
+    def maximum(self, a: T, b: T) -> T:
+        """Larger of the two."""
+
+    @abstractmethod
+    def gt(self, a: T, b: T) -> Condition:
+        """Condition a > b."""
+
+    @abstractmethod
+    def where(self, condition: Condition, a: T, b: T) -> T:
+        """a where the condition holds, else b; both are evaluated."""
+
+    @abstractmethod
+    def curve(self, curve: Curve, a: T) -> T:
+        """``curve`` at ``a`` (in Q ``curve.q_in``, inside 0..1), result in Q ``curve.q_out``."""
+
+    @abstractmethod
+    def table(self, constants: Sequence[Constant]) -> Any:
+        """Constants as a table: ``table[index]`` is an operand, for an index from :meth:`locate` or an ``int``."""
+
+    @abstractmethod
+    def locate(self, table: Any, a: T) -> Any:
+        """Index of the last entry <= a of an increasing table, at least 0 and at most the last but one."""

@@ -1,0 +1,141 @@
+"""IEEE double precision: the reference every other arithmetic is compared with.
+
+Formats are ignored, nothing wraps or saturates. One train (plain ``float``) and N trains (float64 arrays) give
+equal bits: both evaluate the same operations in the same order, and functions element by element with :mod:`math`.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, T
+
+Floats = NDArray[np.float64]
+
+
+class _Double(Arithmetic[T]):
+    """What is the same for one float and for arrays of them."""
+
+    name: ClassVar[str] = "float64"
+    wide: ClassVar[bool] = True
+
+    def const(self, constant: Constant) -> T:
+        value: Any = constant.value
+        return value  # type: ignore[no-any-return]
+
+    def convert(self, a: T, q_from: int, q_to: int) -> T:
+        return a
+
+    def add(self, a: Any, b: Any) -> Any:
+        return a + b
+
+    def sub(self, a: Any, b: Any) -> Any:
+        return a - b
+
+    def neg(self, a: Any) -> Any:
+        return -a
+
+    def abs(self, a: Any) -> Any:
+        return abs(a)
+
+    def mpy(self, a: Any, b: Any, q: int) -> Any:
+        return a * b
+
+    def rmpy(self, a: Any, b: Any, q: int) -> Any:
+        return a * b
+
+    def rsmpy(self, a: Any, b: Any, q: int) -> Any:
+        return a * b
+
+    def mpy_iqx(self, a: Any, q_a: int, b: Any, q_b: int, q: int) -> Any:
+        return a * b
+
+    def dot(self, coefficients: Sequence[Any], values: Sequence[Any], q: int) -> Any:
+        total: Any = 0.0
+        for coefficient, value in zip(coefficients, values, strict=True):
+            total = total + coefficient * value
+        return total
+
+    def div(self, a: Any, b: Any, q: int) -> Any:
+        return a / b
+
+    def gt(self, a: Any, b: Any) -> Condition:
+        return a > b
+
+    def sat(self, a: T, upper: T, lower: T) -> T:
+        return self.clip(a, upper, lower)
+
+
+class Float64(_Double[float]):
+    """Double precision for one train."""
+
+    def raw(self, a: float, q: int) -> Any:
+        return math.floor(math.ldexp(a, q) + 0.5)
+
+    def from_raw(self, raw: Any, q: int) -> float:
+        return math.ldexp(raw, -q)
+
+    def quantise(self, a: float, q_from: int, q_to: int) -> float:
+        return math.ldexp(math.floor(math.ldexp(a, q_to) + 0.5), -q_to)
+
+    def clip(self, a: float, upper: float, lower: float) -> float:
+        return min(max(a, lower), upper)
+
+    def minimum(self, a: float, b: float) -> float:
+        return min(a, b)
+
+    def maximum(self, a: float, b: float) -> float:
+        return max(a, b)
+
+    def where(self, condition: Condition, a: float, b: float) -> float:
+        return a if condition else b
+
+    def curve(self, curve: Curve, a: float) -> float:
+        return curve.function(a)
+
+    def table(self, constants: Sequence[Constant]) -> Any:
+        return tuple(constant.value for constant in constants)
+
+    def locate(self, table: Any, a: float) -> Any:
+        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
+
+
+class Float64Batch(_Double[Floats]):
+    """Double precision for N trains; operands are arrays of shape (N,) or plain numbers common to all."""
+
+    def raw(self, a: Floats, q: int) -> Any:
+        return np.floor(np.ldexp(a, q) + 0.5).astype(np.int64)
+
+    def from_raw(self, raw: Any, q: int) -> Floats:
+        return np.ldexp(np.asarray(raw, dtype=np.float64), -q)
+
+    def quantise(self, a: Floats, q_from: int, q_to: int) -> Floats:
+        return np.ldexp(np.floor(np.ldexp(a, q_to) + 0.5), -q_to)
+
+    def clip(self, a: Floats, upper: Floats, lower: Floats) -> Floats:
+        return np.minimum(np.maximum(a, lower), upper)
+
+    def minimum(self, a: Floats, b: Floats) -> Floats:
+        return np.minimum(a, b)
+
+    def maximum(self, a: Floats, b: Floats) -> Floats:
+        return np.maximum(a, b)
+
+    def where(self, condition: Condition, a: Floats, b: Floats) -> Floats:
+        return np.where(condition, a, b)
+
+    def curve(self, curve: Curve, a: Floats) -> Floats:
+        flat = np.asarray(a, dtype=np.float64)
+        return np.array([curve.function(x) for x in flat.ravel().tolist()]).reshape(flat.shape)
+
+    def table(self, constants: Sequence[Constant]) -> Any:
+        return np.array([constant.value for constant in constants])
+
+    def locate(self, table: Any, a: Floats) -> Any:
+        return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)

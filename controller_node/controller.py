@@ -1,0 +1,179 @@
+"""The controller as its process sees it: whole numbers from the bus in, notch code out, once per control period."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Generic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller_node.arithmetic import make
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+from controller_node.arithmetic.counting import Counting, estimated_cycles
+from controller_node.laws import load
+from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from controller_node.setpoint import SetPoints
+from scenarios.model import Scenario
+
+#: km/h per 0.1 mm/s. With Q40 the one product that turns the wire's speed into Q20 is exact to 1e-9.
+_KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40)
+#: UNIPOLAR2.16 of CTL_STAT: 1/16384.
+_UNIPOLAR2_Q = 14
+
+
+@dataclass(frozen=True, slots=True)
+class ControlOutput:
+    """What one control period gives.
+
+    ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet. ``softening_raw`` and
+    ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h in Q20.
+    ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
+    ``cycles``, ``cycles_max``: estimated C28x cycles of this step and of the dearest so far, 0 for other arithmetics.
+    """
+
+    notch_code: int
+    basis: int
+    softening_raw: int
+    satisfaction_raw: int
+    overflow_flags: int
+    cycles: int
+    cycles_max: int
+    error_raw: int
+
+
+@dataclass(frozen=True, slots=True)
+class BatchOutput:
+    """:class:`ControlOutput` for N trains: int64 arrays of shape (N,); flags are common to all."""
+
+    notch_code: NDArray[np.int64]
+    basis: NDArray[np.int64]
+    softening_raw: NDArray[np.int64]
+    satisfaction_raw: NDArray[np.int64]
+    error_raw: NDArray[np.int64]
+    overflow_flags: int
+
+
+class ControlLoop(Generic[T]):
+    """Law, set-points and state on one arithmetic; operands are those of the arithmetic."""
+
+    def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[T], indexing: str) -> None:
+        period_s = scenario.timing.control_period_ns / 1e9
+        self.arithmetic = arithmetic
+        self.law: Law[T, Any] = load(law)(arithmetic, period_s, scenario.train.notch_max)
+        self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
+        self._kmh = arithmetic.const(_KMH_PER_01MMPS)
+        self.state: Any = None
+
+    def inputs(self, k: int, speed_01mmps: T, position_01mm: T) -> LawInputs[T]:
+        """Wire values and set-points as the law takes them."""
+        speed = self.arithmetic.mpy_iqx(speed_01mmps, 0, self._kmh, 40, SPEED_Q)
+        set_point, preview = self.set_points.at(k, position_01mm)
+        return LawInputs(speed, set_point, preview)
+
+    def step(self, k: int, speed_01mmps: T, position_01mm: T) -> tuple[LawInputs[T], LawOutputs[T]]:
+        """One control period; the first one also makes the law's state."""
+        inputs = self.inputs(k, speed_01mmps, position_01mm)
+        if self.state is None:
+            self.state = self.law.start(inputs)
+        self.state, outputs = self.law.step(self.state, inputs)
+        return inputs, outputs
+
+    def sent(self, notch: T) -> None:
+        """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
+        self.state = self.law.with_sent(self.state, notch)
+
+
+class Controller:
+    """Controller of one train.
+
+    :param law: name of a law (entry point group ``railhil.laws``).
+    :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
+        ``float64``.
+    :param indexing: set-points by ``time`` or by ``distance``.
+    :raises scenarios.errors.InputError: one of the names is unknown.
+    """
+
+    def __init__(
+        self, scenario: Scenario, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
+    ) -> None:
+        number = make(arithmetic)
+        self._loop: ControlLoop[Any] = ControlLoop(scenario, law, number, indexing)
+        self._number = number
+        self._code: int | None = None
+        # The law is straight-line: one counted step is the cost of every step.
+        self._cycles = 0 if number.wide else counted_cycles(scenario, law, indexing)
+
+    def step(self, k: int, speed_01mmps: int, position_01mm: int) -> ControlOutput:
+        """One control period.
+
+        :param k: number of the control period; it may start above 0 and skip.
+        :param speed_01mmps: measured speed in 0.1 mm/s.
+        :param position_01mm: measured position in 0.1 mm from the start of the run (used by the distance indexing).
+        """
+        number = self._number
+        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
+        self._code = code = number.raw(outputs.notch, NOTCH_Q)
+        error = number.sub(inputs.set_point, inputs.speed)
+        return ControlOutput(
+            notch_code=code,
+            basis=number.raw(outputs.basis, 0),
+            softening_raw=number.raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q),
+            satisfaction_raw=number.raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q),
+            overflow_flags=number.counters.flags,
+            cycles=self._cycles,
+            cycles_max=self._cycles,
+            error_raw=number.raw(error, SPEED_Q),
+        )
+
+    def sent(self, notch_code: int) -> None:
+        """Tell the law the notch (1/256) really sent, when it is not the one that :meth:`step` answered.
+
+        The internal model is driven by what the train was told; without a call it takes the answer of ``step``.
+        Before the first step there is nothing to tell.
+        """
+        if self._code is not None and notch_code != self._code:
+            self._code = notch_code
+            self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+
+
+class BatchController:
+    """Controllers of N trains on the same scenario, stepped together; same law, same results as N controllers.
+
+    Parameters and errors as :class:`Controller`, plus ``trains``, the number N.
+    """
+
+    def __init__(
+        self, scenario: Scenario, trains: int, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
+    ) -> None:
+        self._number = make(arithmetic, batch=True)
+        self._loop: ControlLoop[Any] = ControlLoop(scenario, law, self._number, indexing)
+        self._trains = trains
+
+    def step(self, k: int, speed_01mmps: NDArray[np.int64], position_01mm: NDArray[np.int64]) -> BatchOutput:
+        """One control period of all trains; arguments as :meth:`Controller.step`, arrays of shape (N,)."""
+        number = self._number
+        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
+        softening = self._raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q)
+        satisfaction = self._raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q)
+        return BatchOutput(
+            notch_code=self._raw(outputs.notch, NOTCH_Q),
+            basis=self._raw(outputs.basis, 0),
+            softening_raw=softening,
+            satisfaction_raw=satisfaction,
+            error_raw=self._raw(number.sub(inputs.set_point, inputs.speed), SPEED_Q),
+            overflow_flags=number.counters.flags,
+        )
+
+    def _raw(self, value: Any, q: int) -> NDArray[np.int64]:
+        return np.broadcast_to(np.asarray(self._number.raw(value, q), dtype=np.int64), (self._trains,))
+
+
+def counted_cycles(scenario: Scenario, law: str, indexing: str) -> int:
+    """Estimated C28x cycles of one step of a law in IQ arithmetic, program and data in RAM."""
+    counting = Counting(make("iq"))
+    loop = ControlLoop(scenario, law, counting, indexing)
+    loop.step(0, 0, 0)
+    counting.counts.clear()
+    loop.step(1, 0, 0)
+    return estimated_cycles(counting.counts)

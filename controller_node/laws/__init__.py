@@ -1,0 +1,33 @@
+"""Control laws, found by the entry point group ``railhil.laws``: a name and the class behind it."""
+
+from __future__ import annotations
+
+from importlib.metadata import entry_points
+from typing import Any
+
+from controller_node.laws.base import Law
+from scenarios.errors import InputError, nearest_key
+
+GROUP = "railhil.laws"
+
+
+def names() -> list[str]:
+    """Names of the installed laws, sorted."""
+    return sorted({entry.name for entry in entry_points(group=GROUP)})
+
+
+def load(name: str) -> type[Law[Any, Any]]:
+    """Class of the law of that name.
+
+    Raises :class:`~scenarios.errors.InputError` (one line, with the names there are) for an unknown name or an
+    entry point that is no law.
+    """
+    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if name not in found:
+        nearest = nearest_key(name, sorted(found))
+        hint = f"did you mean {nearest}?" if nearest else None
+        raise InputError("controller", "name", name, f"one of {', '.join(sorted(found))}", hint)
+    law = found[name].load()
+    if not (isinstance(law, type) and issubclass(law, Law)):
+        raise InputError("controller", name, found[name].value, f"an entry point in {GROUP} naming a subclass of Law")
+    return law

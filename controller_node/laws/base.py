@@ -1,0 +1,91 @@
+"""What every control law looks like to the controller."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+
+State = TypeVar("State")
+
+# Q formats at the edge of every law.
+#: Speeds, set-points and their differences, km/h.
+SPEED_Q = 20
+#: Notch before clipping and quantising: a saturated deviation times the largest gains stays inside +-4096.
+NOTCH_RAW_Q = 19
+#: Notch as sent, 1/256 notch.
+NOTCH_Q = 8
+#: Softening factor, 0..1.
+SOFTENING_Q = 30
+#: Fuzzy satisfaction, 0..1.
+SATISFACTION_Q = 24
+
+#: Bits of ``LawOutputs.basis`` (CTL_STAT, BasisInUse).
+BASIS_STEP = 1
+BASIS_WAVELET = 2
+
+
+class LawInputs(NamedTuple, Generic[T]):
+    """What a law is given each control period; all in km/h, Q ``SPEED_Q``.
+
+    ``preview`` holds the set-points of the next ``horizon`` periods.
+    """
+
+    speed: T
+    set_point: T
+    preview: Sequence[T]
+
+
+class LawOutputs(NamedTuple, Generic[T]):
+    """What a law answers.
+
+    ``notch_raw`` in Q ``NOTCH_RAW_Q`` before clipping and quantising, ``notch`` in Q ``NOTCH_Q`` as to be sent,
+    ``basis`` the basis functions in use (bit field, a plain number), ``softening`` Q ``SOFTENING_Q``,
+    ``satisfaction`` Q ``SATISFACTION_Q``, ``trace`` the law's own intermediates for tests and plots.
+    """
+
+    notch_raw: T
+    notch: T
+    basis: T
+    softening: T
+    satisfaction: T
+    trace: Any
+
+
+class Law(ABC, Generic[T, State]):
+    """A control law bound to an arithmetic and to its constants; it keeps no state of its own.
+
+    ``step`` is pure and straight-line: operations of the arithmetic on named quantities, and no Python branch that
+    depends on data, so that one text serves one train, N trains and an export.
+    """
+
+    #: Name of the entry point.
+    name: ClassVar[str]
+
+    @abstractmethod
+    def __init__(self, arithmetic: Arithmetic[T], control_period_s: float, notch_max: float) -> None:
+        """Bind the law: its constants depend on the control period (s) and the notch range (notches)."""
+
+    @property
+    @abstractmethod
+    def horizon(self) -> int:
+        """Number of set-points ahead, in control periods, that ``LawInputs.preview`` holds."""
+
+    @property
+    @abstractmethod
+    def constants(self) -> tuple[Constant, ...]:
+        """Every constant of the law, for reports and export."""
+
+    @abstractmethod
+    def start(self, inputs: LawInputs[T]) -> State:
+        """State before the first step, given what that step will be given."""
+
+    @abstractmethod
+    def step(self, state: State, inputs: LawInputs[T]) -> tuple[State, LawOutputs[T]]:
+        """One control period."""
+
+    @abstractmethod
+    def with_sent(self, state: State, notch: T) -> State:
+        """The state when another notch than the law's (Q ``NOTCH_Q``) was really sent."""

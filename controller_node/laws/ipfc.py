@@ -1,0 +1,243 @@
+"""IPFC: predictive functional control of the train's speed with a switched basis and an adapted softening factor.
+
+Law of Wang et al., "An improved predictive function control algorithm for velocity curve of urban rail vehicle",
+Chinese Journal of Scientific Instrument, DOI 10.19650/j.cnki.cjsi.J2108765; equation numbers below are the paper's.
+Readings of what the paper leaves open: eq. (11) counts i in samples, eq. (18) takes (c_n - e_n) and the free
+response with a minus sign, eq. (22) takes wavelets *above* the threshold, the windows of eqs. (24) and (25) have
+their words swapped, eq. (23) works on the size of the error. The internal model runs in parallel to the train,
+driven by the notch really sent.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Generic, NamedTuple
+
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+from controller_node.laws.base import (
+    BASIS_STEP,
+    BASIS_WAVELET,
+    NOTCH_Q,
+    NOTCH_RAW_Q,
+    SATISFACTION_Q,
+    SOFTENING_Q,
+    SPEED_Q,
+    Law,
+    LawInputs,
+    LawOutputs,
+)
+from controller_node.laws.ipfc_constants import GAIN_Q, RATE_Q, IpfcParameters, make_constants, softening_curve
+
+# Shifts of the products: Q of the first factor + Q of the second - Q of the result.
+_GAIN_TO_GAIN = GAIN_Q
+_GAIN_TO_SPEED = GAIN_Q + GAIN_Q - SPEED_Q
+_SPEED_TO_GAIN = SPEED_Q + GAIN_Q - GAIN_Q
+_GAIN_BY_COUNT_TO_SPEED = GAIN_Q - SPEED_Q
+_SPEED_TO_NOTCH = SPEED_Q + GAIN_Q - NOTCH_RAW_Q
+_SPEED_TO_SATISFACTION = SPEED_Q + RATE_Q - SATISFACTION_Q
+
+
+class IpfcState(NamedTuple, Generic[T]):
+    """Memory of the law between two control periods.
+
+    ``model`` is [y_m, dy_m/dt] in km/h and km/h/s (Q24), ``notch`` the notch last sent (Q24), ``model_errors`` the
+    last errors y_p - y_m, oldest first, ``tracking_error`` the last y_s - y_p (km/h, Q20).
+    """
+
+    model: tuple[T, T]
+    notch: T
+    model_errors: tuple[T, ...]
+    tracking_error: T
+
+
+class IpfcTrace(NamedTuple, Generic[T]):
+    """Intermediates of one step, in the order in which they are computed.
+
+    ``y_m`` (16), ``t_s`` (23), ``mu_ts`` (24), ``mu_y`` min over the horizon of (25), ``mu`` (26), ``alpha`` (27),
+    ``c`` and ``e`` the polynomial coefficients n = 1, 2, ..., ``d`` (18) at the fitting points.
+    """
+
+    y_m: T
+    t_s: T
+    mu_ts: T
+    mu_y: T
+    mu: T
+    alpha: T
+    c: tuple[T, ...]
+    e: tuple[T, ...]
+    d: tuple[T, ...]
+
+
+class Ipfc(Law[T, IpfcState[T]]):
+    """The IPFC law on one arithmetic.
+
+    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for parameters that do not fit each other.
+    """
+
+    name: ClassVar[str] = "ipfc"
+
+    def __init__(
+        self,
+        arithmetic: Arithmetic[T],
+        control_period_s: float,
+        notch_max: float,
+        parameters: IpfcParameters | None = None,
+    ) -> None:
+        self.parameters = parameters = parameters or IpfcParameters()
+        self.table = table = make_constants(parameters, control_period_s, notch_max)
+        self._curve = softening_curve(parameters)
+        self._ar = ar = arithmetic
+        self._fit_points = parameters.fit_points
+        self._orders = range(1, max(parameters.set_point_order, parameters.error_order) + 1)
+        self._model = tuple(ar.load(row) for row in table.model)
+        self._free = tuple(ar.load(row) for row in table.free)
+        self._step_response = ar.load(table.step_response)
+        self._set_point_fit = tuple(ar.load(row) for row in table.set_point_fit)
+        self._error_fit = tuple(ar.load(row) for row in table.error_fit)
+        self._gains_step = ar.load(table.gains_step)
+        self._gains_wavelet = ar.load(table.gains_wavelet)
+        self._per_period = ar.const(table.per_period)
+        self._wavelet_change = ar.const(table.wavelet_change)
+        self._deviation_max = ar.const(table.deviation_max)
+        self._rise_never = ar.const(table.rise_never if ar.wide else table.rise_never_narrow)
+        self._rise = (ar.load(table.rise_window), ar.load(table.rise_widths), ar.load(table.rise_slopes))
+        self._speed = (ar.load(table.speed_window), ar.load(table.speed_widths), ar.load(table.speed_slopes))
+        self._one = ar.const(table.one_speed)
+        self._one_mu = ar.const(table.one_satisfaction)
+        self._one_alpha = ar.const(table.one_softening)
+        self._notch_max = ar.const(table.notch_max)
+        self._notch_min = ar.neg(self._notch_max)
+        self._deviation_min = ar.neg(self._deviation_max)
+        self._zero = ar.const(Constant("zero", 0.0, SPEED_Q))
+        self._basis_step = ar.const(Constant("basis_step", float(BASIS_STEP), 0))
+        self._basis_wavelet = ar.const(Constant("basis_wavelet", float(BASIS_WAVELET), 0))
+        self._point_powers = {
+            (point, n): ar.const(Constant(f"h^n[{point},{n}]", float(point**n), 0))
+            for point in parameters.fit_points
+            for n in self._orders
+        }
+
+    @property
+    def horizon(self) -> int:
+        return self.parameters.horizon
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return self.table.entries() + self._curve.samples
+
+    def start(self, inputs: LawInputs[T]) -> IpfcState[T]:
+        """Model at rest; earlier errors are taken to equal the first ones."""
+        tracking_error = self._ar.sub(inputs.set_point, inputs.speed)
+        errors = (inputs.speed,) * self.parameters.error_window
+        return IpfcState((self._zero, self._zero), self._zero, errors, tracking_error)
+
+    def with_sent(self, state: IpfcState[T], notch: T) -> IpfcState[T]:
+        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, GAIN_Q))
+
+    def step(self, state: IpfcState[T], inputs: LawInputs[T]) -> tuple[IpfcState[T], LawOutputs[T]]:
+        ar = self._ar
+        drive = (*state.model, state.notch)
+        model = (ar.dot(self._model[0], drive, _GAIN_TO_GAIN), ar.dot(self._model[1], drive, _GAIN_TO_GAIN))
+        y_m = ar.convert(model[0], GAIN_Q, SPEED_Q)
+        model_errors = (*state.model_errors[1:], ar.sub(inputs.speed, y_m))
+        tracking_error = ar.sub(inputs.set_point, inputs.speed)
+        free = tuple(ar.dot(row, model, _GAIN_TO_SPEED) for row in self._free)
+
+        t_s = self._rise_time(tracking_error, state.tracking_error)
+        inside = self._membership(t_s, t_s, *self._rise)
+        mu_ts = ar.where(ar.gt(t_s, self._zero), inside, self._one_mu)
+        mu_y = self._prediction_satisfaction(inputs, free, state.notch)
+        mu = ar.minimum(mu_ts, mu_y)
+        alpha = ar.curve(self._curve, mu)
+
+        c = self._set_point_polynomial(inputs)
+        e = self._error_polynomial(model_errors)
+        d = self._deviations(tracking_error, alpha, c, e, free)
+
+        change = ar.abs(ar.sub(inputs.preview[-1], inputs.set_point))
+        steep = ar.gt(change, self._wavelet_change)
+        gains = [ar.where(steep, w, s) for w, s in zip(self._gains_wavelet, self._gains_step, strict=True)]
+        notch_raw = ar.dot(gains, d, _SPEED_TO_NOTCH)
+        notch = ar.quantise(ar.clip(notch_raw, self._notch_max, self._notch_min), NOTCH_RAW_Q, NOTCH_Q)
+        basis = ar.where(steep, self._basis_wavelet, self._basis_step)
+
+        new_state = IpfcState(model, ar.convert(notch, NOTCH_Q, GAIN_Q), model_errors, tracking_error)
+        trace = IpfcTrace(y_m, t_s, mu_ts, mu_y, mu, alpha, c, e, d)
+        return new_state, LawOutputs(notch_raw, notch, basis, alpha, mu, trace)
+
+    def _rise_time(self, error: T, error_before: T) -> T:
+        """Eq. (23) on the size of the error, s (Q20)."""
+        ar = self._ar
+        size = ar.abs(error)
+        closed = ar.sub(ar.abs(error_before), size)
+        closing = ar.gt(closed, self._zero)
+        rate = ar.where(closing, ar.rmpy(closed, self._per_period, RATE_Q), self._one)
+        if not ar.wide:
+            # Keeps the quotient at or below 1 s.
+            rate = ar.maximum(rate, size)
+        ratio = ar.div(size, rate, SPEED_Q)
+        return ar.where(closing, ratio, ar.where(ar.gt(size, self._zero), self._rise_never, self._zero))
+
+    def _membership(self, low: T, high: T, window: tuple[T, ...], widths: tuple[T, ...], slopes: tuple[T, ...]) -> T:
+        """Trapezoid of eqs. (24) and (25), the smaller of that of ``low`` and of ``high`` where low <= high (Q24).
+
+        Left and right flank are cut to their widths before the product, which therefore cannot overflow.
+        """
+        ar = self._ar
+        below = ar.clip(ar.sub(low, window[0]), self._zero, ar.neg(widths[0]))
+        above = ar.clip(ar.sub(high, window[1]), widths[1], self._zero)
+        left = ar.add(self._one_mu, ar.rmpy(below, slopes[0], _SPEED_TO_SATISFACTION))
+        right = ar.sub(self._one_mu, ar.rmpy(above, slopes[1], _SPEED_TO_SATISFACTION))
+        return ar.clip(ar.minimum(left, right), self._one_mu, self._zero)
+
+    def _prediction_satisfaction(self, inputs: LawInputs[T], free: tuple[T, ...], notch: T) -> T:
+        """Eq. (25) at its worst over the horizon: the membership is monotone on each flank, so extremes suffice."""
+        ar = self._ar
+        misses = [
+            ar.sub(ar.add(ar.add(inputs.speed, change), ar.rmpy(response, notch, _GAIN_TO_SPEED)), target)
+            for change, response, target in zip(free, self._step_response, inputs.preview, strict=True)
+        ]
+        low = high = misses[0]
+        for miss in misses[1:]:
+            low, high = ar.minimum(low, miss), ar.maximum(high, miss)
+        return self._membership(low, high, *self._speed)
+
+    def _set_point_polynomial(self, inputs: LawInputs[T]) -> tuple[T, ...]:
+        """Coefficients c_n of the set-points ahead (Q24)."""
+        ar = self._ar
+        rises = [ar.sub(target, inputs.set_point) for target in inputs.preview]
+        return tuple(ar.dot(row, rises, _SPEED_TO_GAIN) for row in self._set_point_fit)
+
+    def _error_polynomial(self, model_errors: tuple[T, ...]) -> tuple[T, ...]:
+        """Coefficients e_n of eq. (15) (Q24)."""
+        ar = self._ar
+        newest = model_errors[-1]
+        past = [ar.sub(error, newest) for error in model_errors[:-1]]
+        if not ar.wide:
+            past = [ar.sat(error, self._deviation_max, self._deviation_min) for error in past]
+        return tuple(ar.dot(row, past, _SPEED_TO_GAIN) for row in self._error_fit)
+
+    def _deviations(
+        self, tracking_error: T, alpha: T, c: tuple[T, ...], e: tuple[T, ...], free: tuple[T, ...]
+    ) -> tuple[T, ...]:
+        """d(k + h) of eq. (18) at the fitting points (km/h, Q20)."""
+        ar = self._ar
+        powers = [alpha]
+        while len(powers) < max(self._fit_points):
+            powers.append(ar.rmpy(powers[-1], alpha, SOFTENING_Q))
+        slopes = [self._slope(c, e, n) for n in self._orders]
+        deviations = []
+        for point in self._fit_points:
+            d = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, SOFTENING_Q)
+            for n, slope in zip(self._orders, slopes, strict=True):
+                d = ar.add(d, ar.rmpy(slope, self._point_powers[point, n], _GAIN_BY_COUNT_TO_SPEED))
+            d = ar.sub(d, free[point - 1])
+            deviations.append(d if ar.wide else ar.sat(d, self._deviation_max, self._deviation_min))
+        return tuple(deviations)
+
+    def _slope(self, c: tuple[T, ...], e: tuple[T, ...], n: int) -> T:
+        """c_n - e_n, where a coefficient beyond the order of its polynomial is zero."""
+        if n > len(e):
+            return c[n - 1]
+        if n > len(c):
+            return self._ar.neg(e[n - 1])
+        return self._ar.sub(c[n - 1], e[n - 1])

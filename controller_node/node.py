@@ -1,0 +1,163 @@
+"""The controller process on the bus: mailboxes in, control law, answers to the bus administrator's polls."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+from bus.errors import PeerSilent
+from bus.frame import Frame
+from bus.ident import CtlIdent, Ident, Role, make_ident
+from bus.layout import CHECK_CORRECT, Telegram, flag
+from bus.link import Endpoint
+from bus.responder import Responder
+from bus.telegrams import (
+    BalisePassed,
+    CtlMode,
+    CtlStat,
+    Event,
+    NotchCmd,
+    PltStat,
+    RunEvent,
+    TimeSync,
+    TrkInfo,
+    TrnPos,
+    TrnSpeed,
+)
+from controller_node.controller import Controller, ControlOutput
+from dbc import wire_contract
+from scenarios.model import Scenario
+
+#: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
+MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
+#: A controller that hears nothing at all for this long on the wall clock ends.
+SILENCE_S = 4.0
+#: Before the first frame it waits longer: the other nodes may be started by hand.
+FIRST_FRAME_S = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class ControllerOptions:
+    """What the command line says about the controller."""
+
+    controller: str = "ipfc"
+    arithmetic: str = "iq"
+    indexing: str = "time"
+    fd: bool = False
+
+
+class ControllerNode:
+    """Reacts to frames; holds no socket, so it runs in a process or in memory alike."""
+
+    def __init__(self, scenario: Scenario, options: ControllerOptions) -> None:
+        contract = wire_contract()
+        self.controller = Controller(scenario, options.controller, options.arithmetic, options.indexing)
+        self.ended: Event | None = None
+        self._control_ns = scenario.timing.control_period_ns
+        self._ident = make_ident(
+            Role.CONTROLLER,
+            scenario.sha256,
+            controller=options.controller,
+            arithmetic=options.arithmetic,
+            indexing=options.indexing,
+        )
+        self._output: ControlOutput | None = None
+        self._last_k = -1
+        self._steps = 0
+        self._overruns = 0
+        self._notch_life = 0
+        self._stat_life = 0
+        self.responder = Responder(
+            Role.CONTROLLER,
+            scenario.timing.base_tick_ns,
+            [contract.port(telegram.PORT) for telegram in MAILBOXES],
+            {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status, CtlIdent.PORT: self._own_ident},
+            fd=options.fd,
+            on_commit=self._committed,
+        )
+        self._clock = self.responder.clock
+        self._store = self.responder.store
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order; returns the answer to a poll of the controller."""
+        return self.responder.handle(frame)
+
+    def _committed(self, port: str) -> None:
+        if port == RunEvent.PORT:
+            telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
+            if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
+                self.ended = Event(telegram.event)
+
+    def _control(self) -> None:
+        """Run the law when a control period has begun since the last step."""
+        now_ns = self._clock.now_ns
+        k = now_ns // self._control_ns
+        if not self._clock.running or k == self._last_k:
+            return
+        speed, _ = self._store.read(TrnSpeed, now_ns)
+        if speed is None or speed.check != CHECK_CORRECT:
+            return
+        position, _ = self._store.read(TrnPos, now_ns)
+        odometer_01mm = position.odometer_mm * 10 if position is not None else 0
+        if k > self._last_k + 1 and self._last_k >= 0:
+            self._overruns += 1
+        self._output = self.controller.step(k, speed.speed_01mmps, odometer_01mm)
+        self._last_k = k
+        self._steps += 1
+
+    def _notch(self) -> Telegram:
+        self._control()
+        self._notch_life = (self._notch_life + 1) & 0xF
+        if self._output is None:
+            return NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
+        return NotchCmd(self._output.notch_code, CtlMode.RUNNING, emergency=flag(False), life=self._notch_life)
+
+    def _status(self) -> Telegram:
+        self._stat_life = (self._stat_life + 1) & 0xF
+        output = self._output
+        if output is None:
+            return CtlStat(ready=flag(False), life=self._stat_life)
+        return CtlStat(
+            basis=output.basis,
+            overflow_flags=output.overflow_flags,
+            softening_unipolar2=output.softening_raw,
+            satisfaction_unipolar2=output.satisfaction_raw,
+            step_count=self._steps & 0xFFFF,
+            step_cycles=output.cycles,
+            step_cycles_max=output.cycles_max,
+            overruns=min(self._overruns, 255),
+            life=self._stat_life,
+        )
+
+    def _own_ident(self) -> Ident:
+        return self._ident
+
+
+def serve(node: ControllerNode, endpoint: Endpoint) -> None:
+    """Answer the bus administrator until the run has ended.
+
+    :raises BusLost: the bus is gone.
+    :raises PeerSilent: nothing came for too long.
+    """
+    heard_s = time.monotonic()
+    patience_s = FIRST_FRAME_S
+    while node.ended is None:
+        frames = endpoint.receive(0.5)
+        for frame in frames:
+            answers = node.handle(frame)
+            if answers:
+                endpoint.send(answers)
+        now_s = time.monotonic()
+        if frames:
+            heard_s, patience_s = now_s, SILENCE_S
+        elif now_s - heard_s > patience_s:
+            raise PeerSilent(f"controller waits for the bus administrator: no frame for {patience_s:g} s")
+
+
+def run_controller(node: ControllerNode, endpoint: Endpoint) -> int:
+    """Serve one run on an open endpoint; returns an exit code."""
+    try:
+        serve(node, endpoint)
+    finally:
+        endpoint.close()
+    return 0

@@ -1,0 +1,118 @@
+"""Set-points of the target speed curve for the control law, now and over the law's horizon.
+
+Tables are made before the run from the exact curve; in an IQ arithmetic a look-up is integer only.
+
+``time``: v*(k Ts), as eqs. (11) to (19) of the IPFC paper are printed. After the planned stop the last deceleration
+continues (virtual negative speed).
+
+``distance``: v*(x) and preview v*(t*(x) + i Ts), where t*(x) is when the target passes x. The target's positions are
+tabulated every sixteenth of a control period, and t* is interpolated linearly between them: off by at most
+a (Ts/16)^2 / 8 in position, 0.1 mm at 1 m/s2 and 0.5 s. At rest the curve has no distance to be indexed by, so the
+first metres are indexed by time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Generic
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+from controller_node.laws.base import SPEED_Q
+from scenarios.errors import InputError
+from scenarios.model import Scenario
+from scenarios.target import Target
+
+INDEXINGS = ("time", "distance")
+
+#: Position from which on the distance indexing uses the distance.
+DISTANCE_FROM_M = 5.0
+
+#: Table entries per control period of the distance indexing.
+_PER_PERIOD = 16
+#: Fraction of a table cell.
+_FRACTION_Q = 20
+_KMH = 3.6
+_01MM = 1e4
+
+
+def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) -> list[Constant]:
+    speeds = target.speed_mps(times_s) * _KMH
+    return [Constant(f"{name}[{i}]", float(speed), SPEED_Q) for i, speed in enumerate(speeds)]
+
+
+class SetPoints(Generic[T]):
+    """Set-points in km/h (Q ``SPEED_Q``) on one arithmetic.
+
+    Raises :class:`~scenarios.errors.InputError` for an unknown indexing, and for the distance indexing of a run that
+    is shorter than ``DISTANCE_FROM_M``.
+    """
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, indexing: str, horizon: int) -> None:
+        if indexing not in INDEXINGS:
+            raise InputError("indexing", "name", indexing, f"one of {', '.join(INDEXINGS)}")
+        self._ar = arithmetic
+        self._horizon = horizon
+        period_s = scenario.timing.control_period_ns / 1e9
+        target = Target(scenario.target)
+        end_s = max(scenario.plan.running_time_s, target.stop_time_s) + scenario.plan.overtime_max_s
+        count = math.ceil(end_s / period_s) + horizon + 1
+        self._by_time = arithmetic.table(_speed_constants("v_of_t", target, np.arange(count) * period_s))
+        self._last_k = count - horizon - 1
+        self._distance = _DistanceTable(arithmetic, target, period_s, horizon) if indexing == "distance" else None
+
+    def at(self, k: int, position_01mm: T) -> tuple[T, Sequence[T]]:
+        """Set-point of control period ``k`` and those of the next ``horizon`` periods.
+
+        ``position_01mm`` is the measured position in 0.1 mm (whole numbers in every arithmetic). Beyond the end of the
+        timetable plus the overtime of the plan, and before 0, the last or first entries hold.
+        """
+        ar = self._ar
+        first = min(max(k, 0), self._last_k)
+        by_time = self._by_time[first : first + self._horizon + 1]
+        if self._distance is None:
+            return by_time[0], by_time[1:]
+        by_distance = self._distance.at(position_01mm)
+        under_way = ar.gt(position_01mm, self._distance.from_01mm)
+        points = [ar.where(under_way, d, t) for d, t in zip(by_distance, by_time, strict=True)]
+        return points[0], points[1:]
+
+
+class _DistanceTable(Generic[T]):
+    """v*(t*(x) + i Ts); times are counted back from the stop, so that the last entry is the stopping point."""
+
+    def __init__(self, arithmetic: Arithmetic[T], target: Target, period_s: float, horizon: int) -> None:
+        if target.stop_position_m <= DISTANCE_FROM_M:
+            raise InputError(
+                "scenario", "target", f"{target.stop_position_m:g} m to the stop", f"more than {DISTANCE_FROM_M:g} m"
+            )
+        self._ar = arithmetic
+        cell_s = period_s / _PER_PERIOD
+        before = math.ceil((target.stop_time_s - float(target.time_s(DISTANCE_FROM_M))) / cell_s)
+        times_s: NDArray[np.float64] = target.stop_time_s + np.arange(-before, 1, dtype=np.float64) * cell_s
+        positions = target.position_m(times_s) * _01MM
+        self._position = arithmetic.table([Constant(f"x[{i}]", round(x), 0) for i, x in enumerate(positions)])
+        after = np.arange(1, horizon * _PER_PERIOD + 1)
+        all_times_s = np.concatenate((times_s, target.stop_time_s + after * cell_s))
+        self._speed = arithmetic.table(_speed_constants("v_of_x", target, all_times_s))
+        self._offsets = [i * _PER_PERIOD for i in range(horizon + 1)]
+        self._zero = arithmetic.const(Constant("zero", 0.0, 0))
+        self._one_01mm = arithmetic.const(Constant("one_01mm", 1.0, 0))
+        #: Where the distance indexing begins, 0.1 mm.
+        self.from_01mm = arithmetic.const(Constant("from", DISTANCE_FROM_M * _01MM, 0))
+
+    def at(self, position_01mm: T) -> list[Any]:
+        ar = self._ar
+        index = ar.locate(self._position, position_01mm)
+        begin = self._position[index]
+        # Next to the stop neighbours can share a tenth of a millimetre.
+        length = ar.maximum(ar.sub(self._position[index + 1], begin), self._one_01mm)
+        fraction = ar.div(ar.clip(ar.sub(position_01mm, begin), length, self._zero), length, _FRACTION_Q)
+        points = []
+        for offset in self._offsets:
+            left, right = self._speed[index + offset], self._speed[index + offset + 1]
+            points.append(ar.add(left, ar.rmpy(ar.sub(right, left), fraction, _FRACTION_Q)))
+        return points

@@ -1,0 +1,64 @@
+#!/bin/busybox sh
+# First process of the test machine: load the modules, see the host's root read-only under a throw-away
+# overlay, bring the CAN interfaces up, run the one command, hand its exit code back, power off.
+/bin/busybox mkdir -p /proc /sys /dev /host /layer /new /sbin /usr/bin /usr/sbin
+/bin/busybox --install -s
+mount -t proc proc /proc
+mount -t sysfs sysfs /sys
+mount -t devtmpfs devtmpfs /dev
+say() { echo "railhil-vm: $*" >/dev/console; }
+
+while read -r module; do
+    insmod "/modules/$module" || say "module $module does not load"
+done </modules/order
+
+nine=trans=virtio,version=9p2000.L,msize=524288
+mount -t 9p -o $nine,ro,cache=loose root /host || say "the host's root does not mount"
+mount -t tmpfs -o mode=755 layer /layer
+mkdir /layer/upper /layer/work
+mount -t overlay -o lowerdir=/host,upperdir=/layer/upper,workdir=/layer/work root /new || say "no overlay"
+mount -t proc proc /new/proc
+mount -t sysfs sysfs /new/sys
+mount -t devtmpfs devtmpfs /new/dev
+mkdir -p /new/dev/pts /new/dev/shm
+mount -t devpts -o mode=620,ptmxmode=666 devpts /new/dev/pts
+mount -t tmpfs -o mode=1777 shm /new/dev/shm
+mount -t tmpfs -o mode=755 run /new/run
+mkdir -p /new/run/lock /new/run/railhil-vm
+mount -t 9p -o $nine control /new/run/railhil-vm || say "the control folder does not mount"
+control=/new/run/railhil-vm
+while read -r tag path; do
+    mkdir -p "/new$path"
+    mount -t 9p -o $nine "$tag" "/new$path" || say "share $path does not mount"
+done <$control/shares
+while read -r device path; do
+    mkdir -p "/new$path"
+    mount -t ext4 "/dev/$device" "/new$path" || say "disk $path does not mount"
+done <$control/disks
+# Version 1 hierarchies, one per controller: what an older container runtime expects.
+mount -t tmpfs -o mode=755 cgroup /new/sys/fs/cgroup
+while read -r controller _ _ enabled; do
+    [ "$enabled" = 1 ] || continue
+    mkdir "/new/sys/fs/cgroup/$controller"
+    mount -t cgroup -o "$controller" cgroup "/new/sys/fs/cgroup/$controller" || say "no cgroup $controller"
+done </proc/cgroups
+
+ip link set lo up
+for interface in vcan0 vcan1; do
+    ip link add "$interface" type vcan && ip link set "$interface" up || say "no $interface"
+done
+
+# The command writes to pipes, not to the ports: a port cannot be opened twice, /dev/stdout must be.
+mkfifo /out /err
+cat </out >/dev/vport0p1 &
+copy_out=$!
+cat </err >/dev/vport0p2 &
+copy_err=$!
+chroot /new /bin/sh /run/railhil-vm/command >/out 2>/err </dev/null
+echo $? >$control/exit_code.part
+mv $control/exit_code.part $control/exit_code
+# What the command left running may hold the pipes; the rest of its output gets five seconds.
+(sleep 5; kill $copy_out $copy_err) 2>/dev/null &
+wait $copy_out $copy_err
+sync
+poweroff -f

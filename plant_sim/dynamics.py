@@ -1,0 +1,334 @@
+"""Longitudinal dynamics of a train as pure functions on plain numbers and tuples.
+
+::
+
+    x' = v          M v' = clip(F) - W(v, grade)          F' = -p F + p K u
+
+``F`` is the signed force of the actuator (first-order lag with pole ``p``), ``u`` the notch and ``K`` the force per
+notch; ``W`` is Davis resistance plus grade averaged over the train length. ``clip`` keeps the force within the
+traction limit ``min(F_max, P_max / v, curve(v))`` and the brake limit. A brake holds the train and never pushes it
+back: ``v >= 0``.
+
+Source: plant of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, with Davis resistance, force limits and grade added.
+
+Within a step the notch is constant, so the actuator is solved exactly (mean force included); the motion uses the
+midpoint rule with a predicted middle (second order). Departure, stop and the crossing of a force limit are found
+inside the step, so the whole run is of second order in the step.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from math import exp, inf, log
+from typing import NamedTuple
+
+import numpy as np
+
+from scenarios.model import Effort, Profile, Train
+from scenarios.profiles import MeanGrade
+
+_KMH = 3.6
+
+
+class EffortTable(NamedTuple):
+    """Force limit over speed; ``power_max_w`` is infinite and the curve empty when there is none."""
+
+    force_max_n: float
+    power_max_w: float
+    curve_mps: tuple[float, ...]
+    curve_n: tuple[float, ...]
+
+
+class TrainConstants(NamedTuple):
+    """Constants of one train in SI units; resistance in N is ``a + b v + c v^2 + grade_n_per_permil * grade``."""
+
+    mass_kg: float
+    resistance_a_n: float
+    resistance_b_n_per_mps: float
+    resistance_c_n_per_mps2: float
+    grade_n_per_permil: float
+    pole_per_s: float
+    traction: EffortTable
+    brake: EffortTable
+
+
+class GradeTable(NamedTuple):
+    """Grade averaged over the train by position of its front: exact, as it is linear between these breakpoints."""
+
+    from_m: tuple[float, ...]
+    permil: tuple[float, ...]
+    permil_per_m: tuple[float, ...]
+
+
+class Lag(NamedTuple):
+    """Actuator over one step: ``F1 = G + (F0 - G) decay``, mean force ``G + (F0 - G) mean``, G the steady force."""
+
+    step_s: float
+    decay: float
+    mean: float
+
+
+class Window(NamedTuple):
+    """What the train's protection leaves of the forces.
+
+    ``traction`` False takes all traction away; ``brake_min_n`` is a braking force applied whatever the actuator says
+    (infinite: everything the brake has).
+    """
+
+    traction: bool
+    brake_min_n: float
+
+
+FREE = Window(True, 0.0)
+
+
+class Motion(NamedTuple):
+    """State of the train: front position, speed, actuator force before clipping (traction positive).
+
+    ``accel_mps2`` is the mean acceleration of the step before; it only predicts the speed in the middle of the next.
+    """
+
+    position_m: float
+    speed_mps: float
+    actuator_n: float
+    accel_mps2: float
+
+
+AT_REST = Motion(0.0, 0.0, 0.0, 0.0)
+
+
+class Step(NamedTuple):
+    """Result of one step: the state at its end and the part of it (s from its start) in which the train moved."""
+
+    motion: Motion
+    moving_from_s: float
+    moving_to_s: float
+
+
+def effort_table(effort: Effort) -> EffortTable:
+    """Table of a force limit."""
+    power_w = inf if effort.power_max_w is None else effort.power_max_w
+    return EffortTable(
+        effort.force_max_n,
+        power_w,
+        tuple(speed for speed, _ in effort.curve),
+        tuple(force for _, force in effort.curve),
+    )
+
+
+def train_constants(train: Train) -> TrainConstants:
+    """Constants of a train; Davis coefficients are turned from N/kN and km/h into N and m/s."""
+    weight_kn = train.mass_kg * train.gravity_mps2 / 1000.0
+    return TrainConstants(
+        train.inertial_mass_kg,
+        weight_kn * train.davis_a_n_per_kn,
+        weight_kn * train.davis_b_n_per_kn_kmh * _KMH,
+        weight_kn * train.davis_c_n_per_kn_kmh2 * _KMH**2,
+        weight_kn,
+        train.actuator_pole_per_s,
+        effort_table(train.traction),
+        effort_table(train.brake),
+    )
+
+
+def grade_table(grade_permil: Profile, length_m: float) -> GradeTable:
+    """Breakpoints of ``(height(x) - height(x - length)) / length``, height being the integral of the grade."""
+    mean = MeanGrade(grade_permil, length_m)
+    from_m = mean.breakpoints_m
+    permil = mean(from_m)
+    slope = np.append(np.diff(permil) / np.diff(from_m), 0.0)
+    return GradeTable(tuple(from_m.tolist()), tuple(permil.tolist()), tuple(slope.tolist()))
+
+
+def mean_grade_permil(table: GradeTable, front_m: float) -> float:
+    """Grade averaged over the train with its front at ``front_m``; held before the first and after the last row."""
+    row = bisect_right(table.from_m, front_m) - 1
+    if row < 0:
+        return table.permil[0]
+    return table.permil[row] + table.permil_per_m[row] * (front_m - table.from_m[row])
+
+
+def effort_limit_n(table: EffortTable, speed_mps: float) -> float:
+    """Greatest force at a speed: ``min(F_max, P_max / v, curve(v))``, the curve held at both ends."""
+    limit_n = table.force_max_n
+    if limit_n * speed_mps > table.power_max_w:
+        limit_n = table.power_max_w / speed_mps
+    speeds = table.curve_mps
+    if speeds:
+        row = bisect_right(speeds, speed_mps)
+        forces = table.curve_n
+        if row == 0:
+            curve_n = forces[0]
+        elif row == len(speeds):
+            curve_n = forces[-1]
+        else:
+            share = (speed_mps - speeds[row - 1]) / (speeds[row] - speeds[row - 1])
+            curve_n = forces[row - 1] + share * (forces[row] - forces[row - 1])
+        limit_n = min(limit_n, curve_n)
+    return limit_n
+
+
+def resistance_n(constants: TrainConstants, speed_mps: float, grade_permil: float) -> float:
+    """Davis resistance and grade force, positive against the motion."""
+    running_n = constants.resistance_a_n + speed_mps * (
+        constants.resistance_b_n_per_mps + speed_mps * constants.resistance_c_n_per_mps2
+    )
+    return running_n + constants.grade_n_per_permil * grade_permil
+
+
+def lag(pole_per_s: float, step_s: float) -> Lag:
+    """Actuator factors of a step of any length > 0."""
+    decay = exp(-pole_per_s * step_s)
+    return Lag(step_s, decay, (1.0 - decay) / (pole_per_s * step_s))
+
+
+def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) -> tuple[float, float]:
+    """Least and greatest force on the train at a speed, traction positive."""
+    low_n = -effort_limit_n(constants.brake, speed_mps)
+    traction, brake_min_n = window
+    if brake_min_n > 0.0:
+        return low_n, max(low_n, -brake_min_n)
+    return low_n, effort_limit_n(constants.traction, speed_mps) if traction else 0.0
+
+
+def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, high_n: float) -> float:
+    """Mean of a force clipped to ``low_n..high_n`` while it runs from ``first_n`` to ``last_n`` with mean ``mean_n``.
+
+    Exact when no bound is crossed; on a crossing the force is taken as linear in time (second order).
+    """
+    if low_n <= first_n <= high_n and low_n <= last_n <= high_n:
+        return mean_n
+    if first_n >= high_n and last_n >= high_n:
+        return high_n
+    if first_n <= low_n and last_n <= low_n:
+        return low_n
+    mean_n = (first_n + last_n) / 2
+    span_n = abs(last_n - first_n)
+    over_n = max(first_n, last_n) - high_n
+    under_n = low_n - min(first_n, last_n)
+    if over_n > 0.0:
+        mean_n -= over_n * over_n / (2 * span_n)
+    if under_n > 0.0:
+        mean_n += under_n * under_n / (2 * span_n)
+    return mean_n
+
+
+def applied_n(constants: TrainConstants, window: Window, motion: Motion) -> float:
+    """Force on the train at this instant after all limits, traction positive."""
+    low_n, high_n = force_bounds_n(constants, window, motion.speed_mps)
+    return min(max(motion.actuator_n, low_n), high_n)
+
+
+def acceleration_mps2(constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion) -> float:
+    """Acceleration at this instant; 0 for a standing train that the brake or its own resistance holds."""
+    grade = mean_grade_permil(grades, motion.position_m)
+    net_n = applied_n(constants, window, motion) - resistance_n(constants, motion.speed_mps, grade)
+    if motion.speed_mps <= 0.0 and net_n <= 0.0:
+        return 0.0
+    return net_n / constants.mass_kg
+
+
+def step(
+    constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
+) -> Step:
+    """The train one step later, with the notch's steady force ``steady_n`` = K u constant over the step."""
+    position_m, speed_mps, actuator_n, _ = motion
+    step_s, decay, mean = lag_step
+    if speed_mps <= 0.0:
+        waiting_s = _waiting_s(constants, grades, window, motion, steady_n, lag_step)
+        if waiting_s > 0.0:
+            return _from_rest(constants, grades, window, motion, steady_n, lag_step, waiting_s)
+    offset_n = actuator_n - steady_n
+    next_n = steady_n + offset_n * decay
+    accel_mps2 = _mean_acceleration(constants, grades, window, motion, next_n, steady_n + offset_n * mean, step_s)
+    next_mps = speed_mps + accel_mps2 * step_s
+    if next_mps <= 0.0:
+        return _to_rest(constants, grades, window, motion, steady_n, next_n, accel_mps2, step_s)
+    moved_m = (speed_mps + next_mps) * 0.5 * step_s
+    return Step(Motion(position_m + moved_m, next_mps, next_n, accel_mps2), 0.0, step_s)
+
+
+def _mean_acceleration(
+    constants: TrainConstants,
+    grades: GradeTable,
+    window: Window,
+    motion: Motion,
+    next_n: float,
+    mean_n: float,
+    step_s: float,
+) -> float:
+    """Mean acceleration over a step: mean force, resistance and limits at the speed and position in its middle."""
+    position_m, speed_mps, actuator_n, accel_mps2 = motion
+    half_s = 0.5 * step_s
+    middle_mps = speed_mps + accel_mps2 * half_s
+    if middle_mps < 0.0:
+        middle_mps = 0.0
+    low_n, high_n = force_bounds_n(constants, window, middle_mps)
+    if not (low_n <= actuator_n <= high_n and low_n <= next_n <= high_n):
+        mean_n = clipped_mean_n(actuator_n, next_n, mean_n, low_n, high_n)
+    grade = mean_grade_permil(grades, position_m + speed_mps * half_s)
+    return (mean_n - resistance_n(constants, middle_mps, grade)) / constants.mass_kg
+
+
+def _to_rest(
+    constants: TrainConstants,
+    grades: GradeTable,
+    window: Window,
+    motion: Motion,
+    steady_n: float,
+    next_n: float,
+    accel_mps2: float,
+    step_s: float,
+) -> Step:
+    """A step inside which the speed reaches zero; the train stands for the rest of it."""
+    position_m, speed_mps, actuator_n, _ = motion
+    stop_s = step_s
+    if accel_mps2 < 0.0 < speed_mps:
+        stop_s = min(step_s, -speed_mps / accel_mps2)
+        part = lag(constants.pole_per_s, stop_s)
+        offset_n = actuator_n - steady_n
+        part_n = steady_n + offset_n * part.decay
+        mean_n = steady_n + offset_n * part.mean
+        accel_mps2 = _mean_acceleration(constants, grades, window, motion, part_n, mean_n, stop_s)
+        if accel_mps2 < 0.0:
+            stop_s = min(step_s, -speed_mps / accel_mps2)
+    return Step(Motion(position_m + speed_mps * 0.5 * stop_s, 0.0, next_n, 0.0), 0.0, stop_s)
+
+
+def _waiting_s(
+    constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
+) -> float:
+    """How long a standing train still stands in this step (the whole step: it does not depart)."""
+    against_n = resistance_n(constants, 0.0, mean_grade_permil(grades, motion.position_m))
+    low_n, high_n = force_bounds_n(constants, window, 0.0)
+    actuator_n = motion.actuator_n
+    if min(max(actuator_n, low_n), high_n) > against_n:
+        return 0.0
+    last_n = steady_n + (actuator_n - steady_n) * lag_step.decay
+    if min(max(last_n, low_n), high_n) <= against_n:
+        return lag_step.step_s
+    return min(log((actuator_n - steady_n) / (against_n - steady_n)) / constants.pole_per_s, lag_step.step_s)
+
+
+def _from_rest(
+    constants: TrainConstants,
+    grades: GradeTable,
+    window: Window,
+    motion: Motion,
+    steady_n: float,
+    lag_step: Lag,
+    waiting_s: float,
+) -> Step:
+    """A step that begins at rest: the actuator moves on alone until the force overcomes the resistance."""
+    position_m, _, actuator_n, _ = motion
+    step_s = lag_step.step_s
+    next_n = steady_n + (actuator_n - steady_n) * lag_step.decay
+    moving_s = step_s - waiting_s
+    if moving_s <= 0.0:
+        return Step(Motion(position_m, 0.0, next_n, 0.0), step_s, step_s)
+    offset_n = (actuator_n - steady_n) * exp(-constants.pole_per_s * waiting_s)
+    standing = Motion(position_m, 0.0, steady_n + offset_n, 0.0)
+    mean_n = steady_n + offset_n * lag(constants.pole_per_s, moving_s).mean
+    accel_mps2 = _mean_acceleration(constants, grades, window, standing, next_n, mean_n, moving_s)
+    speed_mps = max(0.0, accel_mps2 * moving_s)
+    return Step(Motion(position_m + speed_mps * 0.5 * moving_s, speed_mps, next_n, accel_mps2), waiting_s, step_s)

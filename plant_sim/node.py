@@ -1,0 +1,215 @@
+"""The plant process: train and line in one loop, and the bus administrator of the bench.
+
+One tick: publish what is due (the clock port first), poll what is due, let the train take the command, advance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bus.administrator import Administrator, Schedule
+from bus.clock import Pacer
+from bus.errors import BusError, PeerSilent
+from bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from bus.link import Endpoint
+from bus.store import TrafficStore
+from bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
+from dbc import Port, wire_contract
+from plant_sim.gate import CommandGate
+from plant_sim.plant import Plant, PlantError
+from plant_sim.telegrams import TrainTelegrams
+from scenarios.model import Scenario
+from scenarios.perturb import perturbed
+
+#: How long the other nodes may take to appear, on the wall clock.
+PRESENCE_NS = 20_000_000_000
+#: The record goes on this long after the stop, so that it shows the standstill.
+AFTER_STOP_S = 1.0
+
+
+class Refused(BusError):
+    """The nodes do not agree on what to run; the text names both sides."""
+
+    exit_code = 2
+
+
+@dataclass(frozen=True, slots=True)
+class PlantOptions:
+    """What the command line says about a run."""
+
+    seed: int = 0
+    perturbed: bool = False
+    #: Simulated seconds per wall second, 0 = lockstep.
+    rate: float = 0.0
+    fd: bool = False
+
+
+class PlantNode:
+    """One run of the plant on one endpoint."""
+
+    def __init__(self, scenario: Scenario, options: PlantOptions, endpoint: Endpoint) -> None:
+        contract = wire_contract()
+        self.scenario = perturbed(scenario, options.seed) if options.perturbed else scenario
+        self.plant = Plant(self.scenario, options.seed)
+        self.gate = CommandGate(round(self.scenario.train.notch_max * 256))
+        self._telegrams = TrainTelegrams(self.scenario, self.plant, options.rate)
+        self._ident = make_ident(Role.PLANT, scenario.sha256, seed=options.seed, perturbed=options.perturbed)
+        self._tick_ns = self.scenario.timing.base_tick_ns
+        self._pacer = Pacer(options.rate)
+        polled = [port for port in contract.ports if port.mode == "poll"]
+        self._store = TrafficStore(polled)
+        self.administrator = Administrator(
+            endpoint,
+            self._store,
+            lambda: self.plant.tick * self._tick_ns,
+            self._pacer,
+            [port for port in contract.ports if port.source == "plant"],
+            fd=options.fd,
+        )
+        schedule = Schedule.from_contract(self._tick_ns, dict(self.scenario.timing.port_period_ns))
+        clock_port = contract.clock_port.name
+        self._published = sorted(
+            ((schedule.ticks(name), name != clock_port, make) for name, make in self._telegrams.makers.items()),
+            key=lambda entry: entry[1],
+        )
+        self._notch_port, self._stat_port, self._sup_port = (
+            contract.port(telegram.PORT) for telegram in (NotchCmd, CtlStat, SupCmd)
+        )
+        self._polled = [
+            (schedule.ticks(port.name), port) for port in (self._sup_port, self._notch_port, self._stat_port)
+        ]
+        self._controller_lost = ""
+        self._ended: Event | None = None
+
+    # -- before the run -------------------------------------------------------------------------------------------
+
+    def handshake(self) -> None:
+        """Wait for controller and supervisor, compare what everybody is about to run, wait for the start.
+
+        :raises PeerSilent: a node did not appear.
+        :raises Refused: the nodes disagree.
+        """
+        missing = self.administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), PRESENCE_NS)
+        if missing:
+            names = " and ".join(Role(device).name.lower() for device in sorted(missing))
+            raise PeerSilent(f"bus administrator waits for {names}: no answer within {PRESENCE_NS // 10**9} s")
+        self.administrator.publish(self._ident)
+        differences: list[str] = []
+        for telegram in (CtlIdent, SupIdent):
+            self._demand(wire_contract().port(telegram.PORT))
+            other: Ident | None = self._store.read(telegram, 0)[0]
+            if other is not None:
+                differences += self._ident.differences(other)
+        if differences:
+            self._end(Event.ENDED_REFUSED)
+            raise Refused("; ".join(differences))
+        self._demand(self._sup_port)
+        order = self._store.read(SupCmd, 0)[0]
+        if order is None or order.command != SupCommand.START:
+            self._end(Event.ENDED_REFUSED)
+            raise Refused("the supervisor did not start the run")
+
+    def _demand(self, port: Port) -> None:
+        """A poll that must be answered, whatever the pacing."""
+        for _ in range(200):
+            if self.administrator.poll(port):
+                return
+        raise PeerSilent(f"{port.source} does not answer the handshake ({port.name})")
+
+    # -- the run --------------------------------------------------------------------------------------------------
+
+    def run(self) -> Event:
+        """The run from handshake to its last event.
+
+        :returns: the event that ended the run.
+        :raises PeerSilent: the supervisor is gone.
+        :raises BusLost: the bus is gone.
+        """
+        self.handshake()
+        self._pacer.start()
+        plan, timing = self.scenario.plan, self._tick_ns / 1e9
+        last_tick = round((plan.running_time_s + plan.overtime_max_s) / timing)
+        after_stop = max(1, round(AFTER_STOP_S / timing))
+        plant = self.plant
+        stop_tick: int | None = None
+        while self._ended is None:
+            self._pacer.wait(plant.tick * self._tick_ns)
+            stopped = self._tick()
+            if stopped and stop_tick is None:
+                stop_tick = plant.tick
+            if self._ended is None:
+                if stop_tick is not None and plant.tick >= stop_tick + after_stop:
+                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_lost else Event.ENDED_COMPLETE)
+                elif plant.tick > last_tick and not self._controller_lost:
+                    self._end(Event.ENDED_NOT_STOPPED)
+            try:
+                plant.advance()
+            except PlantError:
+                self._end(Event.ENDED_PLANT_ERROR)
+                raise
+        if self._controller_lost:
+            raise PeerSilent(self._controller_lost)
+        return self._ended
+
+    def _tick(self) -> bool:
+        """Bus traffic of the current tick; True when the train stopped since the tick before."""
+        tick, administrator = self.plant.tick, self.administrator
+        stopped = False
+        for period, _, make in self._published:
+            if tick % period == 0:
+                telegram = make()
+                if telegram is not None:
+                    administrator.publish(telegram)
+        for event in self.plant.drain_events():
+            if event.balise is not None:
+                telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
+                administrator.publish(telegram)
+            else:
+                kind = Event[event.kind.upper()]
+                stopped = stopped or kind is Event.STOPPED
+                administrator.publish(RunEvent(kind, event.instant_01ms, event.position_01mm))
+        for period, port in self._polled:
+            if tick % period == 0 and not (port.source == "controller" and self._controller_lost):
+                self._poll(port)
+        if self._pacer.rate:
+            administrator.flush()
+        return stopped
+
+    def _poll(self, port: Port) -> None:
+        try:
+            answered = self.administrator.poll(port)
+        except PeerSilent as silence:
+            if port.source != "controller":
+                raise
+            # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
+            self._controller_lost = str(silence)
+            return
+        if not answered:
+            return
+        now_ns = self.plant.tick * self._tick_ns
+        if port is self._notch_port:
+            command, _ = self._store.read(NotchCmd, now_ns)
+            if command is not None and self.gate.accept(command):
+                self.plant.command(command.notch_256th, self.gate.emergency(command))
+        elif port is self._sup_port:
+            order, _ = self._store.read(SupCmd, now_ns)
+            if order is not None and order.command == SupCommand.STOP:
+                self._end(Event.ENDED_BY_SUPERVISOR)
+
+    def _end(self, event: Event) -> None:
+        """Publish the last event; the final poll tells that the supervisor has recorded everything."""
+        self._ended = event
+        plant = self.plant
+        instant_01ms = plant.tick * self._tick_ns // 100_000
+        self.administrator.publish(RunEvent(event, instant_01ms, plant.position_01mm))
+        self.administrator.poll(self._sup_port)
+
+
+def run_plant(scenario: Scenario, options: PlantOptions, endpoint: Endpoint) -> int:
+    """Run the plant to its end on an open endpoint; returns an exit code."""
+    try:
+        node = PlantNode(scenario, options, endpoint)
+        node.run()
+    finally:
+        endpoint.close()
+    return 0

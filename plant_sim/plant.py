@@ -1,0 +1,329 @@
+"""The train on its line: dynamics, actuator with loop delay, sensors, interlocks and the train's own watch."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from math import inf, isfinite, sqrt
+from typing import Literal
+
+from plant_sim import dynamics
+from plant_sim.dynamics import Lag, Motion, Window
+from plant_sim.status import TrainStatus
+from plant_sim.watch import INITIAL, Level, operator_reset, watch_brake_mps2, watch_step, watch_ticks
+from scenarios import streams
+from scenarios.model import Balise, Profile, Scenario, profile_value
+from scenarios.profiles import front_speed_limit
+
+#: Notch codes per notch.
+NOTCH_LSB_PER_NOTCH = 256
+#: A run is over at the first standstill after at least this distance.
+MOVED_MIN_M = 1.0
+#: An applied parking brake holds on this grade.
+PARKING_BRAKE_PERMIL = 40.0
+
+#: Speed noise is drawn in blocks of so many ticks.
+_NOISE_BLOCK = 4096
+#: Pieces of a tick shorter than this are not worth a step of their own.
+_SLIVER_TICKS = 1e-9
+
+
+class PlantError(Exception):
+    """The simulation itself failed: its state is no longer a number. A tool error, never a verdict on a run."""
+
+
+@dataclass(frozen=True, slots=True)
+class PlantEvent:
+    """Something that happened inside a tick, at its exact instant and true position of the train's front.
+
+    ``departed``: first motion; ``stopped``: standstill after at least :data:`MOVED_MIN_M`; ``emergency``: the
+    emergency brake was applied; ``balise``: the front passed ``balise`` with the odometer at ``odometer_mm``.
+    """
+
+    kind: Literal["departed", "stopped", "emergency", "balise"]
+    instant_01ms: int
+    position_01mm: int
+    balise: Balise | None = None
+    odometer_mm: int = 0
+
+
+class Plant:
+    """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
+
+    All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is that of the run;
+    the noise of the speed sensor is drawn per tick, whether it is read or not.
+    """
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        train, timing = scenario.train, scenario.timing
+        self.tick = 0
+        self.status = TrainStatus()
+        self.events: list[PlantEvent] = []
+        self._train = train
+        self._constants = dynamics.train_constants(train)
+        self._grades = dynamics.grade_table(scenario.line.grade_permil, train.length_m)
+        self._step_s = timing.base_tick_ns * 1e-9
+        self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
+        self._motion = dynamics.AT_REST
+        self._departed = False
+        self._leg_from_m = 0.0
+
+        self._notch_max_code = round(train.notch_max * NOTCH_LSB_PER_NOTCH)
+        self._delay_ticks = timing.loop_delay_s * 1e9 / timing.base_tick_ns
+        self._staged: deque[tuple[float, int]] = deque()
+        self._staged_code = 0
+        self._acting_code = 0
+
+        self._limits = watch_ticks(scenario.watch, timing.base_tick_ns)
+        self._overspeed_margin_mps = scenario.watch.overspeed_margin_mps
+        self._watch = INITIAL
+        self._watch_brake_mps2 = train.service_braking_mps2
+        self._accepted = False
+        self._emergency_commanded = False
+        self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
+        self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
+        self._front_limit: Profile = front_speed_limit(scenario.line, train)
+        self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
+
+        self._sensors = scenario.sensors
+        self._noise_source = streams.generator(seed, streams.SPEED_NOISE)
+        self._noise = self._noise_block()
+        self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
+        # The balise under the waiting train was read when the train rolled in.
+        while self._balises and self._balises[0].true_m <= 0.0:
+            self._pass_balise(self._balises.popleft(), 0.0)
+
+    # -- commands -------------------------------------------------------------------------------------------------
+
+    def command(self, notch_code: int, emergency: bool) -> None:
+        """An accepted NOTCH_CMD at the current tick.
+
+        ``notch_code`` in 1/256 notch is clamped to the train's range and acts ``loop_delay_s`` after the current
+        tick's instant. ``emergency`` is latched and acts from the current instant on.
+        """
+        code = min(max(notch_code, -self._notch_max_code), self._notch_max_code)
+        self._accepted = True
+        if emergency:
+            self._emergency_commanded = True
+        if code != self._staged_code:
+            self._staged_code = code
+            self._staged.append((self.tick + self._delay_ticks, code))
+
+    def reset_emergency(self) -> bool:
+        """Operator reset of a latched emergency brake; False (and nothing happens) while the train moves."""
+        if self._motion.speed_mps > 0.0:
+            return False
+        self._emergency_commanded = False
+        self._watch = operator_reset(self._watch, moving=False)
+        return True
+
+    # -- time -----------------------------------------------------------------------------------------------------
+
+    def advance(self) -> None:
+        """Simulate one base tick.
+
+        :raises PlantError: the state is no longer finite.
+        """
+        self._protect()
+        staged = self._staged
+        now, end = float(self.tick), self.tick + 1
+        while staged and staged[0][0] <= end:
+            due, code = staged.popleft()
+            if due - now > _SLIVER_TICKS:
+                self._move(now, due - now)
+                now = due
+            self._acting_code = code
+        if end - now > _SLIVER_TICKS:
+            self._move(now, end - now)
+        self.tick = end
+        if end % _NOISE_BLOCK == 0:
+            self._noise = self._noise_block()
+        position_m, speed_mps, actuator_n, _ = self._motion
+        if not isfinite(position_m + speed_mps + actuator_n):
+            raise PlantError(
+                f"plant state is not finite at tick {end}: position {position_m} m, speed {speed_mps} m/s, "
+                f"actuator {actuator_n} N"
+            )
+
+    def drain_events(self) -> list[PlantEvent]:
+        """Events since the last call, in order of their instants."""
+        events, self.events = self.events, []
+        return events
+
+    def _protect(self) -> None:
+        """Let the watch and the interlocks decide what forces the coming tick may use."""
+        position_m, speed_mps, actuator_n, _ = self._motion
+        if position_m >= self._limit_to_m:
+            self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, position_m)
+        moving = speed_mps > 0.0
+        status = self.status
+        before = self._watch
+        emergency = (
+            self._emergency_commanded
+            or not status.safety_loop_closed
+            or speed_mps > self._limit_mps + self._overspeed_margin_mps
+        )
+        watch = watch_step(
+            self._limits,
+            before,
+            accepted=self._accepted,
+            moving=moving,
+            below_limit=speed_mps < self._limit_mps,
+            emergency=emergency,
+        )
+        self._watch = watch
+        self._accepted = False
+        traction = status.traction_enabled and watch.level < Level.TRACTION_CUT
+        if traction and self._watch_brake_mps2 == 0.0:
+            self._window = dynamics.FREE
+            return
+        if watch.level is Level.EMERGENCY and before.level is not Level.EMERGENCY:
+            self._event("emergency", 0.0, position_m)
+        mass_kg = self._constants.mass_kg
+        applied_n = dynamics.applied_n(self._constants, self._window, self._motion)
+        self._watch_brake_mps2 = watch_brake_mps2(
+            watch.level,
+            self._watch_brake_mps2,
+            braking_now_mps2=max(0.0, -applied_n / mass_kg),
+            moving=moving,
+            step_s=self._step_s,
+            service_mps2=self._train.service_braking_mps2,
+        )
+        brake_min_n = self._watch_brake_mps2 * mass_kg
+        if not status.parking_brake_released:
+            brake_min_n = max(brake_min_n, self._parking_brake_n)
+        self._window = Window(traction, brake_min_n)
+        if not traction and actuator_n > 0.0:
+            # The contactors are open: when they close again, traction builds up from nothing.
+            self._motion = self._motion._replace(actuator_n=0.0)
+
+    def _move(self, from_tick: float, ticks: float) -> None:
+        """Simulate a tick or a part of it with the notch as it is now."""
+        before = self._motion
+        full = self._full_lag
+        lag_step: Lag = full if ticks == 1.0 else dynamics.lag(self._train.actuator_pole_per_s, ticks * self._step_s)
+        steady_n = self.notch_acting * self._train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
+        motion, moving_from_s, moving_to_s = dynamics.step(
+            self._constants, self._grades, self._window, before, steady_n, lag_step
+        )
+        self._motion = motion
+        position_m = motion.position_m
+        if not self._departed and position_m > 0.0:
+            self._departed = True
+            self._event("departed", (from_tick - self.tick) * self._step_s + moving_from_s, before.position_m)
+        while self._balises and self._balises[0].true_m <= position_m:
+            passed_s = _passing_s(before, motion, self._balises[0].true_m, moving_to_s - moving_from_s)
+            self._pass_balise(
+                self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
+            )
+        if motion.speed_mps <= 0.0 < position_m - before.position_m and position_m - self._leg_from_m >= MOVED_MIN_M:
+            self._leg_from_m = position_m
+            self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
+
+    def _event(
+        self,
+        kind: Literal["departed", "stopped", "emergency", "balise"],
+        after_s: float,
+        position_m: float,
+        balise: Balise | None = None,
+        odometer_mm: int = 0,
+    ) -> None:
+        """Note an event ``after_s`` after the current tick."""
+        instant_01ms = round((self.tick * self._step_s + after_s) * 1e4)
+        self.events.append(PlantEvent(kind, instant_01ms, round(position_m * 1e4), balise, odometer_mm))
+
+    def _pass_balise(self, balise: Balise, after_s: float) -> None:
+        odometer_mm = round(balise.true_m * self._sensors.wheel_factor * 1000)
+        self._event("balise", after_s, balise.true_m, balise, odometer_mm)
+
+    def _noise_block(self) -> list[float]:
+        draws = self._noise_source.standard_normal(_NOISE_BLOCK)
+        noise: list[float] = (draws * self._sensors.speed_noise_sigma_mps).tolist()
+        return noise
+
+    # -- what the sensors read ------------------------------------------------------------------------------------
+
+    @property
+    def speed_01mmps(self) -> int:
+        """Axle speed in 0.1 mm/s: wheel factor, noise, resolution. A standing axle reads 0, none runs backwards."""
+        speed_mps = self._motion.speed_mps
+        if speed_mps <= 0.0:
+            return 0
+        sensors = self._sensors
+        noisy_mps = speed_mps * sensors.wheel_factor + self._noise[self.tick % _NOISE_BLOCK]
+        lsb_mps = sensors.speed_lsb_mps
+        return max(0, round(round(noisy_mps / lsb_mps) * lsb_mps * 1e4))
+
+    @property
+    def odometer_mm(self) -> int:
+        """Odometer in mm since the start, with wheel factor and resolution."""
+        lsb_m = self._sensors.odometer_lsb_m
+        return round(round(self._motion.position_m * self._sensors.wheel_factor / lsb_m) * lsb_m * 1000)
+
+    @property
+    def effort_fraction(self) -> float:
+        """Force as a fraction of the greatest traction (positive) or braking force (negative) at standstill."""
+        force_n = self._applied_n
+        effort = self._train.traction if force_n >= 0.0 else self._train.brake
+        return force_n / effort.force_max_n
+
+    @property
+    def notch_acting(self) -> int:
+        """Notch that drives the actuator now, in 1/256; no traction notch while traction is blocked."""
+        return self._acting_code if self._window.traction else min(self._acting_code, 0)
+
+    @property
+    def watch_level(self) -> Level:
+        """Level of the train's watch over the last tick."""
+        return self._watch.level
+
+    # -- truth ----------------------------------------------------------------------------------------------------
+
+    @property
+    def position_01mm(self) -> int:
+        """True position of the front in 0.1 mm."""
+        return round(self._motion.position_m * 1e4)
+
+    @property
+    def true_speed_01mmps(self) -> int:
+        """True speed in 0.1 mm/s."""
+        return round(self._motion.speed_mps * 1e4)
+
+    @property
+    def accel_mps2(self) -> float:
+        """Acceleration at this instant in m/s2."""
+        return dynamics.acceleration_mps2(self._constants, self._grades, self._window, self._motion)
+
+    @property
+    def traction_n(self) -> float:
+        """Traction force at this instant in N, >= 0."""
+        return max(0.0, self._applied_n)
+
+    @property
+    def brake_n(self) -> float:
+        """Braking force at this instant in N, >= 0."""
+        return max(0.0, -self._applied_n)
+
+    @property
+    def grade_permil(self) -> float:
+        """Grade averaged over the train, in permil."""
+        return dynamics.mean_grade_permil(self._grades, self._motion.position_m)
+
+    @property
+    def _applied_n(self) -> float:
+        return dynamics.applied_n(self._constants, self._window, self._motion)
+
+
+def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:
+    """Speed limit at a position and the position to which it holds."""
+    return profile_value(profile, position_m), next((at_m for at_m, _ in profile if at_m > position_m), inf)
+
+
+def _passing_s(before: Motion, after: Motion, at_m: float, moving_s: float) -> float:
+    """Time from the first motion of a step to the passing of ``at_m``, with constant acceleration in between."""
+    distance_m = at_m - before.position_m
+    if distance_m <= 0.0 or moving_s <= 0.0:
+        return 0.0
+    accel_mps2 = (after.speed_mps - before.speed_mps) / moving_s
+    root_mps = sqrt(max(0.0, before.speed_mps**2 + 2 * accel_mps2 * distance_m))
+    return min(moving_s, 2 * distance_m / (before.speed_mps + root_mps))

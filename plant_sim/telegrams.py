@@ -1,0 +1,134 @@
+"""From the plant's state to the telegrams that the train puts on the bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from bus.clock import to_time_sync
+from bus.layout import Telegram, flag
+from bus.telegrams import BalisePassed, PltStat, SimTruth, TimeState, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from plant_sim.plant import Plant
+from scenarios.model import Profile, Scenario, profile_value
+from scenarios.target import Target
+
+#: 100 % of a BIPOLAR2.16 value.
+_BIPOLAR_FULL = 0x4000
+
+
+def _clamped(value: float, low: int, high: int) -> int:
+    return min(max(round(value), low), high)
+
+
+class TrainTelegrams:
+    """Makes the plant's periodic telegrams; one life sign counter per port."""
+
+    def __init__(self, scenario: Scenario, plant: Plant, rate: float) -> None:
+        self._scenario = scenario
+        self._plant = plant
+        self._target = Target(scenario.target)
+        self._rate_10th = _clamped(rate * 10, 0, 255)
+        self._life: dict[str, int] = {}
+        self._balise: BalisePassed | None = None
+        #: Maker of each published port.
+        self.makers: dict[str, Callable[[], Telegram | None]] = {
+            TrnSpeed.PORT: self._speed,
+            TimeSync.PORT: self._time,
+            TrnPos.PORT: self._position,
+            PltStat.PORT: self._status,
+            TrkInfo.PORT: self._track,
+            SimTruth.PORT: self._truth,
+            BalisePassed.PORT: self._repeated_balise,
+        }
+
+    def _next_life(self, port: str, modulus: int = 16) -> int:
+        life = self._life.get(port, -1) + 1
+        self._life[port] = life % modulus
+        return life % modulus
+
+    def _speed(self) -> TrnSpeed:
+        return TrnSpeed(self._plant.speed_01mmps, life=self._next_life(TrnSpeed.PORT))
+
+    def _time(self) -> TimeSync:
+        return to_time_sync(
+            self._plant.tick,
+            self._scenario.timing.base_tick_ns,
+            rate_10th=self._rate_10th,
+            state=TimeState.RUNNING,
+            life=self._next_life(TimeSync.PORT),
+        )
+
+    def _position(self) -> TrnPos:
+        plant = self._plant
+        return TrnPos(
+            plant.odometer_mm,
+            _clamped(plant.effort_fraction * _BIPOLAR_FULL, -0x8000, 0x7FFF),
+            _clamped(plant.notch_acting / 16, -128, 127),
+            life=self._next_life(TrnPos.PORT),
+        )
+
+    def _status(self) -> PltStat:
+        status = self._plant.status
+        return PltStat(
+            power_on=flag(status.power_on),
+            pantograph_up=flag(status.pantograph_up),
+            main_breaker_closed=flag(status.main_breaker_closed),
+            doors_closed_locked=flag(status.doors_closed_locked),
+            parking_brake_released=flag(status.parking_brake_released),
+            safety_loop_closed=flag(status.safety_loop_closed),
+            traction_enabled=flag(status.traction_enabled),
+            brake_available=flag(status.brake_available),
+            line_voltage_half_percent=_clamped(status.line_voltage_percent * 2, 0, 255),
+            fault=status.fault,
+            life=self._next_life(PltStat.PORT),
+        )
+
+    def _track(self) -> TrkInfo:
+        plan, limits = self._scenario.plan, self._scenario.line.speed_limit_mps
+        front_m = self._plant.position_01mm / 1e4
+        here = _limit_under_train(limits, front_m, self._scenario.train.length_m)
+        following = next(((at_m, limit) for at_m, limit in limits if at_m > front_m), None)
+        next_at_m, next_limit = following or (front_m, here)
+        now_s = self._plant.tick * self._scenario.timing.base_tick_ns / 1e9
+        return TrkInfo(
+            target_mm=_clamped(plan.distance_m * 1000, -(2**31), 2**31 - 1),
+            target_time_ds=_clamped(plan.running_time_s * 10, 0, 0xFFFF),
+            speed_limit_4mmps=_clamped(here * 250, 0, 0xFFFF),
+            next_limit_4mmps=_clamped(next_limit * 250, 0, 0xFFFF),
+            next_limit_distance_m=_clamped(next_at_m - front_m, 0, 0xFFFF),
+            grade_001permil=_clamped(self._plant.grade_permil * 100, -0x8000, 0x7FFF),
+            target_speed_half_mps=_clamped(2 * float(self._target.speed_mps(now_s)), 0, 255),
+            life=self._next_life(TrkInfo.PORT, 4),
+        )
+
+    def _truth(self) -> SimTruth:
+        plant = self._plant
+        return SimTruth(
+            plant.position_01mm,
+            plant.true_speed_01mmps,
+            life=self._next_life(SimTruth.PORT),
+            accel_01mmps2=_clamped(plant.accel_mps2 * 1e4, -0x8000, 0x7FFF),
+            traction_20n=_clamped(plant.traction_n / 20, 0, 0xFFFF),
+            brake_20n=_clamped(plant.brake_n / 20, 0, 0xFFFF),
+            grade_001permil=_clamped(plant.grade_permil * 100, -0x8000, 0x7FFF),
+        )
+
+    def balise(self, number: int, surveyed_m: float, odometer_mm: int) -> BalisePassed:
+        """Telegram of a balise just passed; it is repeated on the port's period from now on."""
+        self._balise = BalisePassed(
+            number,
+            round(surveyed_m * 1000),
+            odometer_mm & 0xFFFF,
+            life=self._next_life(BalisePassed.PORT),
+        )
+        return self._balise
+
+    def _repeated_balise(self) -> BalisePassed | None:
+        return self._balise
+
+
+def _limit_under_train(limits: Profile, front_m: float, length_m: float) -> float:
+    """Lowest limit under the train: a higher one holds only when the rear has passed its board."""
+    here = profile_value(limits, front_m)
+    rear = profile_value(limits, front_m - length_m)
+    between = (limit for at_m, limit in limits if front_m - length_m < at_m <= front_m)
+    return min(here, rear, *between)

@@ -1,0 +1,144 @@
+"""The train's own watch of NOTCH_CMD: a reaction ladder that stops the train when nobody commands it any more.
+
+============== ========================================= =================================== ========================
+level          entered when                              what the train does                 left on
+============== ========================================= =================================== ========================
+NORMAL         age <= hold                               follows the commands
+HOLD           age > hold                                keeps the last accepted notch       1 good command
+TRACTION_CUT   age > traction cut                        no traction, braking kept           5 good in a row
+SERVICE_BRAKE  age > service brake, or before the first  full service brake, jerk limited    standstill and 1 good, or
+               accepted command                                                              10 good in a row and below
+                                                                                             the speed limit
+EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at once          operator reset at
+               emergency command, safety loop open                                           standstill
+============== ========================================= =================================== ========================
+
+The age is the simulation time since the last accepted command; "in a row" means that no command came later than the
+hold limit after the one before it. Every leave leads to NORMAL, the operator reset to SERVICE_BRAKE, which holds the
+train until a command comes. The thresholds are scenario data (:class:`scenarios.model.WatchLimits`).
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from math import inf
+from typing import NamedTuple
+
+from scenarios.model import WatchLimits
+
+#: Good commands in a row that end TRACTION_CUT.
+GOOD_AFTER_TRACTION_CUT = 5
+#: Good commands in a row that end SERVICE_BRAKE of a moving train.
+GOOD_AFTER_SERVICE_BRAKE = 10
+#: How fast the service brake comes and goes.
+SERVICE_BRAKE_JERK_MPS3 = 0.75
+
+_NS_PER_MS = 1_000_000
+
+
+class Level(IntEnum):
+    """Level of the ladder; a higher one is the stronger reaction."""
+
+    NORMAL = 0
+    HOLD = 1
+    TRACTION_CUT = 2
+    SERVICE_BRAKE = 3
+    EMERGENCY = 4
+
+
+class WatchTicks(NamedTuple):
+    """Greatest age in base ticks that is still below each level."""
+
+    hold: int
+    traction_cut: int
+    service_brake: int
+    emergency: int
+
+
+class WatchState(NamedTuple):
+    """Level, age of the last accepted command in ticks, accepted commands in a row (counted to the most needed)."""
+
+    level: Level
+    age_ticks: int
+    good: int
+
+
+#: Before the first accepted command the brake holds the train.
+INITIAL = WatchState(Level.SERVICE_BRAKE, 0, 0)
+
+
+def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
+    """Limits in whole ticks: an age of so many ticks or fewer is within the limit in ms."""
+    return WatchTicks(
+        limits.hold_ms * _NS_PER_MS // base_tick_ns,
+        limits.traction_cut_ms * _NS_PER_MS // base_tick_ns,
+        limits.service_brake_ms * _NS_PER_MS // base_tick_ns,
+        limits.emergency_ms * _NS_PER_MS // base_tick_ns,
+    )
+
+
+def watch_step(
+    limits: WatchTicks, state: WatchState, *, accepted: bool, moving: bool, below_limit: bool, emergency: bool
+) -> WatchState:
+    """State of the ladder one tick later.
+
+    :param accepted: a command was accepted at this tick.
+    :param moving: the train is not at standstill.
+    :param below_limit: the speed is below the limit of the line and the train.
+    :param emergency: overspeed, an emergency command or an open safety loop.
+    """
+    level, age, good = state
+    age += 1
+    if age > limits.hold:
+        good = 0
+    if accepted:
+        age = 0
+        good = min(good + 1, GOOD_AFTER_SERVICE_BRAKE)
+    if level == Level.EMERGENCY or emergency:
+        return WatchState(Level.EMERGENCY, age, good)
+    if _may_leave(level, good, moving, below_limit):
+        level = Level.NORMAL
+    demanded = Level.NORMAL
+    if age > limits.hold:
+        demanded = Level.HOLD
+        if age > limits.traction_cut:
+            demanded = Level.TRACTION_CUT
+        if age > limits.service_brake:
+            demanded = Level.SERVICE_BRAKE
+        if age > limits.emergency and moving:
+            demanded = Level.EMERGENCY
+    return WatchState(demanded if demanded > level else level, age, good)
+
+
+def _may_leave(level: Level, good: int, moving: bool, below_limit: bool) -> bool:
+    if level <= Level.HOLD:
+        return good >= 1
+    if level == Level.TRACTION_CUT:
+        return good >= GOOD_AFTER_TRACTION_CUT
+    return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
+
+
+def operator_reset(state: WatchState, *, moving: bool) -> WatchState:
+    """Ends EMERGENCY of a standing train; anything else stays as it is."""
+    if state.level != Level.EMERGENCY or moving:
+        return state
+    return WatchState(Level.SERVICE_BRAKE, state.age_ticks, 0)
+
+
+def watch_brake_mps2(
+    level: Level, brake_mps2: float, *, braking_now_mps2: float, moving: bool, step_s: float, service_mps2: float
+) -> float:
+    """Braking that the watch demands over the next step, in m/s2 on the inertial mass; infinite: the whole brake.
+
+    :param brake_mps2: what it demanded over the last step.
+    :param braking_now_mps2: braking already there, on which the service brake builds up without a dip.
+    """
+    if level == Level.EMERGENCY:
+        return inf
+    if level == Level.SERVICE_BRAKE:
+        if not moving:
+            return service_mps2
+        return min(service_mps2, max(brake_mps2, braking_now_mps2) + SERVICE_BRAKE_JERK_MPS3 * step_s)
+    if not moving:
+        return 0.0
+    return max(0.0, brake_mps2 - SERVICE_BRAKE_JERK_MPS3 * step_s)

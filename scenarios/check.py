@@ -1,0 +1,146 @@
+"""Consistency of a scenario beyond single values: what must fit together before a run makes sense."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from scenarios import model
+from scenarios.errors import InputError, Words
+from scenarios.profiles import front_speed_limit
+from scenarios.target import Target
+
+#: Raises nothing itself: builds the error for a key path (keys, found, allowed).
+Refuse = Callable[[tuple[str | int, ...], object, str], InputError]
+
+#: The target curve must reach the planned distance and time this closely (rounded hand-made nodes still
+#: pass).
+DISTANCE_TOLERANCE_M = 0.01
+TIME_TOLERANCE_S = 0.01
+#: The target may touch a speed limit, not exceed it by more than rounding.
+SPEED_TOLERANCE_MPS = 0.01
+#: Above this the predictive laws limit-cycle (IPFC reading 6).
+LOOP_DELAY_MAX_S = 0.3
+_SAMPLE_S = 0.1
+
+
+def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
+    """Profiles, effort curves and balises in increasing order, limits above zero."""
+    for key, rows in (("grade_permil", line.grade_permil), ("speed_limit_kmh", line.speed_limit_mps)):
+        _increasing([row[0] for row in rows], ("line", key), refuse)
+    for row, (_, limit_mps) in enumerate(line.speed_limit_mps):
+        if limit_mps <= 0:
+            raise refuse(("line", "speed_limit_kmh", row), round(limit_mps * 3.6, 6), "a limit above 0")
+    for row, (_, permil) in enumerate(line.grade_permil):
+        if abs(permil) > 200:
+            raise refuse(("line", "grade_permil", row), permil, "a grade from -200 to 200 permil")
+    for key, effort in (("traction", train.traction), ("brake", train.brake)):
+        _increasing([row[0] for row in effort.curve], ("train", key, "curve_kmh_kn"), refuse)
+        for row, point in enumerate(effort.curve):
+            if min(point) < 0:
+                raise refuse(("train", key, "curve_kmh_kn", row), list(point), "speed and force of at least 0")
+    numbers = [balise.number for balise in line.balises]
+    for row, number in enumerate(numbers):
+        if number in numbers[:row]:
+            raise refuse(("line", "balises", row, "number"), number, "a number used only once on the run")
+    if train.inertial_mass_kg < train.mass_kg:
+        found = f"{train.inertial_mass_kg / 1000:g} t"
+        raise refuse(("train", "inertial_mass_t"), found, "at least mass_t")
+
+
+def check_timing(timing: model.Timing, perturbations: model.Perturbations, refuse: Refuse) -> None:
+    """Whole multiples of the base tick, loop delay below its hard limit and below the control period."""
+    tick_ns = timing.base_tick_ns
+    if tick_ns <= 0:
+        raise refuse(("timing", "base_tick_ms"), tick_ns / 1e6, "at least 0.000001 ms")
+    periods = {("timing", "control_period_ms"): timing.control_period_ns} | {
+        ("timing", "port_period_ms", port): period_ns for port, period_ns in timing.port_period_ns.items()
+    }
+    for key, period_ns in periods.items():
+        if period_ns <= 0 or period_ns % tick_ns:
+            raise refuse(key, period_ns / 1e6, f"a whole multiple of base_tick_ms = {tick_ns / 1e6:g}")
+    longest_s = min(LOOP_DELAY_MAX_S, timing.control_period_ns * 1e-9)
+    if not 0 <= timing.loop_delay_s <= longest_s:
+        raise refuse(("timing", "loop_delay_s"), timing.loop_delay_s, f"0 to {longest_s:g} s")
+    delay = perturbations.loop_delay_s
+    if delay is not None and not 0 <= delay.low <= delay.high <= longest_s:
+        raise refuse(("perturbations", "loop_delay_s"), [delay.low, delay.high], f"0 to {longest_s:g} s")
+
+
+def check_perturbations(perturbations: model.Perturbations, refuse: Refuse) -> None:
+    """Bounds in order, factors above zero, noise not negative."""
+    for name in model.Perturbations.__dataclass_fields__:
+        bounds: model.Uniform | None = getattr(perturbations, name)
+        if bounds is None:
+            continue
+        key = ("perturbations", "speed_noise_sigma_kmh" if name == "speed_noise_sigma_mps" else name)
+        if bounds.low > bounds.high:
+            raise refuse(key, [bounds.low, bounds.high], "[low, high] with low <= high")
+        if name.endswith("factor") and bounds.low <= 0:
+            raise refuse(key, [bounds.low, bounds.high], "factors above 0")
+        if name == "speed_noise_sigma_mps" and bounds.low < 0:
+            raise refuse(key, [bounds.low * 3.6, bounds.high * 3.6], "at least 0")
+
+
+def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
+    """Every level of the ladder is entered later than the one before."""
+    levels = ("hold_ms", "traction_cut_ms", "service_brake_ms", "emergency_ms")
+    for before, after in pairwise(levels):
+        if getattr(watch, after) <= getattr(watch, before):
+            raise refuse(("watch", after), getattr(watch, after), f"more than {before} = {getattr(watch, before)}")
+
+
+def checked_target(curve: model.TargetCurve, refuse: Refuse) -> Target:
+    """The evaluated curve. Raises :class:`InputError` when it does not start, run and stop."""
+    key = ("target", "nodes_s_mps2")
+    if len(curve.nodes) < 2:
+        raise refuse(key, [list(node) for node in curve.nodes], "at least two nodes [time s, acceleration m/s2]")
+    if curve.nodes[0][0] != 0:
+        raise refuse((*key, 0), list(curve.nodes[0]), "time 0 in the first node")
+    _increasing([node[0] for node in curve.nodes], key, refuse)
+    if curve.nodes[-1][1] >= 0:
+        raise refuse((*key, len(curve.nodes) - 1), list(curve.nodes[-1]), "a deceleration below 0 in the last node")
+    try:
+        return Target(curve)
+    except ValueError as error:
+        raise refuse(key, Words("these nodes"), f"a curve that stops: {error}") from None
+
+
+def check_run(scenario: model.Scenario, target: Target, refuse: Refuse) -> None:
+    """The target reaches the planned distance at the planned time and keeps to the speed limits."""
+    plan = scenario.plan
+    if abs(target.stop_position_m - plan.distance_m) > DISTANCE_TOLERANCE_M:
+        raise refuse(
+            ("plan", "distance_m"),
+            plan.distance_m,
+            f"{target.stop_position_m:.4f} m, where the target curve stops, +-{DISTANCE_TOLERANCE_M} m",
+        )
+    if abs(target.stop_time_s - plan.running_time_s) > TIME_TOLERANCE_S:
+        raise refuse(
+            ("plan", "running_time_s"),
+            plan.running_time_s,
+            f"{target.stop_time_s:.4f} s, when the target curve stops, +-{TIME_TOLERANCE_S} s",
+        )
+    time_s = np.arange(0.0, target.stop_time_s, _SAMPLE_S)
+    speed, position = target.speed_mps(time_s), target.position_m(time_s)
+    limit = front_speed_limit(scenario.line, scenario.train)
+    row = np.clip(np.searchsorted([step[0] for step in limit], position, side="right") - 1, 0, None)
+    above = speed - np.array([step[1] for step in limit])[row]
+    worst = int(np.argmax(above))
+    if above[worst] > SPEED_TOLERANCE_MPS:
+        raise refuse(
+            ("target",),
+            f"{speed[worst] * 3.6:.2f} km/h at {time_s[worst]:.1f} s, {position[worst]:.1f} m",
+            f"{limit[int(row[worst])][1] * 3.6:.2f} km/h there",
+        )
+    if float(speed.min()) < -SPEED_TOLERANCE_MPS:
+        when = float(time_s[int(np.argmin(speed))])
+        raise refuse(("target",), f"{float(speed.min()):.3f} m/s at {when:.1f} s", "no running back before the stop")
+
+
+def _increasing(values: list[float], key: tuple[str | int, ...], refuse: Refuse) -> None:
+    for row, (earlier, later) in enumerate(pairwise(values), start=1):
+        if later <= earlier:
+            raise refuse((*key, row), later, f"more than {earlier:g}: rows are in increasing order")

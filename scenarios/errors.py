@@ -1,0 +1,85 @@
+"""The one exception for bad input: which file, which key, what was found, what is allowed.
+
+A message is always a single line, so that it can be printed as it is before exit code 2.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+_SHOWN_MAX = 80
+
+#: Units that end a key, longest first so that ``_mps2`` is found before ``_mps``.
+_UNIT_SUFFIXES = tuple(
+    sorted(
+        (
+            *("kg", "t", "kn", "n", "kw", "w", "mw", "m", "km", "mm", "s", "ms", "us", "ns", "min", "h"),
+            *("mps", "kmh", "mps2", "mps3", "per_s", "permil", "percent", "kj", "j", "mph", "hz"),
+            *("n_per_kn", "n_per_kn_kmh", "n_per_kn_kmh2"),
+        ),
+        key=lambda unit: (-len(unit), unit),
+    )
+)
+
+
+def _one_line(text: str) -> str:
+    flat = " ".join(text.split())
+    return flat if len(flat) <= _SHOWN_MAX else flat[: _SHOWN_MAX - 3] + "..."
+
+
+def _without_unit(key: str) -> str:
+    for unit in _UNIT_SUFFIXES:
+        if key.endswith("_" + unit):
+            return key[: -len(unit) - 1]
+    return key
+
+
+def nearest_key(key: str, allowed: Iterable[str]) -> str | None:
+    """The allowed key that ``key`` most likely means: same name in another unit first, then spelling."""
+    choices = sorted(allowed)
+    stem = _without_unit(key)
+    for choice in choices:
+        if _without_unit(choice) == stem:
+            return choice
+    close = difflib.get_close_matches(key, choices, n=1, cutoff=0.6)
+    return close[0] if close else None
+
+
+class InputError(Exception):
+    """Bad input from outside (scenario, line or train file, DBC, log, command line).
+
+    ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as Python writes it,
+    shortened; :class:`Words` says in words what cannot be shown. ``allowed`` is shown whole.
+    """
+
+    exit_code = 2
+
+    def __init__(self, file: str | Path, key: str, found: object, allowed: str, hint: str | None = None) -> None:
+        self.file = str(file)
+        self.key = key
+        self.found = found
+        self.allowed = allowed
+        self.hint = hint
+        super().__init__(file, key, found, allowed, hint)
+
+    def __str__(self) -> str:
+        shown = self.found if isinstance(self.found, Words) else repr(self.found)
+        tail = f" ({' '.join(self.hint.split())})" if self.hint else ""
+        where = f"{_flat(self.file)}: {_flat(self.key)}: " if self.key else f"{_flat(self.file)}: "
+        return f"{where}found {_one_line(str(shown))}, allowed {' '.join(self.allowed.split())}{tail}"
+
+
+def _flat(text: str) -> str:
+    return "".join(character if character.isprintable() else "?" for character in text)
+
+
+class Words:
+    """What was found, said in words: a value that is not there, or a state that no value shows."""
+
+    def __init__(self, words: str = "nothing") -> None:
+        self.words = words
+
+    def __str__(self) -> str:
+        return self.words

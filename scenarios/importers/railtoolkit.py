@@ -1,0 +1,239 @@
+"""Paths and trains in the railtoolkit formats running-path and rolling-stock, version 2022.05 (YAML).
+
+Only this version: the formats of 2024 use objects instead of array rows and other keys, and are refused
+with one line.
+
+Train resistance in permil of weight (Wende, Fahrdynamik des Schienenverkehrs, 2003, pp. 151-153; V in km/h):
+
+* traction unit, multiple unit: ``(base m_traction + rolling (m - m_traction)) / m + air ((V + 15) / 100)^2``
+* passenger coach:              ``base + rolling V / 100 + air ((V + 15) / 100)^2``
+* freight wagon:                ``base + air (V / 100)^2``
+
+Powered vehicles resist with their mass without load, coaches and wagons with their load; grade and inertia always
+take the load (``inertia = (mass + load_limit) * rotation_mass``). These readings bring the nine published running
+times within 0.6 %, which is the step error of the published values. Gravity is 9.80665 m/s2. Braking defaults are
+those of TrainRuns.jl: 0.375 m/s2, and 0.225 m/s2 with freight wagons in the train.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+from scenarios.errors import InputError, Words
+from scenarios.importers.section import Stop, StopLine
+from scenarios.model import Effort, Line, Train
+from scenarios.profiles import merged
+from scenarios.validation import Keys, validated
+
+VERSION = "2022.05"
+GRAVITY_MPS2 = 9.80665
+_BRAKING_MPS2 = {"passenger": 0.375, "freight": 0.225}
+#: Head wind that Wende adds to the train's own speed.
+_WIND_KMH = 15.0
+
+_Positive = Annotated[float, Field(gt=0)]
+
+
+class _Foreign(BaseModel):
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class _Path(_Foreign):
+    name: str
+    id: str
+    characteristic_sections: Annotated[
+        list[Annotated[tuple[float, _Positive, float], Strict(False)]], Field(min_length=2)
+    ]
+    points_of_interest: list[Annotated[tuple[float, str, Literal["front", "rear"]], Strict(False)]] = []
+
+
+class _PathFile(_Foreign):
+    paths: Annotated[list[_Path], Field(min_length=1)]
+
+
+class _Vehicle(_Foreign):
+    name: str
+    id: str
+    vehicle_type: Literal["traction unit", "freight", "passenger", "multiple unit"]
+    length: _Positive
+    mass: _Positive
+    load_limit: _Positive | None = None
+    mass_traction: _Positive | None = None
+    rotation_mass: Annotated[float, Field(ge=1)] = 1.0
+    base_resistance: _Positive | None = None
+    rolling_resistance: _Positive | None = None
+    air_resistance: _Positive | None = None
+    speed_limit: _Positive | None = None
+    a_braking: Annotated[float, Field(lt=0)] | None = None
+    tractive_effort: list[Annotated[tuple[float, float], Strict(False)]] = []
+
+
+class _Train(_Foreign):
+    name: str
+    id: str
+    formation: Annotated[list[str], Field(min_length=1)]
+
+
+class _StockFile(_Foreign):
+    trains: Annotated[list[_Train], Field(min_length=1)]
+    vehicles: Annotated[list[_Vehicle], Field(min_length=1)]
+
+
+def load_line(file: str | Path, path_id: str | None = None) -> StopLine:
+    """A path as a line (its only one, or the one with ``path_id``), positions in m as in the file.
+
+    Stops are ``start``, ``end`` and the points of interest that are taken by the front of the train. The path
+    resistance in permil stands for the grade. Raises :class:`InputError`.
+    """
+    data = _read(file, "running-path")
+    origin = _only(file)
+    path = _chosen(file, "paths", validated(_PathFile, data, origin).paths, path_id)
+    rows = path.characteristic_sections
+    positions = [row[0] for row in rows]
+    if any(later <= earlier for earlier, later in pairwise(positions)):
+        raise InputError(file, f"paths {path.id} characteristic_sections", positions, "increasing positions")
+    points = [Stop(name, position_m) for position_m, name, end in path.points_of_interest if end == "front"]
+    inner = [point for point in points if positions[0] < point.position_m < positions[-1]]
+    stops = [
+        Stop("start", positions[0]),
+        *sorted(inner, key=lambda stop: stop.position_m),
+        Stop("end", positions[-1]),
+    ]
+    line = Line(
+        name=path.name,
+        grade_permil=merged(tuple((from_m, permil) for from_m, _, permil in rows)),
+        speed_limit_mps=merged(tuple((from_m, limit_kmh / 3.6) for from_m, limit_kmh, _ in rows)),
+    )
+    return StopLine(line, tuple(stops))
+
+
+def load_train(
+    file: str | Path,
+    *,
+    actuator_pole_per_s: float,
+    accel_per_notch_mps2: float,
+    train_id: str | None = None,
+    notch_max: float = 7.0,
+) -> Train:
+    """A train as one rigid mass; what the format does not contain (actuator, notches) is given by the caller.
+
+    The brake force limit is the one that gives the file's braking rate on the inertial mass.
+    Raises :class:`InputError`.
+    """
+    stock = validated(_StockFile, _read(file, "rolling-stock"), _only(file))
+    chosen = _chosen(file, "trains", stock.trains, train_id)
+    by_id = {vehicle.id: vehicle for vehicle in stock.vehicles}
+    for unit in chosen.formation:
+        if unit not in by_id:
+            raise InputError(file, f"trains {chosen.id} formation", unit, f"one of {', '.join(sorted(by_id))}")
+    vehicles = [by_id[unit] for unit in chosen.formation]
+    mass_t = sum(_loaded_t(vehicle) for vehicle in vehicles)
+    inertial_kg = 1000 * sum(_loaded_t(vehicle) * vehicle.rotation_mass for vehicle in vehicles)
+    davis = np.sum([np.array(_resistance(v)) * _resisting_t(v) for v in vehicles], axis=0) / mass_t
+    limits_kmh = [vehicle.speed_limit for vehicle in vehicles if vehicle.speed_limit is not None]
+    braking_mps2 = _braking(vehicles)
+    return Train(
+        name=chosen.name,
+        mass_kg=mass_t * 1000,
+        inertial_mass_kg=inertial_kg,
+        length_m=sum(vehicle.length for vehicle in vehicles),
+        davis_a_n_per_kn=float(davis[0]),
+        davis_b_n_per_kn_kmh=float(davis[1]),
+        davis_c_n_per_kn_kmh2=float(davis[2]),
+        traction=_traction(file, chosen, vehicles),
+        brake=Effort(force_max_n=braking_mps2 * inertial_kg),
+        actuator_pole_per_s=actuator_pole_per_s,
+        force_per_notch_n=accel_per_notch_mps2 * inertial_kg,
+        notch_max=notch_max,
+        speed_limit_mps=min(limits_kmh) / 3.6 if limits_kmh else 1000.0,
+        service_braking_mps2=braking_mps2,
+        gravity_mps2=GRAVITY_MPS2,
+    )
+
+
+def _loaded_t(vehicle: _Vehicle) -> float:
+    return vehicle.mass + (vehicle.load_limit or 0.0)
+
+
+def _resisting_t(vehicle: _Vehicle) -> float:
+    """Mass that the resistance terms of a vehicle are multiplied with: without load for powered vehicles."""
+    return _loaded_t(vehicle) if vehicle.vehicle_type in ("passenger", "freight") else vehicle.mass
+
+
+def _resistance(vehicle: _Vehicle) -> tuple[float, float, float]:
+    """Davis coefficients of one vehicle in permil of its weight, V in km/h (see the module's formulas)."""
+    base = vehicle.base_resistance or 0.0
+    rolling = vehicle.rolling_resistance or 0.0
+    air = (vehicle.air_resistance or 0.0) / 100**2
+    if vehicle.vehicle_type == "freight":
+        return base, 0.0, air
+    if vehicle.vehicle_type == "passenger":
+        return base + air * _WIND_KMH**2, rolling / 100 + 2 * _WIND_KMH * air, air
+    driven = (vehicle.mass_traction or vehicle.mass) / vehicle.mass
+    return base * driven + rolling * (1 - driven) + air * _WIND_KMH**2, 2 * _WIND_KMH * air, air
+
+
+def _braking(vehicles: list[_Vehicle]) -> float:
+    given = [-vehicle.a_braking for vehicle in vehicles if vehicle.a_braking is not None]
+    if given:
+        return min(given)
+    return _BRAKING_MPS2["freight" if any(v.vehicle_type == "freight" for v in vehicles) else "passenger"]
+
+
+def _traction(file: str | Path, train: _Train, vehicles: list[_Vehicle]) -> Effort:
+    """Sum of the effort curves of all powered vehicles over the union of their speeds."""
+    powered = [vehicle for vehicle in vehicles if vehicle.tractive_effort]
+    if not powered:
+        raise InputError(file, f"trains {train.id} formation", train.formation, "a vehicle with tractive_effort")
+    for vehicle in powered:
+        speeds = [row[0] for row in vehicle.tractive_effort]
+        if any(later <= earlier for earlier, later in pairwise(speeds)):
+            raise InputError(file, f"vehicles {vehicle.id} tractive_effort", speeds, "increasing speeds")
+    speeds_kmh = sorted({row[0] for vehicle in powered for row in vehicle.tractive_effort})
+    total_n = np.zeros(len(speeds_kmh))
+    for vehicle in powered:
+        table = np.array(vehicle.tractive_effort)
+        total_n += np.interp(speeds_kmh, table[:, 0], table[:, 1])
+    curve = tuple((kmh / 3.6, float(force_n)) for kmh, force_n in zip(speeds_kmh, total_n, strict=True))
+    return Effort(force_max_n=float(total_n.max()), curve=curve)
+
+
+def _chosen(file: str | Path, key: str, entries: list[Any], wanted: str | None) -> Any:
+    ids = [entry.id for entry in entries]
+    if wanted is None and len(entries) == 1:
+        return entries[0]
+    if wanted not in ids:
+        found = Words("no choice among several") if wanted is None else wanted
+        raise InputError(file, f"{key} id", found, f"one of {', '.join(ids)}")
+    return entries[ids.index(wanted)]
+
+
+def _read(file: str | Path, kind: str) -> dict[str, Any]:
+    try:
+        data = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable YAML file") from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise InputError(file, "", Words(str(error)), "YAML in UTF-8") from None
+    if not isinstance(data, dict):
+        raise InputError(file, "", Words(f"a {type(data).__name__}"), f"a {kind} document")
+    schema = f"https://railtoolkit.org/schema/{kind}.json"
+    if data.get("schema") != schema:
+        raise InputError(file, "schema", data.get("schema", Words()), schema)
+    if data.get("schema_version") != VERSION:
+        raise InputError(file, "schema_version", data.get("schema_version", Words()), f"only {VERSION!r}")
+    return data
+
+
+def _only(file: str | Path) -> Callable[[Keys], str | Path]:
+    def origin(_: Keys) -> str | Path:
+        return file
+
+    return origin

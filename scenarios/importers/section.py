@@ -1,0 +1,78 @@
+"""A line with its stops, and the cutting of one run out of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from scenarios import profiles
+from scenarios.model import Balise, Line
+
+#: Balises of stop ``i`` are numbered ``10 i + 1, 10 i + 2, ...`` in running order; stops 25 apart share numbers,
+#: because the telegram has 8 bit for them.
+_NUMBERS_PER_STOP = 10
+_STOPS_NUMBERED = 25
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A stopping point: its name and the position of the train's front there, in m along the line."""
+
+    name: str
+    position_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class StopLine:
+    """A whole line in its own positions (m), with its stops in running order."""
+
+    line: Line
+    stops: tuple[Stop, ...]
+
+    def section(
+        self,
+        from_index: int,
+        to_index: int,
+        train_length_m: float,
+        balises_before_stop_m: tuple[float, ...] = (),
+    ) -> Line:
+        """The run between two stops, shifted so that it starts at 0.
+
+        Keeps what lies under the standing train at both ends (profiles may start at negative positions) and
+        the balises of the line in between. ``balises_before_stop_m`` adds, at distances before each
+        stopping point in running order, the balises of the arrival stop, and of the departure stop the one
+        at the stopping point.
+        """
+        start_m, end_m = self.stops[from_index].position_m, self.stops[to_index].position_m
+        low_m = start_m - train_length_m
+        line = self.line
+        balises = tuple(
+            Balise(balise.number, balise.surveyed_m - start_m, balise.true_m - start_m)
+            for balise in line.balises
+            if start_m <= balise.surveyed_m <= end_m
+        )
+        return Line(
+            name=f"{line.name}: {self.stops[from_index].name} - {self.stops[to_index].name}",
+            grade_permil=profiles.shift(profiles.cut(line.grade_permil, low_m, end_m), start_m),
+            speed_limit_mps=profiles.shift(profiles.cut(line.speed_limit_mps, low_m, end_m), start_m),
+            balises=balises + _stop_balises(from_index, to_index, end_m - start_m, balises_before_stop_m),
+        )
+
+
+def _number(stop_index: int, order: int) -> int:
+    return _NUMBERS_PER_STOP * (stop_index % _STOPS_NUMBERED) + order
+
+
+def _stop_balises(
+    from_index: int, to_index: int, distance_m: float, before_stop_m: tuple[float, ...]
+) -> tuple[Balise, ...]:
+    """Balises laid alike before every stop; the one at the departure point lies under the train."""
+    balises = [
+        Balise(_number(from_index, order), 0.0, 0.0)
+        for order, before_m in enumerate(before_stop_m, start=1)
+        if before_m == 0.0
+    ]
+    balises += [
+        Balise(_number(to_index, order), distance_m - before_m, distance_m - before_m)
+        for order, before_m in enumerate(before_stop_m, start=1)
+    ]
+    return tuple(balises)

@@ -1,0 +1,112 @@
+"""Tracks in the TTOBench JSON format, library versions 1.1 and 1.2.
+
+D. Kouzoupis, I. Pendharkar, F. Corman, "TTOBench - an Open-Source Library for Train Trajectory Optimization",
+Operations Research Forum 4:67 (2023). Units are named in the file and must be m, km/h (or m/s) and permil.
+"""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, Strict
+
+from scenarios.errors import InputError, Words
+from scenarios.importers.section import Stop, StopLine
+from scenarios.model import Line, Profile
+from scenarios.validation import validated
+
+VERSIONS = ("TTOBench v1.1", "TTOBench v1.2")
+
+_Row = Annotated[tuple[float, float], Strict(False)]
+
+
+class _Foreign(BaseModel):
+    model_config = ConfigDict(extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class _Metadata(_Foreign):
+    id: str
+    version: str = Field(alias="library version")
+
+
+class _Stops(_Foreign):
+    unit: Literal["m", "km"]
+    values: Annotated[list[float], Field(min_length=2)]
+
+
+class _LimitUnits(_Foreign):
+    position: Literal["m", "km"]
+    velocity: Literal["km/h", "m/s"]
+
+
+class _Limits(_Foreign):
+    units: _LimitUnits
+    values: Annotated[list[_Row], Field(min_length=1)]
+
+
+class _GradientUnits(_Foreign):
+    position: Literal["m", "km"]
+    slope: Literal["permil", "\N{PER MILLE SIGN}"]
+
+
+class _Gradients(_Foreign):
+    units: _GradientUnits
+    values: Annotated[list[_Row], Field(min_length=1)]
+
+
+class _Track(_Foreign):
+    metadata: _Metadata
+    stops: _Stops
+    limits: _Limits = Field(alias="speed limits")
+    gradients: _Gradients | None = None
+
+
+_METRES = {"m": 1.0, "km": 1000.0}
+
+
+def load_line(file: str | Path) -> StopLine:
+    """A track as a line in its own positions, with stops named ``stop 0``, ``stop 1``, ... in file order.
+
+    A track without gradients is level. Curves are left out. Raises :class:`InputError`.
+    """
+    data = _read(file)
+    track = validated(_Track, data, lambda _: file)
+    if track.metadata.version not in VERSIONS:
+        raise InputError(file, "metadata.library version", track.metadata.version, f"one of {', '.join(VERSIONS)}")
+    stop_m = [value * _METRES[track.stops.unit] for value in track.stops.values]
+    _increasing(file, "stops", stop_m)
+    limit_scale = 1 / 3.6 if track.limits.units.velocity == "km/h" else 1.0
+    grade: Profile = ((stop_m[0], 0.0),)
+    if track.gradients is not None:
+        scale_m = _METRES[track.gradients.units.position]
+        grade = tuple((from_x * scale_m, permil) for from_x, permil in track.gradients.values)
+        _increasing(file, "gradients", [row[0] for row in grade])
+    scale_m = _METRES[track.limits.units.position]
+    limits = tuple((from_x * scale_m, limit * limit_scale) for from_x, limit in track.limits.values)
+    _increasing(file, "speed limits", [row[0] for row in limits])
+    for row, (_, limit_mps) in enumerate(limits):
+        if limit_mps <= 0:
+            raise InputError(file, f"speed limits.values[{row}]", track.limits.values[row], "a limit above 0")
+    stops = tuple(Stop(f"stop {number}", position_m) for number, position_m in enumerate(stop_m))
+    return StopLine(Line(track.metadata.id, grade, limits), stops)
+
+
+def _increasing(file: str | Path, key: str, positions: list[float]) -> None:
+    for row, (earlier, later) in enumerate(pairwise(positions), start=1):
+        if later <= earlier:
+            raise InputError(file, f"{key}.values[{row}]", later, f"a position above {earlier}")
+
+
+def _read(file: str | Path) -> dict[str, Any]:
+    try:
+        data = json.loads(Path(file).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(file, "", Words(error.strerror or "no readable file"), "a readable JSON file") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(file, "", Words(str(error)), "JSON in UTF-8") from None
+    if not isinstance(data, dict):
+        raise InputError(file, "", Words(f"a {type(data).__name__}"), "a TTOBench track object")
+    return data

@@ -1,0 +1,210 @@
+"""What a run is made of, as frozen dataclasses in SI units.
+
+Everything inside the bench reads these classes; files and their validation stay in :mod:`scenarios.schema`.
+Positions are metres from the stopping point at which the run starts (increasing along the run), grades are
+permil (up positive), speeds are m/s unless the name says otherwise.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+#: A step profile: rows ``(from_m, value)``, each valid until the next row; before the first row its value
+#: holds.
+Profile = tuple[tuple[float, float], ...]
+
+
+def profile_value(profile: Profile, position_m: float) -> float:
+    """Value of a step profile at ``position_m`` (the row that starts exactly there already holds)."""
+    index = bisect_right(profile, position_m, key=lambda row: row[0]) - 1
+    return profile[max(index, 0)][1]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """Limit of a force over speed: ``min(force_max_n, power_max_w / v, curve(v))``.
+
+    ``curve`` is a table ``(speed_mps, force_n)`` with linear interpolation, held at both ends; empty means
+    none.
+    """
+
+    force_max_n: float
+    power_max_w: float | None = None
+    curve: tuple[tuple[float, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Train:
+    """One train as a rigid mass with length.
+
+    Resistance in N is ``weight_kn * (a + b V + c V^2 + grade)``, coefficients in N/kN (Davis), ``V`` in km/h,
+    ``weight_kn = mass_kg * gravity / 1000``. ``inertial_mass_kg`` already holds the rotating masses.
+    """
+
+    name: str
+    mass_kg: float
+    inertial_mass_kg: float
+    length_m: float
+    davis_a_n_per_kn: float
+    davis_b_n_per_kn_kmh: float
+    davis_c_n_per_kn_kmh2: float
+    traction: Effort
+    brake: Effort
+    actuator_pole_per_s: float
+    force_per_notch_n: float
+    notch_max: float = 7.0
+    speed_limit_mps: float = 1000.0
+    service_braking_mps2: float = 1.0
+    gravity_mps2: float = 9.81
+
+
+@dataclass(frozen=True, slots=True)
+class Balise:
+    """A balise: its number, the surveyed position that its telegram carries, and where it really lies."""
+
+    number: int
+    surveyed_m: float
+    true_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The piece of line that the run uses; profiles may start below 0 (under the standing train)."""
+
+    name: str
+    grade_permil: Profile
+    speed_limit_mps: Profile
+    balises: tuple[Balise, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class TargetCurve:
+    """Target speed curve as piecewise-linear acceleration, nodes ``(time_s, accel_mps2)`` from time 0.
+
+    After the last node the last acceleration continues, so the speed becomes virtually negative after the
+    planned stop (spec decision: clamping at zero costs seconds of punctuality). Values are exact
+    polynomials per piece: see :mod:`scenarios.target`.
+    """
+
+    nodes: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RunPlan:
+    """What is asked of the run: where and when to stop, and how far off is still a pass."""
+
+    distance_m: float
+    running_time_s: float
+    stop_error_max_m: float
+    time_error_max_s: float
+    #: A run that has not stopped this long after the timetable has failed.
+    overtime_max_s: float = 10.0
+
+
+@dataclass(frozen=True, slots=True)
+class Timing:
+    """Ticks and periods. Times on the wire and in the log are whole numbers of ``base_tick_ns``."""
+
+    base_tick_ns: int = 10_000_000
+    control_period_ns: int = 500_000_000
+    #: From the sampling of the speed to the moment the notch command acts, in simulation time.
+    loop_delay_s: float = 0.04
+    #: Port periods that differ from the port table, by port name.
+    port_period_ns: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """Speed sensor and odometer of the train.
+
+    The axle sensor reads ``true * wheel_factor`` (a worn wheel reads too fast: factor above 1), adds
+    Gaussian noise and rounds to the resolution; the odometer integrates the same factor.
+    """
+
+    speed_lsb_mps: float
+    speed_noise_sigma_mps: float
+    odometer_lsb_m: float
+    wheel_factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Eq. (5) of the IPFC paper: traction work / xi_m + auxiliary power * time + xi_b * brake work."""
+
+    xi_m: float
+    xi_b: float
+    auxiliary_power_w: float
+
+
+@dataclass(frozen=True, slots=True)
+class WatchLimits:
+    """Reaction ladder: age of the last accepted telegram at which each level is entered."""
+
+    hold_ms: int = 20
+    traction_cut_ms: int = 64
+    service_brake_ms: int = 256
+    emergency_ms: int = 1000
+    overspeed_margin_mps: float = 5 / 3.6
+
+
+@dataclass(frozen=True, slots=True)
+class Uniform:
+    """A uniform distribution between two bounds (factor or offset, as the perturbation's name says)."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Perturbations:
+    """Distributions from which a perturbed run draws; ``None`` leaves the nominal value."""
+
+    mass_factor: Uniform | None = None
+    davis_factor: Uniform | None = None
+    grade_offset_permil: Uniform | None = None
+    grade_factor: Uniform | None = None
+    actuator_pole_factor: Uniform | None = None
+    force_gain_factor: Uniform | None = None
+    speed_noise_sigma_mps: Uniform | None = None
+    loop_delay_s: Uniform | None = None
+    wheel_factor: Uniform | None = None
+    balise_position_error_m: Uniform | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PublishedScore:
+    """One row of a published result table, to be printed beside the measured scores."""
+
+    controller: str
+    itae: float
+    energy_kj: float
+    punctuality_s: float
+    stop_error_m: float
+    comfort: float
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """A complete run: train, line, target speed curve, plan, sensors, timing, limits.
+
+    ``sha256`` is the hash of the canonical form of everything that changes the run; the three nodes compare
+    it before they start.
+    """
+
+    name: str
+    title: str
+    train: Train
+    line: Line
+    target: TargetCurve
+    plan: RunPlan
+    timing: Timing
+    sensors: Sensors
+    energy: Energy
+    watch: WatchLimits
+    perturbations: Perturbations
+    published: tuple[PublishedScore, ...] = ()
+    #: Sentences that say what is chosen rather than published or measured; every report repeats them.
+    assumptions: tuple[str, ...] = ()
+    sha256: str = ""

@@ -1,0 +1,77 @@
+"""Perturbed runs: one random draw of everything that ``perturbations`` of a scenario leaves open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from scenarios import streams
+from scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
+
+
+class _Draws:
+    """Draws in a fixed order; a distribution that is not given still uses up its number.
+
+    So the draw of one quantity does not depend on which other quantities a scenario perturbs.
+    """
+
+    def __init__(self, generator: np.random.Generator) -> None:
+        self._generator = generator
+
+    def between(self, bounds: Uniform | None, nominal: float) -> float:
+        unit = float(self._generator.random())
+        return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
+
+
+def perturbed(scenario: Scenario, seed: int) -> Scenario:
+    """The scenario with every quantity of ``scenario.perturbations`` drawn from its uniform distribution.
+
+    The mass factor scales mass and inertial mass, the Davis factor all three coefficients, the grade is
+    multiplied and then offset, the force gain scales the force per notch (not the force limits), and the
+    balise error moves each balise against its surveyed position. ``sha256`` stays that of the scenario:
+    with the seed it names the run, and a controller that knows only the nominal train compares the same
+    hash. Raises ``ValueError`` for a negative seed.
+    """
+    given = scenario.perturbations
+    draws = _Draws(streams.generator(seed, streams.PERTURBATION))
+    mass = draws.between(given.mass_factor, 1.0)
+    davis = draws.between(given.davis_factor, 1.0)
+    grade_factor = draws.between(given.grade_factor, 1.0)
+    grade_offset_permil = draws.between(given.grade_offset_permil, 0.0)
+    pole = draws.between(given.actuator_pole_factor, 1.0)
+    gain = draws.between(given.force_gain_factor, 1.0)
+    sensors = Sensors(
+        speed_lsb_mps=scenario.sensors.speed_lsb_mps,
+        speed_noise_sigma_mps=draws.between(given.speed_noise_sigma_mps, scenario.sensors.speed_noise_sigma_mps),
+        odometer_lsb_m=scenario.sensors.odometer_lsb_m,
+        wheel_factor=draws.between(given.wheel_factor, scenario.sensors.wheel_factor),
+    )
+    timing: Timing = replace(
+        scenario.timing, loop_delay_s=draws.between(given.loop_delay_s, scenario.timing.loop_delay_s)
+    )
+    train: Train = replace(
+        scenario.train,
+        mass_kg=scenario.train.mass_kg * mass,
+        inertial_mass_kg=scenario.train.inertial_mass_kg * mass,
+        davis_a_n_per_kn=scenario.train.davis_a_n_per_kn * davis,
+        davis_b_n_per_kn_kmh=scenario.train.davis_b_n_per_kn_kmh * davis,
+        davis_c_n_per_kn_kmh2=scenario.train.davis_c_n_per_kn_kmh2 * davis,
+        actuator_pole_per_s=scenario.train.actuator_pole_per_s * pole,
+        force_per_notch_n=scenario.train.force_per_notch_n * gain,
+    )
+    line: Line = replace(
+        scenario.line,
+        grade_permil=tuple(
+            (from_m, permil * grade_factor + grade_offset_permil) for from_m, permil in scenario.line.grade_permil
+        ),
+        balises=tuple(
+            Balise(
+                balise.number,
+                balise.surveyed_m,
+                balise.true_m + draws.between(given.balise_position_error_m, 0.0),
+            )
+            for balise in scenario.line.balises
+        ),
+    )
+    return replace(scenario, train=train, line=line, sensors=sensors, timing=timing)

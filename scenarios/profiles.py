@@ -1,0 +1,78 @@
+"""Line profiles as a train of finite length feels them: limit over its length, grade averaged."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from scenarios.model import Line, Profile, Train
+
+Floats = NDArray[np.float64]
+
+
+def front_speed_limit(line: Line, train: Train) -> Profile:
+    """Speed limit in m/s by position of the train's **front**, as a step profile without repeated values.
+
+    A lower limit applies from the front reaching it; a higher one only when the rear has left the lower one
+    (one train length later). The train's own limit is included. Before the first row its value holds.
+    """
+    rows = line.speed_limit_mps
+    ends = [row[0] + train.length_m for row in rows[1:]]
+    starts = [row[0] for row in rows]
+    edges = sorted({*starts, *ends})
+    profile: list[tuple[float, float]] = []
+    for edge in edges:
+        felt = [
+            rows[i][1]
+            for i in range(len(rows))
+            if (starts[i] <= edge or i == 0) and (i == len(rows) - 1 or ends[i] > edge)
+        ]
+        value = min([*felt, train.speed_limit_mps])
+        if not profile or profile[-1][1] != value:
+            profile.append((edge, value))
+    return tuple(profile)
+
+
+class MeanGrade:
+    """Grade in permil averaged over the train, by position of its front (m, scalar or array of any shape)."""
+
+    def __init__(self, grade_permil: Profile, length_m: float) -> None:
+        self._length_m = length_m
+        self._from = np.array([row[0] for row in grade_permil])
+        self._grade = np.array([row[1] for row in grade_permil])
+        # Height in mm over the first row: the integral of permil over metres, exact at every row.
+        self._height = np.concatenate(([0.0], np.cumsum(self._grade[:-1] * np.diff(self._from))))
+        self.breakpoints_m: Floats = np.unique(np.concatenate((self._from, self._from + length_m)))
+
+    def _height_at(self, position_m: Floats) -> Floats:
+        row = np.clip(np.searchsorted(self._from, position_m, side="right") - 1, 0, None)
+        return np.asarray(self._height[row] + self._grade[row] * (position_m - self._from[row]))
+
+    def __call__(self, front_m: ArrayLike) -> Floats:
+        front = np.asarray(front_m, dtype=np.float64)
+        return np.asarray((self._height_at(front) - self._height_at(front - self._length_m)) / self._length_m)
+
+    def extremes(self, from_m: float, to_m: float) -> tuple[float, float]:
+        """Least and greatest mean grade with the front between two positions (linear between breakpoints)."""
+        inside = self.breakpoints_m[(self.breakpoints_m > from_m) & (self.breakpoints_m < to_m)]
+        values = self(np.concatenate(([from_m], inside, [to_m])))
+        return float(values.min()), float(values.max())
+
+
+def cut(profile: Profile, from_m: float, to_m: float) -> Profile:
+    """The rows that hold somewhere between two positions (the first may start before ``from_m``)."""
+    ends = [row[0] for row in profile[1:]] + [float("inf")]
+    kept = tuple(row for row, end in zip(profile, ends, strict=True) if end > from_m and row[0] < to_m)
+    return kept or (profile[-1],)
+
+
+def shift(profile: Profile, offset_m: float) -> Profile:
+    """The profile with ``offset_m`` taken off every position."""
+    return tuple((position_m - offset_m, value) for position_m, value in profile)
+
+
+def merged(profile: Profile) -> Profile:
+    """The profile without rows that repeat the value before them."""
+    return profile[:1] + tuple(row for before, row in pairwise(profile) if row[1] != before[1])

@@ -1,0 +1,61 @@
+"""Target speed curve of a scenario made again: ``python -m scenarios.regenerate NAME... [--write]``.
+
+Shipped scenarios carry their curve precomputed, so that loading is quick and the curve does not depend on the
+versions of numerical libraries. This command recomputes it from ``[target.generate]`` and prints the target
+file, or writes it over the shipped one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from scenarios.errors import InputError, Words
+from scenarios.layers import DATA
+from scenarios.load import RUNS, Parts, find, generated_target, read_parts
+from scenarios.model import TargetCurve
+
+
+def target_file_text(parts: Parts, curve: TargetCurve) -> str:
+    """Text of the target file: the limits that it was made with, and the nodes."""
+    limits = parts.file.target.generate
+    assert limits is not None
+    lines = [
+        f"# Made by: python -m scenarios.regenerate {parts.file.name} --write",
+        "nodes_s_mps2 = [",
+        *(f"    [{time_s!r}, {accel!r}]," for time_s, accel in curve.nodes),
+        "]",
+        "",
+        "[generate]",
+        *(f"{key} = {value!r}" for key, value in limits.model_dump().items()),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Command line; returns 0, or 2 for bad input (one line on stderr)."""
+    parser = argparse.ArgumentParser(prog="python -m scenarios.regenerate", description=__doc__.splitlines()[0])
+    parser.add_argument("scenario", nargs="+", help="shipped name or path of a scenario with [target.generate]")
+    parser.add_argument("--write", action="store_true", help="write data/targets/<name>.toml instead of printing")
+    options = parser.parse_args(arguments)
+    try:
+        for name in options.scenario:
+            path = find(name)
+            parts = read_parts(path)
+            text = target_file_text(parts, generated_target(parts)[0])
+            if options.write and path.parent != RUNS:
+                raise InputError(path, "--write", Words("a file of your own"), "shipped names; redirect the output")
+            if options.write:
+                there: Path = DATA / "targets" / f"{parts.file.name}.toml"
+                there.write_text(text, encoding="utf-8")
+            else:
+                sys.stdout.write(text)
+    except InputError as error:
+        sys.stderr.write(f"{error}\n")
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,237 @@
+"""Schema of scenario, line, train and target files (TOML), checked with pydantic.
+
+Keys carry their unit (``mass_t``, ``distance_m``, ``speed_limit_kmh``); unknown keys are refused. This
+module only says what a file may contain: :mod:`scenarios.load` resolves references and turns it into
+:mod:`scenarios.model`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+
+#: Far beyond any railway, and small enough that no sum or square of it overflows.
+_LARGEST = 1e7
+_SMALLEST = 1e-9
+
+Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
+#: A row ``[x, y]`` of a table; TOML writes it as an array of two numbers.
+Pair = Annotated[tuple[Number, Number], Strict(False)]
+Pairs = Annotated[list[Pair], Field(min_length=1, max_length=100_000)]
+Positive = Annotated[float, Field(ge=_SMALLEST, le=_LARGEST)]
+NotNegative = Annotated[float, Field(ge=0, le=_LARGEST)]
+Text = Annotated[str, Field(min_length=1, max_length=200)]
+Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+class DavisTable(_Table):
+    """Running resistance ``a + b V + c V^2`` in N per kN of weight, V in km/h (Davis)."""
+
+    a_n_per_kn: NotNegative
+    b_n_per_kn_kmh: NotNegative
+    c_n_per_kn_kmh2: NotNegative
+
+
+class EffortTable(_Table):
+    """Largest force over speed: the least of a constant, a power and a curve ``[[km/h, kN], ...]``."""
+
+    force_max_kn: Positive
+    power_max_kw: Positive | None = None
+    curve_kmh_kn: Pairs | None = None
+
+
+class TrainTable(_Table):
+    """A train given by its own data.
+
+    Exactly one of each pair: ``rotating_mass_factor`` or ``inertial_mass_t``, ``force_per_notch_n`` or
+    ``accel_per_notch_mps2`` (of the inertial mass).
+    """
+
+    name: Text
+    mass_t: Positive
+    rotating_mass_factor: NotNegative | None = None
+    inertial_mass_t: Positive | None = None
+    length_m: Positive
+    davis: DavisTable
+    traction: EffortTable
+    brake: EffortTable
+    actuator_pole_per_s: Positive
+    force_per_notch_n: Positive | None = None
+    accel_per_notch_mps2: Positive | None = None
+    notch_max: Positive = 7.0
+    speed_limit_kmh: Positive = 3600.0
+    service_braking_mps2: Positive = 1.0
+    gravity_mps2: Annotated[float, Field(gt=9.0, lt=10.0)] = 9.81
+    assumptions: list[Text] = []
+
+
+class ImportedTrainTable(_Table):
+    """A train from a railtoolkit rolling-stock 2022.05 file, with what that format leaves out."""
+
+    railtoolkit: Text
+    train_id: Text | None = None
+    actuator_pole_per_s: Positive
+    accel_per_notch_mps2: Positive
+    notch_max: Positive = 7.0
+    assumptions: list[Text] = []
+
+
+def _train_kind(table: Any) -> str:
+    return "imported" if isinstance(table, dict) and "railtoolkit" in table else "own"
+
+
+#: Either kind of train; the tags never show in messages.
+TRAIN_TAGS = ("own", "imported")
+AnyTrain = Annotated[
+    Annotated[TrainTable, Tag("own")] | Annotated[ImportedTrainTable, Tag("imported")],
+    Discriminator(_train_kind),
+]
+
+
+class BaliseTable(_Table):
+    """One balise; ``true_m`` defaults to the surveyed position."""
+
+    number: Annotated[int, Field(ge=0, le=255)]
+    surveyed_m: Number
+    true_m: Number | None = None
+
+
+class StopTable(_Table):
+    """A stopping point of a line, for :class:`LineTable` sections."""
+
+    name: Text
+    position_m: Number
+
+
+class LineTable(_Table):
+    """A line: either its profiles, or a reference to an importable file; optionally cut between two stops."""
+
+    name: Text | None = None
+    grade_permil: Pairs | None = None
+    speed_limit_kmh: Pairs | None = None
+    balises: list[BaliseTable] = []
+    stops: list[StopTable] = []
+    railtoolkit: Text | None = None
+    path_id: Text | None = None
+    ttobench: Text | None = None
+    from_stop: Text | int | None = None
+    to_stop: Text | int | None = None
+    balises_before_stop_m: Annotated[list[NotNegative], Field(max_length=9)] = []
+    assumptions: list[Text] = []
+
+
+class GenerateTable(_Table):
+    """Limits of a generated target speed curve (see :mod:`scenarios.generate`)."""
+
+    accel_max_mps2: Positive = 0.8
+    braking_max_mps2: Positive = 0.7
+    jerk_max_mps3: Positive = 0.6
+    end_braking_mps2: Positive = 0.35
+    traction_utilisation: Annotated[float, Field(gt=0, le=1)] = 0.8
+    brake_utilisation: Annotated[float, Field(gt=0, le=1)] = 0.8
+    speed_margin_kmh: NotNegative = 2.0
+    hold_min_s: NotNegative = 10.0
+
+
+class TargetTable(_Table):
+    """Target speed curve: nodes ``[[t s, a m/s2], ...]``, limits to generate them from, or both."""
+
+    nodes_s_mps2: Pairs | None = None
+    generate: GenerateTable | None = None
+
+
+class PlanTable(_Table):
+    """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
+
+    distance_m: Annotated[float, Field(gt=0, le=1_000_000)]
+    running_time_s: Annotated[float, Field(gt=0, le=100_000)] | None = None
+    running_time_reserve_percent: NotNegative | None = None
+    stop_error_max_m: Positive
+    time_error_max_s: Positive
+    overtime_max_s: Positive = 10.0
+
+
+class TimingTable(_Table):
+    """Ticks and periods; every period is a whole multiple of the base tick."""
+
+    base_tick_ms: Positive = 10.0
+    control_period_ms: Positive = 500.0
+    loop_delay_s: NotNegative = 0.04
+    port_period_ms: dict[Annotated[str, Field(pattern=r"^[A-Z][A-Z0-9_]*$")], Positive] = {}
+
+
+class SensorsTable(_Table):
+    """Axle speed sensor and odometer."""
+
+    speed_lsb_kmh: Positive
+    speed_noise_sigma_kmh: NotNegative = 0.0
+    odometer_lsb_m: Positive
+    wheel_factor: Annotated[float, Field(gt=0.5, lt=2.0)] = 1.0
+
+
+class EnergyTable(_Table):
+    """Coefficients of eq. (5) of the IPFC paper."""
+
+    xi_m: Positive
+    xi_b: Number
+    auxiliary_power_kw: NotNegative
+
+
+class WatchTable(_Table):
+    """Reaction ladder: ages in ms (increasing) and the overspeed margin."""
+
+    hold_ms: Annotated[int, Field(gt=0)] = 20
+    traction_cut_ms: Annotated[int, Field(gt=0)] = 64
+    service_brake_ms: Annotated[int, Field(gt=0)] = 256
+    emergency_ms: Annotated[int, Field(gt=0)] = 1000
+    overspeed_margin_kmh: Positive = 5.0
+
+
+class PerturbationsTable(_Table):
+    """Uniform distributions ``[low, high]`` from which a perturbed run draws; a missing key stays nominal."""
+
+    mass_factor: Pair | None = None
+    davis_factor: Pair | None = None
+    grade_offset_permil: Pair | None = None
+    grade_factor: Pair | None = None
+    actuator_pole_factor: Pair | None = None
+    force_gain_factor: Pair | None = None
+    speed_noise_sigma_kmh: Pair | None = None
+    loop_delay_s: Pair | None = None
+    wheel_factor: Pair | None = None
+    balise_position_error_m: Pair | None = None
+
+
+class PublishedTable(_Table):
+    """One row of a published result table."""
+
+    controller: Text
+    itae: Number
+    energy_kj: Number
+    punctuality_s: Number
+    stop_error_m: Number
+    comfort: Number
+
+
+class ScenarioFile(_Table):
+    """A scenario file after its references have been read."""
+
+    schema_version: Literal[1]
+    name: Name
+    title: Text
+    assumptions: list[Text] = []
+    train: AnyTrain
+    line: LineTable
+    target: TargetTable
+    plan: PlanTable
+    timing: TimingTable = TimingTable()
+    sensors: SensorsTable
+    energy: EnergyTable
+    watch: WatchTable = WatchTable()
+    perturbations: PerturbationsTable = PerturbationsTable()
+    published: list[PublishedTable] = []

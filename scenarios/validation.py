@@ -1,0 +1,138 @@
+"""pydantic's findings as one :class:`~scenarios.errors.InputError`: the first that explains the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from scenarios.errors import InputError, Words, nearest_key
+
+M = TypeVar("M", bound=BaseModel)
+Keys = tuple[str | int, ...]
+
+#: A mistyped key makes a required one missing too, so it is reported first.
+_EXPLAINS_FIRST = {"extra_forbidden": 0, "missing": 2}
+
+_ALLOWED_BY_TYPE = {
+    "missing": "a value: the key is required",
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "int_from_float": "a whole number",
+    "string_type": "a text",
+    "bool_type": "true or false",
+    "list_type": "an array",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "tuple_type": "an array of numbers",
+    "finite_number": "a finite number",
+}
+
+
+def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | Path], tags: tuple[str, ...] = ()) -> M:
+    """``data`` as ``table_type``; ``origin`` names the file of a key path, ``tags`` are union tags.
+
+    Raises :class:`InputError` with the key as a dotted path, what was found and what is allowed.
+    """
+    try:
+        return table_type.model_validate(data)
+    except ValidationError as error:
+        details = sorted(error.errors(include_url=False), key=lambda one: _EXPLAINS_FIRST.get(one["type"], 1))
+        raise _translated(details[0], table_type, origin, tags) from None
+
+
+def _translated(
+    one: ErrorDetails,
+    table_type: type[BaseModel],
+    origin: Callable[[Keys], str | Path],
+    tags: tuple[str, ...],
+) -> InputError:
+    tagged: Keys = one["loc"]
+    keys = tuple(key for key in tagged if key not in tags and key != "[key]")
+    kind = one["type"]
+    found: object = Words() if kind == "missing" else one["input"]
+    allowed = _ALLOWED_BY_TYPE.get(kind)
+    hint = None
+    if kind == "extra_forbidden":
+        choices = _fields_at(table_type, tagged[:-1])
+        nearest = nearest_key(str(keys[-1]), choices)
+        hint = f"did you mean {nearest}?" if nearest else None
+        allowed = f"only {', '.join(sorted(choices))}"
+        found = Words(f"the unknown key {keys[-1]}")
+    elif allowed is None:
+        allowed = _from_context(kind, one.get("ctx", {})) or _lowered(one["msg"])
+    return InputError(origin(keys), dotted(keys), found, allowed, hint)
+
+
+def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:
+    """Sentences for findings whose bounds pydantic gives apart from its message."""
+    if kind == "string_pattern_mismatch":
+        return f"a text that matches {context['pattern']}"
+    if kind in ("greater_than_equal", "less_than_equal"):
+        return f"at least {context['ge']:g}" if kind.startswith("greater") else f"at most {context['le']:g}"
+    if kind == "too_long":
+        return f"an array of at most {context['max_length']} values"
+    if kind == "too_short":
+        return f"an array of at least {context['min_length']} values"
+    return None
+
+
+def dotted(keys: Keys) -> str:
+    """``("line", "stops", 2, "name")`` as ``line.stops[2].name``."""
+    text = ""
+    for key in keys:
+        text += f"[{key}]" if isinstance(key, int) else f".{key}" if text else key
+    return text
+
+
+def _lowered(message: str) -> str:
+    """pydantic's sentence without its subject: ``Input should be greater than 0`` -> ``greater than 0``."""
+    for subject in (
+        "Input should be ",
+        "Value error, ",
+        "List should have ",
+        "String should have ",
+        "String should ",
+    ):
+        if message.startswith(subject):
+            return message[len(subject) :]
+    return message[0].lower() + message[1:]
+
+
+def _fields_at(table_type: type[BaseModel], path: Keys) -> tuple[str, ...]:
+    """Keys allowed in the table at ``path`` (found through the JSON schema, which knows unions and lists)."""
+    schema = table_type.model_json_schema()
+    node: Mapping[str, Any] = schema
+    for key in path:
+        node = _step(schema, node, key)
+    return tuple(_resolved(schema, node).get("properties", {}))
+
+
+def _resolved(schema: Mapping[str, Any], node: Mapping[str, Any]) -> Mapping[str, Any]:
+    while "$ref" in node:
+        node = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
+    for union in ("anyOf", "oneOf"):
+        tables = [_resolved(schema, choice) for choice in node.get(union, ())]
+        named = [table for table in tables if "properties" in table]
+        if named:
+            return named[0]
+    return node
+
+
+def _step(schema: Mapping[str, Any], node: Mapping[str, Any], key: str | int) -> Mapping[str, Any]:
+    if isinstance(key, int):
+        items: Mapping[str, Any] = _resolved(schema, node).get("items", {})
+        return items
+    if key in _resolved(schema, node).get("properties", {}):
+        below: Mapping[str, Any] = _resolved(schema, node)["properties"][key]
+        return below
+    choices = node.get("oneOf", node.get("anyOf", ()))
+    for choice in choices:
+        if key.lower() in str(choice.get("$ref", "")).lower():
+            found: Mapping[str, Any] = choice
+            return found
+    return node

@@ -1,0 +1,220 @@
+"""What a run leaves behind: score, certificate, table of signals, JUnit report."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import shlex
+import time
+import xml.etree.ElementTree as ET
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from dbc import wire_contract
+from scenarios.errors import InputError
+from scenarios.model import Scenario
+from supervisor.framelog import write_blf
+from supervisor.run import RunOptions, RunResult
+from supervisor.trace import FloatArray, Trace
+
+_PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
+#: Columns of ``signals.csv``: header and the signal behind it.
+_COLUMNS = (
+    ("true_position_m", SimTruth.PORT, "TruePos"),
+    ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
+    ("true_accel_mps2", SimTruth.PORT, "TrueAccel"),
+    ("traction_n", SimTruth.PORT, "TractionForce"),
+    ("brake_n", SimTruth.PORT, "BrakeForce"),
+    ("grade_permil", SimTruth.PORT, "TrueGrade"),
+    ("measured_speed_mps", TrnSpeed.PORT, "TrainSpeed"),
+    ("odometer_m", TrnPos.PORT, "TrainPos"),
+    ("notch_command", NotchCmd.PORT, "NotchCmd"),
+    ("controller_mode", NotchCmd.PORT, "CtlMode"),
+    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
+    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
+    ("satisfaction", CtlStat.PORT, "Satisfaction"),
+    ("ladder_level", CtlStat.PORT, "LadderLevel"),
+)
+
+
+def run_folder(out: str | None, scenario: str, controller: str) -> Path:
+    """Make the folder of a new run.
+
+    :param out: the folder itself when the user names one; it must be empty or not exist.
+    :raises InputError: the named folder holds something, or cannot be made.
+    """
+    stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+    folder = Path(out) if out else Path("runs") / f"{stamp}-{scenario}-{controller}"
+    try:
+        if out is None:
+            serial = 1
+            while folder.exists():
+                serial += 1
+                folder = folder.with_name(f"{stamp}-{scenario}-{controller}-{serial}")
+        folder.mkdir(parents=True, exist_ok=True)
+        occupied = any(folder.iterdir())
+    except OSError as error:
+        raise InputError(
+            "command line", "--out", str(folder), f"a folder that can be written ({error.strerror})"
+        ) from None
+    if occupied:
+        raise InputError("command line", "--out", str(folder), "an empty or new folder")
+    return folder
+
+
+def code_sha256() -> str:
+    """Hash over the source of the bench (paths and contents, in path order)."""
+    root = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        for path in sorted((root / package).rglob("*")):
+            if path.suffix in (".py", ".toml", ".dbc"):
+                digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
+    """The command line that makes the same run again."""
+    words = ["railhil", "run", options.scenario, "--controller", options.controller]
+    words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
+    words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
+    words += ["--perturbed"] * options.perturbed
+    return shlex.join(words + bus_arguments)
+
+
+def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
+    """Content of ``score.json``: what the log gives, and how the run went."""
+    document = result.score.as_json()
+    if result.exit_code not in (0, 1):
+        document["verdict"] = "INVALID"
+    document["line"] = result.line
+    document["run"] = {
+        "sim_time_s": result.sim_time_s,
+        "wall_time_s": result.wall_time_s,
+        "speed_factor": result.speed_factor,
+        "first_frame_s": result.first_frame_s,
+        "frames": result.frames,
+        "transport": result.transport,
+        "pace": options.pace,
+        "arithmetic": options.arithmetic,
+        "controller": options.controller,
+        "indexing": options.indexing,
+        "seed": options.seed,
+        "perturbed": options.perturbed,
+        "counters": result.counters,
+    }
+    if result.jitter is not None:
+        jitter = result.jitter
+        document["jitter"] = {
+            "cycles": jitter.cycles,
+            "p50_ms": jitter.p50_ms,
+            "p99_ms": jitter.p99_ms,
+            "p999_ms": jitter.p999_ms,
+            "max_ms": jitter.max_ms,
+            "late_share": jitter.late_share,
+        }
+    return document
+
+
+def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_arguments: list[str]) -> dict[str, Any]:
+    """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
+    return {
+        "railhil": version("railhil"),
+        "scenario": options.scenario,
+        "scenario_sha256": scenario.sha256,
+        "dbc_sha256": wire_contract().sha256,
+        "code_sha256": code_sha256(),
+        "seed": options.seed,
+        "perturbed": options.perturbed,
+        "controller": options.controller,
+        "arithmetic": options.arithmetic,
+        "indexing": options.indexing,
+        "pace": options.pace,
+        "transport": result.transport,
+        "frames": result.frames,
+        "frames_sha256": result.frames_sha256,
+        "verdict": result.score.verdict if result.exit_code in (0, 1) else "INVALID",
+        "command": run_command(options, bus_arguments),
+        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
+        "assumptions": list(scenario.assumptions),
+    }
+
+
+def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
+    """JUnit report with one case per limit of the scenario."""
+    plan, found = scenario.plan, result.score
+    cases: list[tuple[str, str]] = [("bench_valid", "" if result.exit_code in (0, 1) else result.line)]
+    if result.exit_code in (0, 1):
+        cases += [
+            ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
+            ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
+            ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
+            ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
+            ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
+        ]
+    suite = ET.Element(
+        "testsuite",
+        name=f"{scenario.name}.{options.controller}",
+        tests=str(len(cases)),
+        failures=str(sum(bool(text) for _, text in cases)),
+        time=f"{result.wall_time_s:.3f}",
+    )
+    for name, text in cases:
+        case = ET.SubElement(suite, "testcase", classname=f"railhil.{scenario.name}", name=name)
+        if text:
+            ET.SubElement(case, "failure", message=text)
+    return ET.ElementTree(suite)
+
+
+def _beyond(value: float | None, limit: float, unit: str) -> str:
+    if value is None or abs(value) <= limit:
+        return ""
+    return f"{value:+.3f} {unit}, allowed +-{limit:g} {unit}"
+
+
+def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values."""
+    time_s = trace.times_s(SimTruth.PORT)
+    columns = [time_s]
+    for _, port, signal in _COLUMNS:
+        if port == SimTruth.PORT:
+            columns.append(trace.values(port, signal))
+            continue
+        at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+        values = np.append(trace.values(port, signal), np.nan)
+        columns.append(np.where(at >= 0, values[at], np.nan))
+    return ["time_s", *(header for header, _, _ in _COLUMNS)], np.column_stack(columns)
+
+
+def write_signals(trace: Trace, path: Path) -> None:
+    """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
+    header, rows = signal_table(trace)
+    np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
+
+
+def write_json(path: Path, document: dict[str, Any]) -> None:
+    """Write a JSON document whole or not at all."""
+    draft = path.with_suffix(".part")
+    draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
+    draft.replace(path)
+
+
+def write_folder(
+    folder: Path, scenario: Scenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
+) -> None:
+    """Write everything that a finished record gives; the certificate comes last and marks the folder as whole."""
+    if trace.count(SimTruth.PORT):
+        write_signals(trace, folder / "signals.csv")
+    document = score_json(result, options)
+    if document["run"]["first_frame_s"] != document["run"]["first_frame_s"]:
+        document["run"]["first_frame_s"] = None
+    write_blf(folder / "frames.log", folder / "frames.blf")
+    write_json(folder / "score.json", document)
+    junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
+    write_json(folder / "certificate.json", certificate(scenario, options, result, bus_arguments))

@@ -1,0 +1,87 @@
+"""Starting, watching and ending the node processes of a run."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+#: Time that a node gets to end by itself after SIGTERM.
+TERMINATE_S = 1.0
+
+
+@dataclass(slots=True)
+class Node:
+    """A child process with its role and the file that holds what it said."""
+
+    role: str
+    process: subprocess.Popen[bytes]
+    output: Path
+
+    def exit_code(self) -> int | None:
+        """Exit code, negative for a signal, None while it runs."""
+        return self.process.poll()
+
+    def last_words(self) -> str:
+        """Last line that the node wrote, or how it ended."""
+        code = self.process.poll()
+        if code is not None and code < 0:
+            return f"killed by {signal.Signals(-code).name}"
+        lines = [line for line in self.output.read_text(errors="replace").splitlines() if line.strip()]
+        return lines[-1] if lines else f"exit code {code}"
+
+
+class Nodes:
+    """The child processes of one run; a context manager that leaves none behind."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.nodes: list[Node] = []
+
+    def start(self, role: str, module: str, arguments: Sequence[str]) -> Node:
+        """Start ``python -m module arguments`` with its output in ``<role>.txt``."""
+        output = self._folder / f"{role}.txt"
+        with output.open("wb") as stream:
+            process = subprocess.Popen(
+                [sys.executable, "-m", module, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+            )
+        node = Node(role, process, output)
+        self.nodes.append(node)
+        return node
+
+    def ended(self) -> list[Node]:
+        """Nodes that have ended."""
+        return [node for node in self.nodes if node.exit_code() is not None]
+
+    def wait(self, roles: Sequence[str], timeout_s: float) -> bool:
+        """Wait until the nodes of these roles have ended; False after the time-out."""
+        deadline_s = time.monotonic() + timeout_s
+        for node in self.nodes:
+            if node.role in roles:
+                try:
+                    node.process.wait(max(0.0, deadline_s - time.monotonic()))
+                except subprocess.TimeoutExpired:
+                    return False
+        return True
+
+    def __enter__(self) -> Nodes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        running = [node for node in self.nodes if node.exit_code() is None]
+        for node in running:
+            node.process.terminate()
+        deadline_s = time.monotonic() + TERMINATE_S
+        for node in running:
+            try:
+                node.process.wait(max(0.0, deadline_s - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                node.process.kill()
+                node.process.wait()

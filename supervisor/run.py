@@ -1,0 +1,236 @@
+"""One run from start to verdict: bus, nodes, record, score."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bus.errors import BusLost, BusUnavailable
+from bus.exitcodes import FAIL, INVALID, PASS, USAGE
+from bus.link import Link, open_link
+from bus.select import BusChoice
+from bus.telegrams import Event
+from scenarios.model import Scenario
+from supervisor.framelog import FrameLog, read_log
+from supervisor.processes import Node, Nodes
+from supervisor.score import Score, score
+from supervisor.session import Session
+from supervisor.timing import Jitter, jitter_of
+from supervisor.trace import Trace, trace_of
+
+#: Wall time without any frame after which a started run counts as dead.
+SILENCE_S = 4.0
+#: Wall time for all nodes to appear.
+APPEAR_S = 25.0
+#: After a node was lost, the rest may take this long to stop by itself.
+AFTER_LOSS_S = 4.0
+_LOOK_S = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """What the command line says about a run."""
+
+    scenario: str
+    controller: str = "ipfc"
+    arithmetic: str = "iq"
+    indexing: str = "time"
+    pace: str = "lockstep"
+    rate: float = 1.0
+    seed: int = 0
+    perturbed: bool = False
+    #: Attach to nodes that are running already instead of starting them.
+    attach: bool = False
+
+
+@dataclass(slots=True)
+class RunResult:
+    """What came out: the score, or why there is none."""
+
+    score: Score
+    exit_code: int
+    line: str
+    frames: int
+    frames_sha256: str
+    wall_time_s: float
+    sim_time_s: float
+    first_frame_s: float
+    transport: str
+    jitter: Jitter | None
+    counters: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def speed_factor(self) -> float:
+        """Simulated seconds per wall second, from the first frame to the last."""
+        return self.sim_time_s / self.wall_time_s if self.wall_time_s > 0 else 0.0
+
+
+class Run:
+    """Starts what is needed, records until the run has ended, and scores.
+
+    :param folder: existing run folder; the log and the nodes' output go there.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        options: RunOptions,
+        choice: BusChoice,
+        folder: Path,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> None:
+        self.scenario = scenario
+        self.options = options
+        self.choice = choice
+        self.folder = folder
+        self.log = FrameLog(folder)
+        self.session = Session(
+            scenario,
+            self.log.write,
+            seed=options.seed,
+            perturbed=options.perturbed,
+            controller=options.controller,
+            arithmetic=options.arithmetic,
+            indexing=options.indexing,
+            fd=choice.fd,
+            on_progress=on_progress,
+        )
+        #: Telegrams of the record, read back from the log when the run has ended.
+        self.trace = Trace()
+        self._lost = ""
+
+    def execute(self) -> RunResult:
+        """The whole run.
+
+        :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
+        """
+        started_ns = time.monotonic_ns()
+        try:
+            with Nodes(self.folder) as nodes:
+                self._start(nodes)
+                link = self._open(nodes)
+                try:
+                    self._record(link, nodes)
+                except BusLost as error:
+                    self._lost = self._who_died(nodes) or str(error)
+                finally:
+                    link.close()
+                counters = dict(link.counters) | self.session.counters
+                if self.session.ended is not None:
+                    nodes.wait(("plant", "controller"), AFTER_LOSS_S)
+                line, refused = self._verdict_line(nodes)
+        finally:
+            sha256 = self.log.close()
+        return self._result(started_ns, sha256, counters, line, refused)
+
+    def _start(self, nodes: Nodes) -> None:
+        bus, options = self.choice.arguments, self.options
+        if self.choice.needs_hub:
+            nodes.start("hub", "bus.hub", ["-c", self.choice.config["channel"]])
+        if options.attach:
+            return
+        plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
+        nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
+        law = ["--controller", options.controller, "--arithmetic", options.arithmetic, "--indexing", options.indexing]
+        nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
+
+    def _open(self, nodes: Nodes) -> Link:
+        try:
+            return open_link(self.choice.config)
+        except BusUnavailable:
+            for node in nodes.ended():
+                raise BusUnavailable(node.last_words()) from None
+            raise
+
+    def _record(self, link: Link, nodes: Nodes) -> None:
+        session = self.session
+        look_s = time.monotonic() + _LOOK_S
+        heard_s = time.monotonic()
+        give_up_s: float | None = None
+        while session.ended is None:
+            frames = link.receive(_LOOK_S)
+            for frame in frames:
+                answers = session.handle(frame)
+                if answers:
+                    link.send(answers)
+            now_s = time.monotonic()
+            if frames:
+                heard_s = now_s
+            if now_s < look_s:
+                continue
+            look_s = now_s + _LOOK_S
+            if give_up_s is None:
+                ended = nodes.ended()
+                if ended and session.ended is None and not self._drain(link):
+                    self._lost = self._who_died(nodes)
+                    give_up_s = now_s + AFTER_LOSS_S
+                    if ended[0].role != "controller":
+                        return
+            elif now_s > give_up_s:
+                return
+            if now_s - heard_s > (SILENCE_S if session.recording else APPEAR_S):
+                self._lost = self._lost or f"no frame for {now_s - heard_s:.0f} s of wall time: bench is deadlocked"
+                return
+
+    def _drain(self, link: Link) -> bool:
+        """Take what is still queued after a node has ended; True when the run ended regularly with it."""
+        while self.session.ended is None:
+            frames = link.receive(0.05)
+            if not frames:
+                return False
+            for frame in frames:
+                answers = self.session.handle(frame)
+                if answers:
+                    link.send(answers)
+        return True
+
+    def _who_died(self, nodes: Nodes) -> str:
+        dead = sorted(nodes.ended(), key=_blame)
+        if not dead:
+            return ""
+        at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
+        return f"{dead[0].role} lost {at}: {dead[0].last_words()}"
+
+    def _verdict_line(self, nodes: Nodes) -> tuple[str, bool]:
+        """The line that explains a run without score, and whether it was refused for bad input."""
+        refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
+        if refusals:
+            return refusals[0].last_words(), True
+        if self.session.ended is Event.ENDED_REFUSED:
+            return "the nodes do not agree on what to run", True
+        return self._lost, False
+
+    def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
+        session = self.session
+        self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
+        result = score(self.scenario, self.trace)
+        jitter = None
+        code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
+        if self.options.pace == "realtime":
+            jitter = jitter_of(session.wall_ticks, session.wall_ns, self.scenario, self.options.rate)
+            if not jitter.valid and code in (PASS, FAIL):
+                code, line = INVALID, line or jitter.sentence()
+        if line:
+            code = USAGE if refused else INVALID
+        return RunResult(
+            score=result,
+            exit_code=code,
+            line=line or "; ".join(result.failures),
+            frames=session.frames,
+            frames_sha256=sha256,
+            wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
+            sim_time_s=session.sim_time_s,
+            first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
+            transport=self.choice.transport,
+            jitter=jitter,
+            counters=counters,
+        )
+
+
+def _blame(node: Node) -> tuple[int, int]:
+    """A node that was killed comes before those that ended because of it; the hub before all."""
+    code = node.exit_code() or 0
+    return (0 if code < 0 else 1, ("hub", "plant", "controller").index(node.role))
+

@@ -1,0 +1,139 @@
+"""The supervisor on the bus: records every frame, answers its polls, notices the end of the run.
+
+The answer to the SUP_CMD poll is the flow control: it leaves only after everything before has been taken. Frames
+that only need recording are not decoded here; the score reads them back from the log.
+"""
+
+from __future__ import annotations
+
+import time
+from array import array
+from collections.abc import Callable
+
+from bus.frame import Frame
+from bus.ident import Ident, PltIdent, Role, SupIdent, make_ident
+from bus.layout import Telegram
+from bus.mvb import F_DEVICE_STATUS
+from bus.responder import Responder
+from bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
+from dbc import wire_contract
+from scenarios.model import Scenario
+from supervisor.framelog import log_line
+
+
+class Session:
+    """Records one run.
+
+    :param write: takes each line of the log.
+    :param on_progress: called at each SUP_CMD poll with the simulation time in s.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        write: Callable[[str], object],
+        *,
+        seed: int,
+        perturbed: bool,
+        controller: str,
+        arithmetic: str,
+        indexing: str,
+        fd: bool = False,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> None:
+        contract = wire_contract()
+        self.ended: Event | None = None
+        self.stop_requested = False
+        #: Number and monotonic wall time of each new tick: the jitter side file.
+        self.wall_ticks: array[int] = array("q")
+        self.wall_ns: array[int] = array("q")
+        self.first_frame_ns = 0
+        self.last_poll_ns = 0
+        self.frames = 0
+        self.recording = False
+        self._write = write
+        self._on_progress = on_progress
+        self._life = 0
+        self._ident = make_ident(
+            Role.SUPERVISOR,
+            scenario.sha256,
+            seed=seed,
+            perturbed=perturbed,
+            controller=controller,
+            arithmetic=arithmetic,
+            indexing=indexing,
+        )
+        sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent)]
+        self._responder = Responder(
+            Role.SUPERVISOR,
+            scenario.timing.base_tick_ns,
+            sinks,
+            {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
+            fd=fd,
+            on_commit=self._committed,
+        )
+        self._clock = self._responder.clock
+        self._poll_id = contract.poll_id
+        self._status_id = contract.device_status_id
+        clock_port = contract.clock_port
+        self._clock_ids = {clock_port.address, clock_port.fd_id}
+        opening = contract.port(PltIdent.PORT)
+        self._opening_ids = {opening.address, opening.fd_id}
+        self._own_ids = {self._poll_id, *(can_id for port in sinks for can_id in (*port.can_ids, port.fd_id))}
+
+    @property
+    def sim_time_s(self) -> float:
+        """Simulation time of the current tick."""
+        return self._clock.now_ns / 1e9
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Telegrams that the supervisor itself refused, by cause."""
+        return dict(self._responder.store.counters)
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
+        can_id = frame.can_id
+        if can_id in self._clock_ids:
+            if self._clock.feed(frame):
+                self.wall_ticks.append(self._clock.tick)
+                self.wall_ns.append(time.monotonic_ns())
+        elif can_id in self._own_ids:
+            return self._handle_own(frame)
+        elif can_id == self._status_id:
+            return []
+        if self.recording:
+            self.frames += 1
+            self._write(log_line(self._clock.now_ns, frame))
+        return []
+
+    def _handle_own(self, frame: Frame) -> list[Frame]:
+        """A poll, or a telegram that the supervisor reads itself."""
+        if not self.recording and frame.can_id in self._opening_ids:
+            self.recording = True
+            self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
+        answers = self._responder.handle(frame)
+        scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        if self.recording and not scan:
+            # The device status scan goes on until all nodes are there: bus management, not part of the record.
+            for item in (frame, *answers):
+                self.frames += 1
+                self._write(log_line(self._clock.now_ns, item))
+        return answers
+
+    def _committed(self, port: str) -> None:
+        if port != RunEvent.PORT or not self.recording:
+            return
+        telegram, _ = self._responder.store.read(RunEvent, self._clock.now_ns)
+        if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
+            self.ended = Event(telegram.event)
+
+    def _command(self) -> Telegram:
+        self.last_poll_ns = time.monotonic_ns()
+        self._life = (self._life + 1) & 0xF
+        if self._on_progress is not None:
+            self._on_progress(self.sim_time_s)
+        return SupCmd(command=SupCommand.STOP if self.stop_requested else SupCommand.START, life=self._life)
+
+    def _own_ident(self) -> Ident:
+        return self._ident
