@@ -60,7 +60,8 @@ class SetPoints(Generic[T]):
         target = Target(scenario.target)
         end_s = max(scenario.plan.running_time_s, target.stop_time_s) + scenario.plan.overtime_max_s
         count = math.ceil(end_s / period_s) + horizon + 1
-        self._by_time = arithmetic.table(_speed_constants("v_of_t", target, np.arange(count) * period_s))
+        times_s = np.arange(count, dtype=np.float64) * period_s
+        self._by_time = arithmetic.table(_speed_constants("v_of_t", target, times_s))
         self._last_k = count - horizon - 1
         self._distance = _DistanceTable(arithmetic, target, period_s, horizon) if indexing == "distance" else None
 
@@ -96,7 +97,7 @@ class _DistanceTable(Generic[T]):
         positions = target.position_m(times_s) * _01MM
         self._position = arithmetic.table([Constant(f"x[{i}]", round(x), 0) for i, x in enumerate(positions)])
         after = np.arange(1, horizon * _PER_PERIOD + 1)
-        all_times_s = np.concatenate((times_s, target.stop_time_s + after * cell_s))
+        all_times_s: NDArray[np.float64] = np.append(times_s, target.stop_time_s + after * cell_s)
         self._speed = arithmetic.table(_speed_constants("v_of_x", target, all_times_s))
         self._offsets = [i * _PER_PERIOD for i in range(horizon + 1)]
         self._zero = arithmetic.const(Constant("zero", 0.0, 0))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import select
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 
@@ -195,6 +197,27 @@ def test_what_a_client_sent_just_before_it_left_is_delivered(hub: HubProcess) ->
                 visitor.send_frames([Frame(number, b"bye")] * 256)
                 visitor.send_frames([Frame(number, b"bye")] * 256)
             assert [reader.recv_frames(PATIENCE_S) for _ in range(2)] == [[Frame(number, b"bye")] * 256] * 2
+
+
+def test_leaving_waits_for_a_busy_hub_to_take_what_was_sent(hub: HubProcess) -> None:
+    with hub.bus() as reader, hub.bus() as visitor:
+        reader.send_frames([Frame(0x600, b"")])
+        assert select.select([visitor.fileno()], [], [], PATIENCE_S)[0]
+        hub.process.send_signal(signal.SIGSTOP)
+        batch = [Frame(0x100, b"bye")] * 256
+        taken = 0
+        with contextlib.suppress(SendTimeout):
+            while taken < 100_000:
+                visitor.send_frames(batch, timeout_s=0.0)
+                taken += 1
+        # The socket buffers are full and the visitor has unread input: a plain close would lose the buffers (TCP).
+        wake = threading.Timer(0.2, hub.process.send_signal, (signal.SIGCONT,))
+        wake.start()
+        visitor.shutdown()
+        wake.join()
+        for _ in range(taken):
+            assert reader.recv_frames(PATIENCE_S) == batch
+        assert reader.recv_frames(0.0) == []
 
 
 def test_timeouts_return_nothing(pair: tuple[HubBus, HubBus]) -> None:

@@ -87,6 +87,18 @@ def test_three_clients_under_load_see_one_total_order(options: tuple[str, ...]) 
         assert changes > 3 * clients
 
 
+def test_large_packets_wait_for_a_slow_tcp_reader() -> None:
+    """More than the kernel holds, so that packets are cut where the socket buffer ends."""
+    packets = 4000
+    with running_hub(channel="tcp://127.0.0.1:0") as hub, hub.bus() as writer, hub.bus() as reader:
+        rest = [Frame(0x200, b"12345678")] * 255
+        for number in range(packets):
+            writer.send_frames([Frame(0x100, number.to_bytes(4, "big")), *rest])
+        for number in range(packets):
+            assert reader.recv_frames(PATIENCE_S) == [Frame(0x100, number.to_bytes(4, "big")), *rest]
+        assert hub.stderr() == ""
+
+
 @pytest.mark.parametrize("channel", [None, "tcp://127.0.0.1:0"], ids=["path", "tcp"])
 def test_a_hundred_thousand_frames_wait_for_a_slow_reader(channel: str | None) -> None:
     count = 100_000

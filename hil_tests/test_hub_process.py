@@ -11,6 +11,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -55,6 +56,13 @@ class HubProcess:
         """What the hub has complained about so far."""
         self._stderr_file.seek(0)
         return self._stderr_file.read()
+
+    def wait_for_stderr(self, words: str) -> None:
+        """Wait until the hub has complained with these words."""
+        deadline_s = time.monotonic() + PATIENCE_S
+        while words not in self.stderr():
+            assert time.monotonic() < deadline_s, f"no {words!r} in {self.stderr()!r}"
+            time.sleep(0.01)
 
     def close(self) -> None:
         """End the process and the files."""
@@ -301,6 +309,7 @@ def test_a_hub_out_of_descriptors_says_so_once_and_recovers() -> None:
         crowd = [_raw_client(hub.channel, encode_hello(name=str(number))) for number in range(20)]
         first_answer = crowd[0].recv(4096)
         assert b"bitrate_model" in first_answer
+        hub.wait_for_stderr("too many open files")
         for guest in crowd[:15]:
             guest.close()
         # The last of the crowd was waiting outside and is let in now.

@@ -155,7 +155,7 @@ def lines(draw: st.DrawFn) -> tuple[Line, float]:
 
 
 @given(lines(), st.floats(1.0, 1.5))
-@settings(max_examples=1500, deadline=None)
+@settings(max_examples=40, deadline=None)
 def test_any_line_with_grades_and_limits(drawn: tuple[Line, float], reserve: float) -> None:
     line, distance_m = drawn
     running_time_s = fastest_time_s(line, TRAIN, distance_m, LIMITS) * reserve

@@ -81,6 +81,11 @@ class PlantNode:
         self._controller_lost = ""
         self._ended: Event | None = None
 
+    @property
+    def counters(self) -> dict[str, int]:
+        """Polls, missed polls, and telegrams refused by cause."""
+        return {**self.administrator.counters, **self._store.counters}
+
     # -- before the run -------------------------------------------------------------------------------------------
 
     def handshake(self) -> None:

@@ -3,48 +3,28 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
-from math import inf, isfinite, sqrt
-from typing import Literal
+from math import inf, isfinite
 
-from plant_sim import dynamics
-from plant_sim.dynamics import Lag, Motion, Window
+from plant_sim import dynamics, forces
+from plant_sim.dynamics import Lag, Window
+from plant_sim.events import MOVED_MIN_M, EventKind, PlantEvent, passing_s
+from plant_sim.sensors import AxleSensors
 from plant_sim.status import TrainStatus
 from plant_sim.watch import INITIAL, Level, operator_reset, watch_brake_mps2, watch_step, watch_ticks
-from scenarios import streams
 from scenarios.model import Balise, Profile, Scenario, profile_value
 from scenarios.profiles import front_speed_limit
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH = 256
-#: A run is over at the first standstill after at least this distance.
-MOVED_MIN_M = 1.0
 #: An applied parking brake holds on this grade.
 PARKING_BRAKE_PERMIL = 40.0
 
-#: Speed noise is drawn in blocks of so many ticks.
-_NOISE_BLOCK = 4096
 #: Pieces of a tick shorter than this are not worth a step of their own.
 _SLIVER_TICKS = 1e-9
 
 
 class PlantError(Exception):
     """The simulation itself failed: its state is no longer a number. A tool error, never a verdict on a run."""
-
-
-@dataclass(frozen=True, slots=True)
-class PlantEvent:
-    """Something that happened inside a tick, at its exact instant and true position of the train's front.
-
-    ``departed``: first motion; ``stopped``: standstill after at least :data:`MOVED_MIN_M`; ``emergency``: the
-    emergency brake was applied; ``balise``: the front passed ``balise`` with the odometer at ``odometer_mm``.
-    """
-
-    kind: Literal["departed", "stopped", "emergency", "balise"]
-    instant_01ms: int
-    position_01mm: int
-    balise: Balise | None = None
-    odometer_mm: int = 0
 
 
 class Plant:
@@ -60,8 +40,8 @@ class Plant:
         self.status = TrainStatus()
         self.events: list[PlantEvent] = []
         self._train = train
-        self._constants = dynamics.train_constants(train)
-        self._grades = dynamics.grade_table(scenario.line.grade_permil, train.length_m)
+        self._constants = forces.train_constants(train)
+        self._grades = forces.grade_table(scenario.line.grade_permil, train.length_m)
         self._step_s = timing.base_tick_ns * 1e-9
         self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
         self._motion = dynamics.AT_REST
@@ -82,12 +62,10 @@ class Plant:
         self._emergency_commanded = False
         self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
         self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
-        self._front_limit: Profile = front_speed_limit(scenario.line, train)
+        self._front_limit = front_speed_limit(scenario.line, train)
         self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
 
-        self._sensors = scenario.sensors
-        self._noise_source = streams.generator(seed, streams.SPEED_NOISE)
-        self._noise = self._noise_block()
+        self._sensors = AxleSensors(scenario.sensors, seed)
         self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
         # The balise under the waiting train was read when the train rolled in.
         while self._balises and self._balises[0].true_m <= 0.0:
@@ -136,8 +114,7 @@ class Plant:
         if end - now > _SLIVER_TICKS:
             self._move(now, end - now)
         self.tick = end
-        if end % _NOISE_BLOCK == 0:
-            self._noise = self._noise_block()
+        self._sensors.begin_tick(end)
         position_m, speed_mps, actuator_n, _ = self._motion
         if not isfinite(position_m + speed_mps + actuator_n):
             raise PlantError(
@@ -212,7 +189,7 @@ class Plant:
             self._departed = True
             self._event("departed", (from_tick - self.tick) * self._step_s + moving_from_s, before.position_m)
         while self._balises and self._balises[0].true_m <= position_m:
-            passed_s = _passing_s(before, motion, self._balises[0].true_m, moving_to_s - moving_from_s)
+            passed_s = passing_s(before, motion, self._balises[0].true_m, moving_to_s - moving_from_s)
             self._pass_balise(
                 self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
             )
@@ -222,7 +199,7 @@ class Plant:
 
     def _event(
         self,
-        kind: Literal["departed", "stopped", "emergency", "balise"],
+        kind: EventKind,
         after_s: float,
         position_m: float,
         balise: Balise | None = None,
@@ -233,32 +210,20 @@ class Plant:
         self.events.append(PlantEvent(kind, instant_01ms, round(position_m * 1e4), balise, odometer_mm))
 
     def _pass_balise(self, balise: Balise, after_s: float) -> None:
-        odometer_mm = round(balise.true_m * self._sensors.wheel_factor * 1000)
+        odometer_mm = self._sensors.odometer_between_mm(balise.true_m)
         self._event("balise", after_s, balise.true_m, balise, odometer_mm)
-
-    def _noise_block(self) -> list[float]:
-        draws = self._noise_source.standard_normal(_NOISE_BLOCK)
-        noise: list[float] = (draws * self._sensors.speed_noise_sigma_mps).tolist()
-        return noise
 
     # -- what the sensors read ------------------------------------------------------------------------------------
 
     @property
     def speed_01mmps(self) -> int:
-        """Axle speed in 0.1 mm/s: wheel factor, noise, resolution. A standing axle reads 0, none runs backwards."""
-        speed_mps = self._motion.speed_mps
-        if speed_mps <= 0.0:
-            return 0
-        sensors = self._sensors
-        noisy_mps = speed_mps * sensors.wheel_factor + self._noise[self.tick % _NOISE_BLOCK]
-        lsb_mps = sensors.speed_lsb_mps
-        return max(0, round(round(noisy_mps / lsb_mps) * lsb_mps * 1e4))
+        """Speed that the axle sensor reads, in 0.1 mm/s."""
+        return self._sensors.speed_01mmps(self._motion.speed_mps)
 
     @property
     def odometer_mm(self) -> int:
         """Odometer in mm since the start, with wheel factor and resolution."""
-        lsb_m = self._sensors.odometer_lsb_m
-        return round(round(self._motion.position_m * self._sensors.wheel_factor / lsb_m) * lsb_m * 1000)
+        return self._sensors.odometer_mm(self._motion.position_m)
 
     @property
     def effort_fraction(self) -> float:
@@ -307,7 +272,7 @@ class Plant:
     @property
     def grade_permil(self) -> float:
         """Grade averaged over the train, in permil."""
-        return dynamics.mean_grade_permil(self._grades, self._motion.position_m)
+        return forces.mean_grade_permil(self._grades, self._motion.position_m)
 
     @property
     def _applied_n(self) -> float:
@@ -317,13 +282,3 @@ class Plant:
 def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:
     """Speed limit at a position and the position to which it holds."""
     return profile_value(profile, position_m), next((at_m for at_m, _ in profile if at_m > position_m), inf)
-
-
-def _passing_s(before: Motion, after: Motion, at_m: float, moving_s: float) -> float:
-    """Time from the first motion of a step to the passing of ``at_m``, with constant acceleration in between."""
-    distance_m = at_m - before.position_m
-    if distance_m <= 0.0 or moving_s <= 0.0:
-        return 0.0
-    accel_mps2 = (after.speed_mps - before.speed_mps) / moving_s
-    root_mps = sqrt(max(0.0, before.speed_mps**2 + 2 * accel_mps2 * distance_m))
-    return min(moving_s, 2 * distance_m / (before.speed_mps + root_mps))

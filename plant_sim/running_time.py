@@ -2,7 +2,7 @@
 
 The train pulls with its whole traction limit until it meets the ceiling, keeps to the ceiling as far as its force
 allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic
-(the deceleration is given, the force follows), resistance and traction are those of :mod:`plant_sim.dynamics`. There
+(the deceleration is given, the force follows), resistance and traction are those of :mod:`plant_sim.forces`. There
 is no actuator lag: the result is a bound, to be compared with published running times.
 
 Integration over distance: ``d(v^2)/dx = 2 a(v, x)``, midpoint rule; cells end at every change of limit and at every
@@ -16,7 +16,7 @@ from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
-from plant_sim.dynamics import (
+from plant_sim.forces import (
     GradeTable,
     TrainConstants,
     effort_limit_n,
@@ -79,12 +79,8 @@ def running_time_s(train: Train, line: Line, distance_m: float) -> float:
 
 def _drops(limit: Profile, distance_m: float) -> list[tuple[float, float]]:
     """Targets of braking ``(position, speed^2)``: every lower limit on the way, and the stop."""
-    lower = [
-        (at_m, after**2)
-        for (_, before), (at_m, after) in pairwise(limit)
-        if after < before and 0.0 < at_m < distance_m
-    ]
-    return [*lower, (distance_m, 0.0)]
+    drops = [(at_m, after**2) for (_, before), (at_m, after) in pairwise(limit) if after < before]
+    return [drop for drop in drops if 0.0 < drop[0] < distance_m] + [(distance_m, 0.0)]
 
 
 def _edges(
@@ -111,9 +107,7 @@ def _ceiling_mps(
     return sqrt(squared)
 
 
-def _pulled_mps(
-    constants: TrainConstants, grades: GradeTable, from_m: float, to_m: float, speed_mps: float
-) -> float:
+def _pulled_mps(constants: TrainConstants, grades: GradeTable, from_m: float, to_m: float, speed_mps: float) -> float:
     """Speed at the end of a cell under full traction.
 
     :raises CannotMove: it would be zero.

@@ -143,11 +143,10 @@ class Ipfc(Law[T, IpfcState[T]]):
         free = tuple(ar.dot(row, model, _GAIN_TO_SPEED) for row in self._free)
 
         t_s = self._rise_time(tracking_error, state.tracking_error)
-        inside = self._membership(t_s, t_s, *self._rise)
-        mu_ts = ar.where(ar.gt(t_s, self._zero), inside, self._one_mu)
+        mu_ts = self.rise_satisfaction(t_s)
         mu_y = self._prediction_satisfaction(inputs, free, state.notch)
         mu = ar.minimum(mu_ts, mu_y)
-        alpha = ar.curve(self._curve, mu)
+        alpha = self.softening(mu)
 
         c = self._set_point_polynomial(inputs)
         e = self._error_polynomial(model_errors)
@@ -177,6 +176,22 @@ class Ipfc(Law[T, IpfcState[T]]):
         ratio = ar.div(size, rate, SPEED_Q)
         return ar.where(closing, ratio, ar.where(ar.gt(size, self._zero), self._rise_never, self._zero))
 
+    def rise_satisfaction(self, t_s: T) -> T:
+        """Eq. (24): satisfaction (Q24) with a rise time in s (Q20); its cases in printed order, so 0 s gives 1."""
+        inside = self._membership(t_s, t_s, *self._rise)
+        return self._ar.where(self._ar.gt(t_s, self._zero), inside, self._one_mu)
+
+    def speed_satisfaction(self, low: T, high: T) -> T:
+        """Eq. (25) at its worst (Q24), from the extremes of predicted speed minus target (km/h, Q20).
+
+        The membership is monotone on each flank, so the extremes over the horizon suffice.
+        """
+        return self._membership(low, high, *self._speed)
+
+    def softening(self, mu: T) -> T:
+        """Eq. (27): softening factor alpha (Q30) of a satisfaction (Q24)."""
+        return self._ar.curve(self._curve, mu)
+
     def _membership(self, low: T, high: T, window: tuple[T, ...], widths: tuple[T, ...], slopes: tuple[T, ...]) -> T:
         """Trapezoid of eqs. (24) and (25), the smaller of that of ``low`` and of ``high`` where low <= high (Q24).
 
@@ -190,7 +205,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         return ar.clip(ar.minimum(left, right), self._one_mu, self._zero)
 
     def _prediction_satisfaction(self, inputs: LawInputs[T], free: tuple[T, ...], notch: T) -> T:
-        """Eq. (25) at its worst over the horizon: the membership is monotone on each flank, so extremes suffice."""
+        """Smallest satisfaction of eq. (25) over the horizon if the notch stayed as it is."""
         ar = self._ar
         misses = [
             ar.sub(ar.add(ar.add(inputs.speed, change), ar.rmpy(response, notch, _GAIN_TO_SPEED)), target)
@@ -199,7 +214,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         low = high = misses[0]
         for miss in misses[1:]:
             low, high = ar.minimum(low, miss), ar.maximum(high, miss)
-        return self._membership(low, high, *self._speed)
+        return self.speed_satisfaction(low, high)
 
     def _set_point_polynomial(self, inputs: LawInputs[T]) -> tuple[T, ...]:
         """Coefficients c_n of the set-points ahead (Q24)."""

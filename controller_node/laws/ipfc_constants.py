@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 
@@ -140,6 +141,7 @@ def bases(parameters: IpfcParameters, period_s: float) -> tuple[Matrix, Matrix]:
     return np.ones((1, parameters.horizon)), np.array(wavelets)
 
 
+@lru_cache(maxsize=8)
 def softening_curve(parameters: IpfcParameters) -> Curve:
     """Eq. (27): alpha over the satisfaction mu."""
     slope = math.log(parameters.softening_min / parameters.softening_max)
@@ -150,6 +152,7 @@ def softening_curve(parameters: IpfcParameters) -> Curve:
     return Curve("softening", alpha, SATISFACTION_Q, SOFTENING_Q)
 
 
+@lru_cache(maxsize=8)
 def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
     """The constant table at a control period (s) and a notch range (notches).
 

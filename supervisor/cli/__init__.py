@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from importlib.metadata import version
 
 from bus.exitcodes import guarded
@@ -35,6 +34,3 @@ def main() -> int:
 
     return guarded("railhil", work)
 
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,195 @@
+"""The controller's watch of its speed telegrams: a reaction ladder, as a pure state machine on whole numbers.
+
+============== ================================================= ============================= =====================
+level          entered when (age: of the last accepted telegram)  notch sent                    left on
+============== ================================================= ============================= =====================
+NORMAL         age <= hold                                       the law's                     -
+HOLD           age > hold, or a bad telegram                     the last one, or less         1 good telegram
+                                                                 traction if the law asks
+TRACTION_CUT   age > traction cut, 3 bad in the last 10 with     at most 0, braking kept       5 good in a row
+               this one, or implausible values
+SERVICE_BRAKE  age > service brake, or the channel is lost       ramp to the full service      standstill, or 10 good
+                                                                 brake, jerk limited           in a row and below the
+                                                                                               target speed
+EMERGENCY      age > emergency while moving, or overspeed        full brake, emergency flag    operator reset at
+                                                                                               standstill
+============== ================================================= ============================= =====================
+
+A level is entered at once and only upwards; every leave leads to NORMAL or to what the same moment demands. "In a row"
+ends with a bad or implausible telegram and with an age above hold. After a level above HOLD the notch comes back
+on the ramp of the service brake, so that no release of the brake is a jump into traction.
+
+Thresholds are scenario data (:class:`scenarios.model.WatchLimits`); the counts follow common practice for vital
+data on a train bus and are ours.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+from scenarios.model import Scenario
+
+GOOD_AFTER_TRACTION_CUT = 5
+GOOD_AFTER_SERVICE_BRAKE = 10
+#: So many bad telegrams among the last :data:`RECENT` cut traction.
+BAD_FOR_TRACTION_CUT = 3
+RECENT = 10
+#: How fast the service brake comes and goes, m/s3.
+SERVICE_BRAKE_JERK_MPS3 = 0.75
+
+_CODES_PER_NOTCH = 256
+_RECENT_MASK = (1 << RECENT) - 1
+
+
+class Level(IntEnum):
+    """Level of the ladder (CTL_STAT, LadderLevel); a higher one is the stronger reaction."""
+
+    NORMAL = 0
+    HOLD = 1
+    TRACTION_CUT = 2
+    SERVICE_BRAKE = 3
+    EMERGENCY = 4
+
+
+class Telegram(IntEnum):
+    """What became of TRN_SPEED since the last look."""
+
+    NONE = 0
+    GOOD = 1
+    BAD = 2
+
+
+class Ladder(NamedTuple):
+    """Thresholds of one scenario, as whole numbers: ms, notch codes (1/256 notch), codes per second, 0.1 mm/s."""
+
+    hold_ms: int
+    traction_cut_ms: int
+    service_brake_ms: int
+    emergency_ms: int
+    service_code: int
+    full_code: int
+    ramp_code_per_s: int
+    overspeed_margin_01mmps: int
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Ladder:
+        """Ladder of a scenario; the service brake is the notch that gives the train's service braking."""
+        limits, train = scenario.watch, scenario.train
+        codes_per_mps2 = _CODES_PER_NOTCH * train.inertial_mass_kg / train.force_per_notch_n
+        full_code = round(train.notch_max * _CODES_PER_NOTCH)
+        return cls(
+            limits.hold_ms,
+            limits.traction_cut_ms,
+            limits.service_brake_ms,
+            limits.emergency_ms,
+            min(full_code, round(train.service_braking_mps2 * codes_per_mps2)),
+            full_code,
+            round(SERVICE_BRAKE_JERK_MPS3 * codes_per_mps2),
+            round(limits.overspeed_margin_mps * 1e4),
+        )
+
+    def is_overspeed(self, speed_01mmps: int, limit_01mmps: int) -> bool:
+        """True when the measured speed is above the limit by more than the margin."""
+        return speed_01mmps > limit_01mmps + self.overspeed_margin_01mmps
+
+
+class Seen(NamedTuple):
+    """One look at the world: at every telegram, and at every tick without one.
+
+    ``age_ms`` of the last accepted telegram (0 with a good one), ``standstill`` by that telegram. ``implausible``:
+    speed and position do not fit each other or physics. ``channel_lost``: bus-off, or a channel monitor spoke.
+    """
+
+    age_ms: int
+    telegram: Telegram = Telegram.NONE
+    standstill: bool = False
+    overspeed: bool = False
+    implausible: bool = False
+    channel_lost: bool = False
+    below_target: bool = True
+    reset: bool = False
+
+
+class WatchState(NamedTuple):
+    """Memory of the watch.
+
+    ``good_run`` good telegrams in a row (counted to the most needed), ``recent`` the last telegrams, newest in bit 0,
+    1 = bad, ``code`` the notch last sent (1/256), ``kept_code`` the braking to keep during TRACTION_CUT (<= 0),
+    ``returning`` while the notch comes back on the ramp.
+    """
+
+    level: Level = Level.NORMAL
+    good_run: int = 0
+    recent: int = 0
+    code: int = 0
+    kept_code: int = 0
+    returning: bool = False
+
+
+def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
+    """State after one look."""
+    recent = state.recent
+    if seen.telegram is not Telegram.NONE:
+        recent = (recent << 1 | (seen.telegram is Telegram.BAD)) & _RECENT_MASK
+    good_run = state.good_run
+    if seen.telegram is Telegram.BAD or seen.implausible or seen.age_ms > ladder.hold_ms:
+        good_run = 0
+    elif seen.telegram is Telegram.GOOD:
+        good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
+    level = Level.NORMAL if _may_leave(state.level, good_run, seen) else state.level
+    level = max(level, _demanded(ladder, recent, seen))
+    kept_code = state.kept_code
+    if level is Level.TRACTION_CUT and state.level is not Level.TRACTION_CUT:
+        kept_code = min(state.code, 0)
+    return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code)
+
+
+def _may_leave(level: Level, good_run: int, seen: Seen) -> bool:
+    if level is Level.EMERGENCY:
+        return seen.standstill and seen.reset
+    if level is Level.SERVICE_BRAKE:
+        return seen.standstill or (good_run >= GOOD_AFTER_SERVICE_BRAKE and seen.below_target)
+    if level is Level.TRACTION_CUT:
+        return good_run >= GOOD_AFTER_TRACTION_CUT
+    return good_run >= 1
+
+
+def _demanded(ladder: Ladder, recent: int, seen: Seen) -> Level:
+    """Level that this look alone demands."""
+    bad = seen.telegram is Telegram.BAD
+    if seen.overspeed or (seen.age_ms > ladder.emergency_ms and not seen.standstill):
+        return Level.EMERGENCY
+    if seen.age_ms > ladder.service_brake_ms or seen.channel_lost:
+        return Level.SERVICE_BRAKE
+    # Only a bad telegram brings the count into play: an old burst must not cut traction again after a good run.
+    if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms or seen.implausible:
+        return Level.TRACTION_CUT
+    if bad or seen.age_ms > ladder.hold_ms:
+        return Level.HOLD
+    return Level.NORMAL
+
+
+def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -> tuple[WatchState, int, bool]:
+    """The notch to send instead of the law's.
+
+    :param law_code: the law's last answer, 1/256 notch, inside the notch range.
+    :param elapsed_ms: since the last notch was sent.
+    :returns: state, notch code, emergency brake flag.
+    """
+    last = state.code
+    ramp = ladder.ramp_code_per_s * elapsed_ms // 1000
+    level, returning = state.level, state.returning or state.level >= Level.TRACTION_CUT
+    if level is Level.EMERGENCY:
+        code = -ladder.full_code
+    elif level is Level.SERVICE_BRAKE:
+        # A law or a kept notch that brakes harder than the service brake is not released.
+        code = min(law_code, max(-ladder.service_code, last - ramp), last)
+    elif level is Level.TRACTION_CUT:
+        code = min(law_code, state.kept_code)
+    elif level is Level.HOLD:
+        code = last if last < 0 else min(max(law_code, 0), last)
+    else:
+        code = min(law_code, last + ramp) if returning else law_code
+        returning = code < law_code
+    return state._replace(code=code, returning=returning), code, level is Level.EMERGENCY

@@ -1,0 +1,155 @@
+"""The bench without sockets, for tests and benchmarks: the same plant, controller and supervisor code in one process.
+
+``local_run`` sends every telegram through the codec and the stores; ``direct_run`` couples plant and controller by
+their raw wire integers, for statistics over hundreds of runs. Both give the notch sequence of the real bench.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from bus.frame import Frame
+from bus.local import LocalBus
+from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth
+from controller_node.controller import Controller
+from controller_node.node import ControllerNode, ControllerOptions
+from plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
+from plant_sim.plant import Plant
+from plant_sim.telegrams import TrainTelegrams
+from scenarios.model import Scenario
+from scenarios.perturb import perturbed
+from supervisor.framelog import FrameLog, read_log
+from supervisor.score import Score, score
+from supervisor.session import Session
+from supervisor.trace import Trace, trace_of
+
+
+@dataclass(slots=True)
+class BenchRun:
+    """What a run without sockets gives: trace and score, the log's hash, and the counters of each node."""
+
+    trace: Trace
+    score: Score
+    log: Path | None = None
+    frames_sha256: str = ""
+    ended: Event | None = None
+    counters: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    @property
+    def notches(self) -> list[int]:
+        """Notch command codes (1/256) in the order in which they were sent."""
+        return [int(code) for code in self.trace.raw(NotchCmd.PORT, "NotchCmd")]
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """Everything that any node refused, beyond ports without a mailbox: empty on a healthy bus."""
+        found: dict[str, int] = {}
+        for node, counters in self.counters.items():
+            for cause, count in counters.items():
+                if cause not in ("unknown_id", "accepted", "polls") and count:
+                    found[f"{node}.{cause}"] = count
+        return found
+
+
+def local_run(
+    scenario: Scenario,
+    folder: Path,
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    controller: str = "ipfc",
+    arithmetic: str = "iq",
+    indexing: str = "time",
+    fd: bool = False,
+    wire: Callable[[Frame], list[Frame]] | None = None,
+) -> BenchRun:
+    """One run through codec and stores.
+
+    :param drawn: draw the scenario's perturbations with the seed.
+    :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
+    """
+    log = FrameLog(folder)
+    session = Session(
+        scenario,
+        log.write,
+        seed=seed,
+        perturbed=drawn,
+        controller=controller,
+        arithmetic=arithmetic,
+        indexing=indexing,
+        fd=fd,
+    )
+    node = ControllerNode(scenario, ControllerOptions(controller, arithmetic, indexing, fd))
+
+    def to_controller(frame: Frame) -> list[Frame]:
+        frames = [frame] if wire is None else wire(frame)
+        return [answer for item in frames for answer in node.handle(item)]
+
+    plant = PlantNode(scenario, PlantOptions(seed=seed, perturbed=drawn, fd=fd), LocalBus([to_controller, session.handle]))
+    ended = plant.run()
+    sha256 = log.close()
+    trace = trace_of(read_log(log.path))
+    return BenchRun(
+        trace,
+        score(scenario, trace),
+        log.path,
+        sha256,
+        ended,
+        {
+            "plant": dict(plant.counters),
+            "gate": dict(plant.gate.counters),
+            "controller": dict(node.responder.store.counters),
+            "supervisor": session.counters,
+        },
+    )
+
+
+def direct_run(
+    scenario: Scenario,
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    controller: str = "ipfc",
+    arithmetic: str = "iq",
+    indexing: str = "time",
+) -> BenchRun:
+    """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
+    actual = perturbed(scenario, seed) if drawn else scenario
+    plant = Plant(actual, seed)
+    law = Controller(scenario, controller, arithmetic, indexing)
+    telegrams = TrainTelegrams(actual, plant, 0.0)
+    trace = Trace()
+    tick_ns = scenario.timing.base_tick_ns
+    control_ticks = scenario.timing.control_period_ns // tick_ns
+    poll_ticks = NotchCmd.port().period_ns // tick_ns
+    after_stop = round(AFTER_STOP_S * 1e9 / tick_ns)
+    last_tick = round((scenario.plan.running_time_s + scenario.plan.overtime_max_s) * 1e9 / tick_ns)
+    stop_tick: int | None = None
+    ended: Event | None = None
+    code = 0
+    while ended is None:
+        tick = plant.tick
+        now_ns = tick * tick_ns
+        for event in plant.drain_events():
+            if event.balise is None:
+                kind = Event[event.kind.upper()]
+                if kind is Event.STOPPED and stop_tick is None:
+                    stop_tick = tick
+                trace.add(RunEvent.PORT, now_ns, RunEvent(kind, event.instant_01ms, event.position_01mm).encode())
+        if tick % poll_ticks == 0:
+            telegram = telegrams.makers[SimTruth.PORT]()
+            assert telegram is not None
+            trace.add(SimTruth.PORT, now_ns, telegram.encode())
+            if tick % control_ticks == 0:
+                code = law.step(tick // control_ticks, plant.speed_01mmps, plant.odometer_mm * 10).notch_code
+            plant.command(code, False)
+            trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
+        if stop_tick is not None and tick >= stop_tick + after_stop:
+            ended = Event.ENDED_COMPLETE
+        elif tick > last_tick:
+            ended = Event.ENDED_NOT_STOPPED
+        plant.advance()
+    trace.add(RunEvent.PORT, plant.tick * tick_ns, RunEvent(ended, 0, 0).encode())
+    return BenchRun(trace, score(scenario, trace), ended=ended)

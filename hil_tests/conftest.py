@@ -1,0 +1,58 @@
+"""Fixtures of the bench's own tests; users of the bench may import them too."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from bus.select import vcan_available
+from hil_tests.bench import BenchRun
+from scenarios.load import load
+from scenarios.model import Scenario
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """A test that starts node processes must not pick up a bus from the user's own python-can configuration."""
+    for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
+        os.environ.pop(name, None)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Skip by capability, naming it."""
+    missing = {}
+    if not vcan_available():
+        missing["needs_socketcan"] = "MISSING CAPABILITY kernel SocketCAN with vcan0 (make test brings it up as root)"
+    if shutil.which("docker") is None or not os.environ.get("DOCKER_HOST"):
+        missing["needs_docker"] = "MISSING CAPABILITY Docker engine (make test brings it up as root)"
+    for item in items:
+        for mark, reason in missing.items():
+            if item.get_closest_marker(mark) is not None:
+                item.add_marker(pytest.mark.skip(reason=reason))
+
+
+@pytest.fixture(scope="session")
+def lvshun() -> Scenario:
+    """The published scenario."""
+    return load("lvshun_tieshan")
+
+
+@pytest.fixture
+def socket_folder() -> Iterator[Path]:
+    """Folder with a path short enough for a Unix socket."""
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        yield Path(folder)
+
+
+@pytest.fixture
+def healthy() -> Iterator[list[BenchRun]]:
+    """Append runs here: after the test every one of them must have lost, refused and reordered nothing."""
+    runs: list[BenchRun] = []
+    yield runs
+    assert runs, "the test handed in no run"
+    for run in runs:
+        assert run.refused == {}

@@ -1,0 +1,226 @@
+"""The controller class: one train and many, no float in fixed point, fixed point against float64 on the same inputs."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from controller_node.arithmetic import make
+from controller_node.arithmetic.base import Constant
+from controller_node.arithmetic.iq import Iq
+from controller_node.controller import BatchController, Controller, ControlLoop
+from plant_sim.plant import Plant
+from scenarios.errors import InputError
+from scenarios.load import load
+from scenarios.perturb import perturbed
+
+SCENARIO = load("lvshun_tieshan")
+
+
+class NoFloat(int):
+    """An int that refuses to meet a float and whose results are again of this kind."""
+
+    def __float__(self) -> float:
+        raise TypeError("float of a fixed-point quantity")
+
+    def __truediv__(self, other: Any) -> Any:
+        raise TypeError("true division of a fixed-point quantity")
+
+    __rtruediv__ = __truediv__
+
+
+def _poisoned(name: str, reverse: bool) -> Any:
+    plain = getattr(int, f"__{'r' if reverse else ''}{name}__")
+
+    def operation(self: NoFloat, other: Any) -> Any:
+        if not isinstance(other, int):
+            raise TypeError(f"{name} of a fixed-point quantity and {type(other).__name__}")
+        return NoFloat(plain(int(self), int(other)))
+
+    return operation
+
+
+for _name in ("add", "sub", "mul", "floordiv", "mod", "lshift", "rshift", "and", "or"):
+    setattr(NoFloat, f"__{_name}__", _poisoned(_name, reverse=False))
+    setattr(NoFloat, f"__r{_name}__", _poisoned(_name, reverse=True))
+for _name in ("lt", "le", "gt", "ge"):
+
+    def _compare(self: NoFloat, other: Any, _plain: Any = getattr(operator, _name)) -> bool:
+        if not isinstance(other, int):
+            raise TypeError("comparison of a fixed-point quantity with a float")
+        return bool(_plain(int(self), int(other)))
+
+    setattr(NoFloat, f"__{_name}__", _compare)
+for _name in ("neg", "abs"):
+    setattr(NoFloat, f"__{_name}__", lambda self, _plain=getattr(operator, _name): NoFloat(_plain(int(self))))
+
+
+class PoisonedIq(Iq):
+    """Fixed point whose constants and tables refuse floats."""
+
+    def const(self, constant: Constant) -> int:
+        return NoFloat(constant.raw)
+
+    def table(self, constants: Any) -> Any:
+        return tuple(NoFloat(constant.raw) for constant in constants)
+
+
+def flat(value: Any) -> list[Any]:
+    return [leaf for item in value for leaf in flat(item)] if isinstance(value, tuple | list) else [value]
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+def test_no_float_between_sensor_and_notch(indexing: str) -> None:
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", PoisonedIq(), indexing)
+    plain = Controller(SCENARIO, "ipfc", "iq", indexing)
+    speed = 0
+    for k in range(0, 400, 3):
+        speed += (k * 7919) % 1013 - 200
+        inputs, outputs = loop.step(k, NoFloat(abs(speed)), NoFloat(k * 71_000))
+        expected = plain.step(k, abs(speed), k * 71_000)
+        assert outputs.notch == expected.notch_code
+        assert all(isinstance(leaf, int) for leaf in flat((inputs, outputs, loop.state)))
+        assert isinstance(outputs.notch_raw, NoFloat)
+        loop.sent(NoFloat(outputs.notch))
+
+
+def test_the_poison_works() -> None:
+    for spoiled in (lambda x: x * 0.5, lambda x: 0.5 * x, lambda x: x / 2, float, lambda x: 1.0 - x, lambda x: x < 0.5):
+        with pytest.raises(TypeError):
+            spoiled(NoFloat(3))
+    assert type(NoFloat(3) * 2 >> 1) is NoFloat
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
+    """100 random steps of 4 trains: rough ones, and smooth ones in which the softening factor moves."""
+    generator = np.random.Generator(np.random.PCG64(20210825))
+    batch = BatchController(SCENARIO, 4, "ipfc", arithmetic, indexing)
+    alone = [Controller(SCENARIO, "ipfc", arithmetic, indexing) for _ in range(4)]
+    adapted = 0
+    for k in range(100, 200):
+        speed = np.array([generator.integers(0, 220_000), generator.integers(0, 3_000_000), 180_339, 180_340])
+        speed[2:] += generator.integers(-20, 21, 2)
+        position = generator.integers(0, 30_000_000, 4)
+        together = batch.step(k, speed, position)
+        assert together.notch_code.dtype == together.softening_raw.dtype == np.int64
+        for train, controller in enumerate(alone):
+            single = controller.step(k, int(speed[train]), int(position[train]))
+            assert single.notch_code == together.notch_code[train]
+            assert single.basis == together.basis[train]
+            assert single.softening_raw == together.softening_raw[train]
+            assert single.satisfaction_raw == together.satisfaction_raw[train]
+            assert single.error_raw == together.error_raw[train]
+            adapted += single.satisfaction_raw > 0
+    for train, controller in enumerate(alone):
+        states = [flat(batch._loop.state), flat(controller._loop.state)]
+        assert [np.broadcast_to(leaf, 4)[train] for leaf in states[0]] == states[1]
+    if indexing == "time":
+        assert adapted > 0
+    assert batch.step(200, speed, position).overflow_flags == max(c.step(200, 0, 0).overflow_flags for c in alone[:2])
+
+
+def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
+    """Run the plant with the first controller in charge; the others see the same inputs and are told what was sent."""
+    plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
+    answers: list[list[Any]] = []
+    code = 0
+    while plant.tick < ticks:
+        if plant.tick % 50 == 0:
+            k, speed, position = plant.tick // 50, plant.speed_01mmps, plant.odometer_mm * 10
+            answers.append([controller.step(k, speed, position) for controller in controllers])
+            code = answers[-1][0].notch_code
+            for controller in controllers[1:]:
+                controller.sent(code)
+        if plant.tick % 2 == 0:
+            plant.command(code, False)
+        plant.advance()
+        for event in plant.drain_events():
+            if event.kind == "stopped":
+                return plant, answers, event
+    return plant, answers, None
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_fixed_point_follows_float64_on_the_same_inputs(seed: int) -> None:
+    pair = [Controller(SCENARIO, "ipfc", "iq"), Controller(SCENARIO, "ipfc", "float64")]
+    _, answers, stopped = closed_loop(seed, pair)
+    assert stopped is not None
+    differences = [abs(iq.notch_code - double.notch_code) for iq, double in answers]
+    assert max(differences) <= 1
+    assert sum(difference > 0 for difference in differences) <= len(differences) / 100
+    assert all(iq.basis == double.basis for iq, double in answers)
+    assert answers[-1][0].overflow_flags == 0
+    assert max(abs(iq.error_raw - double.error_raw) for iq, double in answers) <= 2
+
+
+@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
+    """Nominal and five perturbed runs; the medians over 200 runs in the reading are 0.26 m and 0.078 s."""
+    time_errors_s, stop_errors_m = [], []
+    for seed in range(6):
+        _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, "ipfc", arithmetic)])
+        assert stopped is not None
+        assert {answer[0].basis for answer in answers} == {1, 2}
+        time_errors_s.append(abs(stopped.instant_01ms / 1e4 - 195))
+        stop_errors_m.append(abs(stopped.position_01mm / 1e4 - 2940))
+    assert 0.04 < np.median(time_errors_s) < 0.12
+    assert 0.16 < np.median(stop_errors_m) < 0.36
+    assert max(stop_errors_m) < 0.6
+
+
+def test_softening_is_that_of_the_worst_satisfaction_in_a_run() -> None:
+    _, answers, _ = closed_loop(0, [Controller(SCENARIO)], ticks=5000)
+    for answer, *_ in answers[1:]:
+        assert answer.satisfaction_raw == 0
+        assert answer.softening_raw == int(0.85 * 2**14)
+
+
+def test_sent_notch_changes_the_next_answer() -> None:
+    told, silent, same = Controller(SCENARIO), Controller(SCENARIO), Controller(SCENARIO)
+    told.sent(100)
+    for controller in (told, silent, same):
+        first = controller.step(40, 130_000, 500_000)
+    told.sent(-256)
+    same.sent(first.notch_code)
+    after = [controller.step(41, 130_500, 570_000).notch_code for controller in (told, silent, same)]
+    assert after[0] != after[1] == after[2]
+
+
+def test_overflow_flags_stay_once_set() -> None:
+    controller = Controller(SCENARIO)
+    assert controller.step(100, 180_000, 0).overflow_flags == 0
+    assert controller.step(101, 0, 0).overflow_flags == 2
+    assert controller.step(102, 0, 0).overflow_flags == 2
+
+
+def test_cycles_are_counted_for_fixed_point_only() -> None:
+    time, distance = (Controller(SCENARIO, "ipfc", "iq", i).step(0, 0, 0) for i in ("time", "distance"))
+    assert 2000 < time.cycles == time.cycles_max < distance.cycles < 5000
+    double = Controller(SCENARIO, "ipfc", "float64").step(0, 0, 0)
+    assert (double.cycles, double.cycles_max, double.overflow_flags) == (0, 0, 0)
+
+
+def test_wire_speed_is_converted_by_one_product() -> None:
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", make("iq"), "time")
+    for speed_01mmps in (0, 1, 27, 180_339, 216_667, 833_333, -1):
+        exact = speed_01mmps * 3.6e-4 * 2**20
+        assert exact - 1.001 <= loop.inputs(0, speed_01mmps, 0).speed <= exact + 1e-3
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (("ipcf", "iq", "time"), "controller: name: found 'ipcf'"),
+        (("ipfc", "fixed", "time"), "arithmetic: name: found 'fixed'"),
+        (("ipfc", "iq", "place"), "indexing: name: found 'place'"),
+    ],
+)
+def test_unknown_names_are_one_line(names: tuple[str, str, str], words: str) -> None:
+    with pytest.raises(InputError, match=words) as caught:
+        Controller(SCENARIO, *names)
+    assert "\n" not in str(caught.value)
