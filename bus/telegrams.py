@@ -59,6 +59,7 @@ class Event(IntEnum):
     ENDED_CONTROLLER_LOST = 7
     ENDED_REFUSED = 8
     ENDED_PLANT_ERROR = 9
+    ENDED_SUPERVISOR_LOST = 10
 
     @property
     def ends_run(self) -> bool:

@@ -165,6 +165,10 @@ class BatchController:
             overflow_flags=number.counters.flags,
         )
 
+    def sent(self, notch_code: NDArray[np.int64]) -> None:
+        """As :meth:`Controller.sent`, for all trains, after the first step."""
+        self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+
     def _raw(self, value: Any, q: int) -> NDArray[np.int64]:
         return np.broadcast_to(np.asarray(self._number.raw(value, q), dtype=np.int64), (self._trains,))
 

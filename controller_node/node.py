@@ -31,7 +31,7 @@ from scenarios.model import Scenario
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: A controller that hears nothing at all for this long on the wall clock ends.
-SILENCE_S = 4.0
+SILENCE_S = 3.0
 #: Before the first frame it waits longer: the other nodes may be started by hand.
 FIRST_FRAME_S = 60.0
 

@@ -124,6 +124,12 @@ def test_operator_reset_only_at_standstill(moving: bool, level: Level) -> None:
     assert operator_reset(at_level(Level.EMERGENCY), moving=moving).level is level
 
 
+def test_a_reset_train_waits_for_a_new_command() -> None:
+    state = operator_reset(after(at_level(Level.EMERGENCY), "c" * 20, moving=False), moving=False)
+    assert after(state, "..", moving=False).level is Level.SERVICE_BRAKE
+    assert after(state, "..c", moving=False).level is Level.NORMAL
+
+
 @pytest.mark.parametrize("level", [Level.NORMAL, Level.HOLD, Level.TRACTION_CUT, Level.SERVICE_BRAKE])
 def test_operator_reset_changes_nothing_else(level: Level) -> None:
     assert operator_reset(at_level(level), moving=False) == at_level(level)

@@ -5,9 +5,11 @@ One tick: publish what is due (the clock port first), poll what is due, let the 
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
+from typing import NoReturn
 
-from bus.administrator import Administrator, Schedule
+from bus.administrator import WATCHDOG_NS, Administrator, Schedule
 from bus.clock import Pacer
 from bus.errors import BusError, PeerSilent
 from bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
@@ -79,6 +81,7 @@ class PlantNode:
             (schedule.ticks(port.name), port) for port in (self._sup_port, self._notch_port, self._stat_port)
         ]
         self._controller_lost = ""
+        self._supervisor_heard_ns = 0
         self._ended: Event | None = None
 
     @property
@@ -132,6 +135,7 @@ class PlantNode:
         """
         self.handshake()
         self._pacer.start()
+        self._supervisor_heard_ns = time.monotonic_ns()
         plan, timing = self.scenario.plan, self._tick_ns / 1e9
         last_tick = round((plan.running_time_s + plan.overtime_max_s) / timing)
         after_stop = max(1, round(AFTER_STOP_S / timing))
@@ -144,7 +148,7 @@ class PlantNode:
                 stop_tick = plant.tick
             if self._ended is None:
                 if stop_tick is not None and plant.tick >= stop_tick + after_stop:
-                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_lost else Event.ENDED_COMPLETE)
+                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_COMPLETE)
                 elif plant.tick > last_tick and not self._controller_lost:
                     self._end(Event.ENDED_NOT_STOPPED)
             try:
@@ -185,10 +189,16 @@ class PlantNode:
             answered = self.administrator.poll(port)
         except PeerSilent as silence:
             if port.source != "controller":
-                raise
+                self._supervisor_lost(silence)
             # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
             self._controller_lost = str(silence)
             return
+        if port is self._sup_port:
+            now_wall_ns = time.monotonic_ns()
+            if answered:
+                self._supervisor_heard_ns = now_wall_ns
+            elif now_wall_ns - self._supervisor_heard_ns > WATCHDOG_NS:
+                self._supervisor_lost(PeerSilent(f"supervisor silent for {WATCHDOG_NS / 1e9:g} s ({port.name})"))
         if not answered:
             return
         now_ns = self.plant.tick * self._tick_ns
@@ -201,12 +211,25 @@ class PlantNode:
             if order is not None and order.command == SupCommand.STOP:
                 self._end(Event.ENDED_BY_SUPERVISOR)
 
+    def _controller_silent(self) -> bool:
+        """True when the train stands because nobody commanded it: its watch had reached the emergency age."""
+        _, age_ns = self._store.read(NotchCmd, self.plant.tick * self._tick_ns)
+        return bool(self._controller_lost) or age_ns > self.scenario.watch.emergency_ms * 1_000_000
+
+    def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
+        """Nobody records any more: tell the controller, and end."""
+        self._announce(Event.ENDED_SUPERVISOR_LOST)
+        self.administrator.flush()
+        raise silence
+
+    def _announce(self, event: Event) -> None:
+        self._ended = event
+        instant_01ms = self.plant.tick * self._tick_ns // 100_000
+        self.administrator.publish(RunEvent(event, instant_01ms, self.plant.position_01mm))
+
     def _end(self, event: Event) -> None:
         """Publish the last event; the final poll tells that the supervisor has recorded everything."""
-        self._ended = event
-        plant = self.plant
-        instant_01ms = plant.tick * self._tick_ns // 100_000
-        self.administrator.publish(RunEvent(event, instant_01ms, plant.position_01mm))
+        self._announce(event)
         self.administrator.poll(self._sup_port)
 
 

@@ -128,7 +128,7 @@ class Run:
     def _start(self, nodes: Nodes) -> None:
         bus, options = self.choice.arguments, self.options
         if self.choice.needs_hub:
-            nodes.start("hub", "bus.hub", ["-c", self.choice.config["channel"]])
+            nodes.start("hub", "bus.hub", ["-c", self.choice.config["channel"], "--once"])
         if options.attach:
             return
         plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
@@ -163,7 +163,9 @@ class Run:
             look_s = now_s + _LOOK_S
             if give_up_s is None:
                 ended = nodes.ended()
-                if ended and session.ended is None and not self._drain(link):
+                failed = any(node.exit_code() for node in ended)
+                # A node may end well just before its last frames are read here.
+                if failed or (ended and not self._drain(link)):
                     self._lost = self._who_died(nodes)
                     give_up_s = now_s + AFTER_LOSS_S
                     if ended[0].role != "controller":
