@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from bus.errors import PeerSilent
 from bus.frame import Frame
 from bus.ident import CtlIdent, Ident, Role, make_ident
-from bus.layout import CHECK_CORRECT, Telegram, flag
+from bus.layout import Telegram, flag
 from bus.link import Endpoint
 from bus.responder import Responder
 from bus.telegrams import (
@@ -25,9 +25,18 @@ from bus.telegrams import (
     TrnSpeed,
 )
 from controller_node.controller import Controller, ControlOutput
+from controller_node.guard import Guard
+from controller_node.watch import Level
 from dbc import wire_contract
 from scenarios.model import Scenario
 
+_MODES = {
+    Level.NORMAL: CtlMode.RUNNING,
+    Level.HOLD: CtlMode.HOLD,
+    Level.TRACTION_CUT: CtlMode.TRACTION_CUT,
+    Level.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
+    Level.EMERGENCY: CtlMode.EMERGENCY,
+}
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: A controller that hears nothing at all for this long on the wall clock ends.
@@ -53,6 +62,7 @@ class ControllerNode:
         contract = wire_contract()
         self.controller = Controller(scenario, options.controller, options.arithmetic, options.indexing)
         self.ended: Event | None = None
+        self.guard = Guard(scenario)
         self._control_ns = scenario.timing.control_period_ns
         self._ident = make_ident(
             Role.CONTROLLER,
@@ -83,7 +93,15 @@ class ControllerNode:
         return self.responder.handle(frame)
 
     def _committed(self, port: str) -> None:
-        if port == RunEvent.PORT:
+        if port == TrnSpeed.PORT:
+            speed, _ = self._store.read(TrnSpeed, self._clock.now_ns)
+            if speed is not None:
+                self.guard.speed(speed, self._clock.now_ns)
+        elif port == TrkInfo.PORT:
+            track, _ = self._store.read(TrkInfo, self._clock.now_ns)
+            if track is not None:
+                self.guard.limit(track)
+        elif port == RunEvent.PORT:
             telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
             if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
                 self.ended = Event(telegram.event)
@@ -94,14 +112,14 @@ class ControllerNode:
         k = now_ns // self._control_ns
         if not self._clock.running or k == self._last_k:
             return
-        speed, _ = self._store.read(TrnSpeed, now_ns)
-        if speed is None or speed.check != CHECK_CORRECT:
+        speed_01mmps = self.guard.speed_01mmps
+        if speed_01mmps is None:
             return
         position, _ = self._store.read(TrnPos, now_ns)
         odometer_01mm = position.odometer_mm * 10 if position is not None else 0
         if k > self._last_k + 1 and self._last_k >= 0:
             self._overruns += 1
-        self._output = self.controller.step(k, speed.speed_01mmps, odometer_01mm)
+        self._output = self.controller.step(k, speed_01mmps, odometer_01mm)
         self._last_k = k
         self._steps += 1
 
@@ -110,7 +128,9 @@ class ControllerNode:
         self._notch_life = (self._notch_life + 1) & 0xF
         if self._output is None:
             return NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
-        return NotchCmd(self._output.notch_code, CtlMode.RUNNING, emergency=flag(False), life=self._notch_life)
+        code, emergency = self.guard.notch(self._output.notch_code, self._clock.now_ns)
+        self.controller.sent(code)
+        return NotchCmd(code, _MODES[self.guard.level], emergency=flag(emergency), life=self._notch_life)
 
     def _status(self) -> Telegram:
         self._stat_life = (self._stat_life + 1) & 0xF
@@ -119,6 +139,7 @@ class ControllerNode:
             return CtlStat(ready=flag(False), life=self._stat_life)
         return CtlStat(
             basis=output.basis,
+            ladder_level=self.guard.level,
             overflow_flags=output.overflow_flags,
             softening_unipolar2=output.softening_raw,
             satisfaction_unipolar2=output.satisfaction_raw,

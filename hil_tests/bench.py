@@ -100,7 +100,7 @@ def local_run(
         {
             "plant": dict(plant.counters),
             "gate": dict(plant.gate.counters),
-            "controller": dict(node.responder.store.counters),
+            "controller": {**node.responder.store.counters, **node.guard.counters},
             "supervisor": session.counters,
         },
     )

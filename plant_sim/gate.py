@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections import Counter
 
 from bus.layout import CHECK_CORRECT, FLAG_FALSE
+from bus.lifesign import Life, LifeSign
 from bus.telegrams import NotchCmd
-
-#: Counter steps up to this are a gap (lost telegrams); beyond, the telegram counts as one from the past.
-_MAX_LIFE_STEP = 7
 
 
 class CommandGate:
@@ -21,23 +19,20 @@ class CommandGate:
     def __init__(self, notch_max_256th: int) -> None:
         self.counters: Counter[str] = Counter()
         self._notch_max = notch_max_256th
-        self._life = -1
+        self._life = LifeSign()
 
     def accept(self, command: NotchCmd) -> bool:
         """True when the command may act."""
-        if self._life >= 0:
-            step = (command.life - self._life) & 0xF
-            if step == 0:
-                return self._refuse("duplicate")
-            if step > _MAX_LIFE_STEP:
-                return self._refuse("out_of_order")
-            if step > 1:
-                self.counters["gap"] += 1
+        life = self._life.judge(command.life)
+        if not life.fresh:
+            return self._refuse(life.value)
         if command.check != CHECK_CORRECT:
             return self._refuse("check_variable")
         if abs(command.notch_256th) > self._notch_max:
             return self._refuse("out_of_range")
-        self._life = command.life
+        if life is Life.GAP:
+            self.counters["gap"] += 1
+        self._life.accept(command.life)
         self.counters["accepted"] += 1
         return True
 

@@ -1,0 +1,48 @@
+"""Life sign of a telegram: the 4-bit counter by which a sink tells fresh from stuck, repeated and old."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+_MODULUS = 16
+#: Counter steps up to this are a gap (lost telegrams); beyond, the telegram counts as one from the past.
+MAX_STEP = 7
+
+
+class Life(Enum):
+    """What a life sign says about its telegram."""
+
+    FIRST = "first"
+    NEXT = "next"
+    GAP = "gap"
+    DUPLICATE = "duplicate"
+    OUT_OF_ORDER = "out_of_order"
+
+    @property
+    def fresh(self) -> bool:
+        """True when the telegram is new and may be used."""
+        return self in (Life.FIRST, Life.NEXT, Life.GAP)
+
+
+class LifeSign:
+    """Remembers the last fresh life sign of one source."""
+
+    __slots__ = ("_last",)
+
+    def __init__(self) -> None:
+        self._last = -1
+
+    def judge(self, life: int) -> Life:
+        """Compare with the last fresh one; nothing is remembered yet (:meth:`accept` does)."""
+        if self._last < 0:
+            return Life.FIRST
+        step = (life - self._last) % _MODULUS
+        if step == 1:
+            return Life.NEXT
+        if step == 0:
+            return Life.DUPLICATE
+        return Life.GAP if step <= MAX_STEP else Life.OUT_OF_ORDER
+
+    def accept(self, life: int) -> None:
+        """Remember the life sign of a telegram that was used."""
+        self._last = life

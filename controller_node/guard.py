@@ -1,0 +1,89 @@
+"""Between the mailboxes and the law: which speed telegrams count, and what the watch makes of the law's notch."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from bus.layout import CHECK_CORRECT
+from bus.lifesign import Life, LifeSign
+from bus.telegrams import TrkInfo, TrnSpeed
+from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from scenarios.model import Scenario
+
+#: Raw speeds beyond this are no speeds of a train on this bench (0.1 mm/s, 150 m/s).
+SPEED_MAX_01MMPS = 1_500_000
+_NS_PER_MS = 1_000_000
+
+
+class Guard:
+    """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
+
+    ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``)
+    and ``gap`` for accepted ones after lost ones.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self.counters: Counter[str] = Counter()
+        #: Speed of the last accepted telegram, None before the first.
+        self.speed_01mmps: int | None = None
+        self._ladder = Ladder.of(scenario)
+        self._state = WatchState()
+        self._life = LifeSign()
+        self._accepted_ns = 0
+        self._sent_ns = 0
+        self._limit_01mmps: int | None = None
+
+    @property
+    def level(self) -> Level:
+        """Level of the reaction ladder."""
+        return self._state.level
+
+    def limit(self, track: TrkInfo) -> None:
+        """Take the speed limit of a TRK_INFO telegram whose check variable is correct."""
+        if track.limit_check == CHECK_CORRECT:
+            self._limit_01mmps = track.speed_limit_4mmps * 40
+
+    def speed(self, telegram: TrnSpeed, now_ns: int) -> None:
+        """Take a TRN_SPEED telegram that passed the traffic store."""
+        life = self._life.judge(telegram.life)
+        if not life.fresh:
+            # A repeated or old telegram is no news: the age goes on growing.
+            self.counters[life.value] += 1
+            self._observe(Telegram.NONE, now_ns)
+            return
+        if life is Life.GAP:
+            self.counters["gap"] += 1
+        self._life.accept(telegram.life)
+        if telegram.check != CHECK_CORRECT:
+            self.counters["check_variable"] += 1
+            self._observe(Telegram.BAD, now_ns)
+        elif not 0 <= telegram.speed_01mmps <= SPEED_MAX_01MMPS:
+            self.counters["out_of_range"] += 1
+            self._observe(Telegram.BAD, now_ns)
+        else:
+            self.speed_01mmps = telegram.speed_01mmps
+            self._accepted_ns = now_ns
+            self._observe(Telegram.GOOD, now_ns)
+
+    def _observe(self, telegram: Telegram, now_ns: int) -> None:
+        speed = self.speed_01mmps
+        limit = self._limit_01mmps
+        self._state = observe(
+            self._ladder,
+            self._state,
+            Seen(
+                age_ms=(now_ns - self._accepted_ns) // _NS_PER_MS,
+                telegram=telegram,
+                standstill=speed == 0,
+                overspeed=speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit),
+            ),
+        )
+
+    def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
+        """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""
+        if now_ns > self._accepted_ns:
+            self._observe(Telegram.NONE, now_ns)
+        elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS
+        self._sent_ns = now_ns
+        self._state, code, emergency = command(self._ladder, self._state, law_code, elapsed_ms)
+        return code, emergency
