@@ -243,6 +243,13 @@ def test_balises_report_where_and_when_the_front_passed_them() -> None:
         assert np.interp(event.position_01mm, positions, times) == pytest.approx(event.instant_01ms, abs=1)
 
 
+def test_the_balise_at_the_start_is_read_before_the_train_moves() -> None:
+    events = Plant(NOMINAL, 0).drain_events()
+    assert [(event.balise and event.balise.number, event.instant_01ms, event.odometer_mm) for event in events] == [
+        (1, 0, 0)
+    ]
+
+
 def test_a_short_creep_is_not_a_stop() -> None:
     plant = Plant(QUIET, 0)
     events = driven(plant, 200, 60)

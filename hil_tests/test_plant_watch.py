@@ -140,11 +140,12 @@ def test_traction_after_a_cut_builds_up_from_nothing() -> None:
 def test_the_brake_holds_until_the_first_command(grade: float) -> None:
     scenario = replace(SCENARIO, line=replace(SCENARIO.line, grade_permil=((0.0, grade),)))
     plant = Plant(scenario, 0)
-    assert plant.brake_n > 0.0
+    service_n = SCENARIO.train.service_braking_mps2 * SCENARIO.train.inertial_mass_kg
+    assert plant.brake_n == service_n
     for _ in range(500):
         plant.advance()
     assert plant.position_01mm == 0
-    assert plant.brake_n > 0.0
+    assert plant.brake_n == service_n
     assert plant.watch_level is Level.SERVICE_BRAKE
     commanded(plant, 0, 100)
     assert plant.watch_level is Level.NORMAL
