@@ -93,6 +93,8 @@ class Administrator:
         :raises PeerSilent: in lockstep, after the wall-clock watchdog.
         """
         self.counters["polls"] += 1
+        if self._pacer.rate:
+            self._discard_late()
         self._queue.append(master_frame(port.f_code, port.address))
         self.flush()
         limit_ns = self._reply_ns if self._pacer.rate else self._watchdog_ns
@@ -105,6 +107,14 @@ class Administrator:
                 f"at simulation time {self._now_ns() / 1e9:.2f} s"
             )
         return False
+
+    def _discard_late(self) -> None:
+        """Drop what came after the reply time-out: taken for the next answer, it would make each one a poll late."""
+        deadline_ns = time.monotonic_ns() + self._reply_ns
+        while frames := self._endpoint.receive(0.0):
+            self.counters["late_frames"] += len(frames)
+            if time.monotonic_ns() >= deadline_ns:
+                return
 
     def _wait_for(self, name: str, deadline_ns: int) -> bool:
         receive, feed, now_ns = self._endpoint.receive, self._store.feed, self._now_ns

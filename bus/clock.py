@@ -8,11 +8,13 @@ from __future__ import annotations
 import time
 
 from bus.frame import BRS, FD, Frame
-from bus.mvb import check_sequence
+from bus.lifesign import MAX_STEP
+from bus.mvb import check_sequence, master_tail
 from bus.telegrams import TimeSync
 from dbc import wire_contract
 
 _FRACTION = 65536
+_LIFE_MODULUS = 16
 
 
 def to_time_sync(tick: int, base_tick_ns: int, **fields: int) -> TimeSync:
@@ -30,36 +32,98 @@ def from_time_sync(telegram: TimeSync, base_tick_ns: int) -> int:
 class BusClock:
     """Counts ticks from the life sign of the clock port (the plant's fastest port, first in every tick).
 
-    Up to 15 lost ticks are bridged by the life sign; TIME_SYNC sets the absolute value. Before the first clock frame
-    ``tick`` is 0 and ``running`` is False.
+    ======================================== ========================================================================
+    seen                                     what the clock does
+    ======================================== ========================================================================
+    life sign 1..7 ahead                     counts on; the ticks of lost frames are bridged
+    life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
+    8..15 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
+    no clock frame between polls             the polls count on, from the second such poll: they come on their period
+    TIME_SYNC                                takes its absolute value
+    ======================================== ========================================================================
+
+    The polls matter when the clock port alone fails: without them time would stand still for the node, and with it the
+    age of the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
     """
 
-    __slots__ = ("_ids", "_life", "_ticks_per_frame", "base_tick_ns", "running", "tick")
+    __slots__ = (
+        "_expected", "_frame_tick", "_ids", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
+        "base_tick_ns", "running", "tick",
+    )  # fmt: skip
 
     def __init__(self, base_tick_ns: int) -> None:
         port = wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
         self._ids = (port.address, port.fd_id)
+        self._tail = master_tail(port.f_code, port.address)
         self._ticks_per_frame = max(1, port.period_ns // base_tick_ns)
+        # Life sign of the last clock frame (-1: not known) and its tick, which polls leave behind ``tick``.
         self._life = -1
+        self._frame_tick = 0
+        # Life sign that would confirm that frames which look old are not.
+        self._expected = -1
+        # Polls since the last clock frame, and the tick of the first of them.
+        self._polls = 0
+        self._poll_tick = 0
         self.tick = 0
         self.running = False
 
     def feed(self, frame: Frame) -> bool:
-        """Take a frame in bus order; True when it opened a new tick."""
+        """Take a frame in bus order; True when it opened a new tick. A frame that the store refuses opens none."""
         can_id, data, flags = frame
-        if can_id not in self._ids or flags & ~(FD | BRS) or len(data) != 8 or check_sequence(data[:4]) != data[4]:
+        if can_id not in self._ids or flags & ~BRS != (FD if can_id == self._ids[1] else 0):
+            return False
+        if len(data) != 8 or data[5:] != self._tail or check_sequence(data[:4]) != data[4]:
             return False
         life = data[3] & 0xF
-        if self._life >= 0:
-            self.tick += ((life - self._life) & 0xF) * self._ticks_per_frame
-        self._life = life
+        if not self.running:
+            return self._open(0, life)
+        step = (life - self._life) % _LIFE_MODULUS if self._life >= 0 else 1
+        if step == 0:
+            return False
+        # Of the ticks with this life sign, the one nearest to where the polls say that time is.
+        behind = (self.tick - self._frame_tick) // self._ticks_per_frame - step
+        step += (behind + MAX_STEP) // _LIFE_MODULUS * _LIFE_MODULUS
+        if step < 0:
+            confirmed, self._expected = life == self._expected, (life + 1) % _LIFE_MODULUS
+            if not confirmed:
+                return False
+            step += _LIFE_MODULUS
+        return self._open(self._frame_tick + step * self._ticks_per_frame, life)
+
+    def _open(self, tick: int, life: int) -> bool:
+        new = tick > self.tick or not self.running
         self.running = True
-        return True
+        self._life = life
+        self._frame_tick = tick
+        self._expected = -1
+        self._polls = 0
+        self.tick = max(self.tick, tick)
+        return new
+
+    def polled(self, period_ticks: int) -> None:
+        """Take a poll that comes at every tick that is a multiple of ``period_ticks``.
+
+        Two polls without a clock frame between them may be one poll twice; from the third on time has gone on.
+        """
+        if not self.running:
+            return
+        if self._polls == 0:
+            self._poll_tick = -(-self.tick // period_ticks) * period_ticks
+        elif self._polls >= 2:
+            self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
+        self._polls += 1
 
     def synchronise(self, telegram: TimeSync) -> None:
         """Take the absolute tick of a TIME_SYNC telegram of the current tick."""
-        self.tick = from_time_sync(telegram, self.base_tick_ns)
+        tick = from_time_sync(telegram, self.base_tick_ns)
+        if tick == self.tick and self.running:
+            return
+        # Whether the clock frame of this tick was lost cannot be told: the next one is the next tick.
+        self.running = True
+        self.tick = self._frame_tick = tick
+        self._life = self._expected = -1
+        self._polls = 0
 
     @property
     def now_ns(self) -> int:

@@ -22,7 +22,8 @@ class Frame(NamedTuple):
     """One CAN frame.
 
     ``can_id``: 11-bit identifier (29-bit when ``flags`` has EXTENDED). ``data``: 0..8 bytes, 0..64 with FD.
-    ``flags``: 0 for the plain data frames that carry MVB telegrams.
+    ``flags``: 0 for the plain data frames that carry MVB telegrams. A remote frame has no data on the wire; here it
+    holds as many zero bytes as its length code says.
     """
 
     can_id: int
@@ -59,4 +60,5 @@ def from_message(message: can.Message) -> Frame:
         flags |= FD
     if message.bitrate_switch:
         flags |= BRS
-    return Frame(message.arbitration_id, bytes(message.data), flags)
+    data = bytes(message.dlc) if flags & REMOTE else bytes(message.data)
+    return Frame(message.arbitration_id, data, flags)

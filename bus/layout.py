@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from operator import attrgetter
 from typing import Any, ClassVar, Self
 
 from dbc import Port, wire_contract
@@ -32,7 +33,10 @@ class Telegram:
     """
 
     PORT: ClassVar[str]
-    _plan: ClassVar[tuple[tuple[str, int, int, int, int], ...] | None] = None
+    #: ``(shift, mask, sign bit, lowest, highest)`` of every field, made at first use.
+    _plan: ClassVar[tuple[tuple[int, int, int, int, int], ...] | None] = None
+    _names: ClassVar[tuple[str, ...]] = ()
+    _values: ClassVar[Callable[[Any], tuple[int, ...]]]
     _size: ClassVar[int] = 0
 
     @classmethod
@@ -41,8 +45,8 @@ class Telegram:
         return wire_contract().port(cls.PORT)
 
     @classmethod
-    def _compile(cls) -> tuple[tuple[str, int, int, int, int], ...]:
-        """``(field, shift, mask, sign bit, lowest)`` of every field; checks the class against the port table."""
+    def _compile(cls) -> tuple[tuple[int, int, int, int, int], ...]:
+        """Make the packing plan; checks the class against the port table."""
         port = cls.port()
         by_name = {item.name: item for item in port.signals}
         prefix = port.name.split("_")[0].capitalize()
@@ -51,9 +55,11 @@ class Telegram:
             entry = by_name.pop(item.metadata["signal"].replace("{p}", prefix))
             shift = port.data_bytes * 8 - entry.first_bit - entry.length
             sign = 1 << (entry.length - 1) if entry.signed else 0
-            plan.append((item.name, shift, (1 << entry.length) - 1, sign, entry.raw_range[0]))
+            plan.append((shift, (1 << entry.length) - 1, sign, *entry.raw_range))
         if by_name:
             raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
+        cls._names = tuple(item.name for item in dataclasses.fields(cls))  # type: ignore[arg-type]
+        cls._values = attrgetter(*cls._names)
         cls._plan = tuple(plan)
         cls._size = port.data_bytes
         return cls._plan
@@ -65,21 +71,29 @@ class Telegram:
         """
         plan = self._plan or self._compile()
         word = 0
-        for name, shift, mask, sign, lowest in plan:
-            value = getattr(self, name)
-            if not lowest <= value <= mask - sign:
-                raise OverflowError(f"{self.PORT}.{name}: found {value}, allowed {lowest}..{mask - sign}")
+        for value, (shift, mask, _, lowest, highest) in zip(type(self)._values(self), plan, strict=True):
+            if not lowest <= value <= highest:
+                raise OverflowError(self._misfit())
             word |= (value & mask) << shift
         return word.to_bytes(self._size)
+
+    def _misfit(self) -> str:
+        """Names the first value that does not fit."""
+        for (name, value), (_, _, _, lowest, highest) in zip(self.items(), self._plan or (), strict=True):
+            if not lowest <= value <= highest:
+                return f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}"
+        raise AssertionError(self.PORT)
 
     @classmethod
     def decode(cls, data: bytes) -> Self:
         """Telegram of process data of the right length (the traffic store has checked it)."""
         plan = cls._plan or cls._compile()
         word = int.from_bytes(data)
-        return cls(*[((word >> shift & mask) ^ sign) - sign for _, shift, mask, sign, _ in plan])
+        return cls(*[((word >> shift & mask) ^ sign) - sign for shift, mask, sign, _, _ in plan])
 
     def items(self) -> Iterator[tuple[str, int]]:
         """``(field name, raw value)`` of every field."""
-        for name, *_ in self._plan or self._compile():
+        if not self._names:
+            self._compile()
+        for name in self._names:
             yield name, getattr(self, name)

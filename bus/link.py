@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import can
 
 from bus.errors import BusLost, BusUnavailable
-from bus.frame import ERROR, Frame, from_message, to_message
+from bus.frame import Frame, from_message, to_message
 
 #: A full transmit queue (ENOBUFS) is retried this often, this far apart; python-can raises it at once.
 _SEND_RETRIES = 40
@@ -45,7 +45,7 @@ class Link:
     """:class:`Endpoint` on a python-can bus.
 
     ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
-    the bounded retry; newest value wins, nothing stale is sent later), ``error_frames``.
+    the bounded retry; newest value wins, nothing stale is sent later).
     """
 
     def __init__(self, bus: can.BusABC) -> None:
@@ -91,7 +91,6 @@ class Link:
         except (can.CanError, OSError) as error:
             raise BusLost(f"{self.bus.channel_info}: cannot receive: {error}") from error
         self.counters["received"] += len(frames)
-        self.counters["error_frames"] += sum(1 for frame in frames if frame.flags & ERROR)
         return frames
 
     def close(self) -> None:

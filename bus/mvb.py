@@ -32,28 +32,41 @@ _POLYNOMIAL = 0x65
 F_DEVICE_STATUS = 15
 
 
-def _remainder_table() -> tuple[int, ...]:
-    table = []
-    for value in range(256):
-        register = value << 7
-        for bit in range(14, 6, -1):
-            if register >> bit & 1:
-                register ^= (0x80 | _POLYNOMIAL) << (bit - 7)
-        table.append(register)
-    return tuple(table)
+#: Longest block in bytes.
+_BLOCK_BYTES = 8
 
 
-_REMAINDER = _remainder_table()
-#: Inverted check octet by (remainder, data parity): index = remainder << 1 | parity of the data.
-_OCTET = tuple(~(index & 0xFE | ((index & 1) ^ ((index >> 1).bit_count() & 1))) & 0xFF for index in range(256))
+def _check_octet(data: int) -> int:
+    """Remainder and even parity of a number of data bits, as the standard says it, before the inversion."""
+    remainder = data << 7
+    for bit in range(remainder.bit_length() - 1, 6, -1):
+        if remainder >> bit & 1:
+            remainder ^= (0x80 | _POLYNOMIAL) << (bit - 7)
+    return remainder << 1 | (data.bit_count() + remainder.bit_count()) & 1
+
+
+#: The octet is linear in the data, so it is the xor of one table value for each byte, by its place from the end.
+_BY_PLACE = tuple(
+    tuple(_check_octet(value << 8 * place) for value in range(256)) for place in range(_BLOCK_BYTES)
+)
+_P0, _P1, _P2, _P3, _P4, _P5, _P6, _P7 = _BY_PLACE
 
 
 def check_sequence(block: bytes) -> int:
-    """Check octet of one block of 2, 4 or 8 data bytes (other lengths give the octet of the same rule)."""
-    remainder = 0
-    for byte in block:
-        remainder = _REMAINDER[(remainder << 1) ^ byte]
-    return _OCTET[remainder << 1 | int.from_bytes(block).bit_count() & 1]
+    """Check octet of one block of 2, 4 or 8 data bytes (other lengths up to 8 give the octet of the same rule).
+
+    :raises IndexError: more than 8 bytes.
+    """
+    if len(block) == 8:
+        a, b, c, d, e, f, g, h = block
+        return 0xFF ^ _P7[a] ^ _P6[b] ^ _P5[c] ^ _P4[d] ^ _P3[e] ^ _P2[f] ^ _P1[g] ^ _P0[h]
+    if len(block) == 4:
+        a, b, c, d = block
+        return 0xFF ^ _P3[a] ^ _P2[b] ^ _P1[c] ^ _P0[d]
+    octet = 0xFF
+    for place, byte in enumerate(reversed(block)):
+        octet ^= _BY_PLACE[place][byte]
+    return octet
 
 
 def master_word(f_code: int, address: int) -> bytes:
@@ -102,14 +115,18 @@ class TelegramSource:
     :param fd: send the CAN FD form instead of the classic one.
     """
 
-    __slots__ = ("_blocks", "_fd", "_pad", "_port", "_sequence", "_tail")
+    __slots__ = ("_block_ids", "_fd", "_pad", "_padded_bytes", "_port", "_sequence", "_size", "_tail", "_trailer_id")
 
     def __init__(self, port: Port, fd: bool = False) -> None:
         self._port = port
         self._fd = fd
         self._tail = master_tail(port.f_code, port.address)
-        self._blocks = port.blocks
+        self._size = port.data_bytes
+        self._block_ids = range(port.address, port.address + port.blocks)
+        self._trailer_id = port.address + 4
         self._pad = b"\0" * (4 - port.blocks)
+        # F4 has 40 bytes, a length that CAN FD does not know.
+        self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
 
     def frames(self, data: bytes) -> list[Frame]:
@@ -117,27 +134,22 @@ class TelegramSource:
 
         ``data``: exactly ``port.data_bytes`` bytes; ValueError otherwise.
         """
-        port = self._port
-        if len(data) != port.data_bytes:
-            raise ValueError(f"{port.name}: found {len(data)} data bytes, allowed {port.data_bytes}")
-        address = port.address
-        if port.f_code < 2:
-            payload = data.ljust(4, b"\0") + bytes([check_sequence(data)]) + self._tail
-            return [Frame(address + 5, payload, FD) if self._fd else Frame(address, payload)]
+        if len(data) != self._size:
+            raise ValueError(f"{self._port.name}: found {len(data)} data bytes, allowed {self._size}")
+        if self._size <= 4:
+            payload = data.ljust(4, b"\0") + bytes((check_sequence(data),)) + self._tail
+            return [Frame(self._port.fd_id, payload, FD) if self._fd else Frame(self._block_ids[0], payload)]
         sequence = self._sequence
         self._sequence = (sequence + 1) & 0xF
-        blocks = [data[i : i + 8] for i in range(0, len(data), 8)]
-        trailer = (
-            bytes([check_sequence(block) for block in blocks])
-            + self._pad
-            + bytes([sequence << 4 | self._blocks])
-            + self._tail
-        )
+        frames, sums = [], []
+        for index, can_id in enumerate(self._block_ids):
+            block = data[8 * index : 8 * index + 8]
+            sums.append(check_sequence(block))
+            frames.append(Frame(can_id, block))
+        trailer = bytes(sums) + self._pad + bytes((sequence << 4 | len(sums),)) + self._tail
         if self._fd:
-            payload = data + trailer
-            return [Frame(address + 5, payload.ljust(48, b"\0") if port.f_code == 4 else payload, FD)]
-        frames = [Frame(address + k, block) for k, block in enumerate(blocks)]
-        frames.append(Frame(address + 4, trailer))
+            return [Frame(self._port.fd_id, (data + trailer).ljust(self._padded_bytes, b"\0"), FD)]
+        frames.append(Frame(self._trailer_id, trailer))
         return frames
 
 

@@ -49,12 +49,18 @@ class Responder:
             )
             for name, make in answers.items()
         }
+        paced = [port for port in map(contract.port, answers) if port.period_ns]
+        # The polls of the fastest own port are the clock's second leg: master word, and period in ticks.
+        self._pace = min(
+            ((port.period_ns // base_tick_ns or 1, port.f_code << 12 | port.address) for port in paced), default=(0, -1)
+        )
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame; returns the answer to a poll of this node, otherwise nothing."""
-        if frame.can_id == self._poll_id and not frame.flags:
+        can_id = frame.can_id
+        if can_id == self._poll_id and not frame.flags:
             return self._answer(frame.data)
-        if frame.can_id in self._clock_ids:
+        if can_id in self._clock_ids:
             self.clock.feed(frame)
         committed = self.store.feed(frame, self.clock.now_ns)
         if committed is not None:
@@ -74,8 +80,12 @@ class Responder:
         f_code, address = asked
         if f_code == F_DEVICE_STATUS:
             return [device_status_frame(self._device, _STATUS_READY)] if address == self._device else []
-        found = self._answers.get(f_code << 12 | address)
+        word = f_code << 12 | address
+        found = self._answers.get(word)
         if found is None:
             return []
+        period_ticks, pace_word = self._pace
+        if word == pace_word:
+            self.clock.polled(period_ticks)
         source, make = found
         return source.frames(make().encode())

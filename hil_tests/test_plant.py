@@ -264,6 +264,45 @@ def test_a_short_creep_is_not_a_stop() -> None:
     assert events[0].instant_01ms < plant.tick * 100
 
 
+def test_the_stop_is_found_inside_the_tick() -> None:
+    plant = Plant(QUIET, 0)
+    driven(plant, 900, 1000)
+    braked = -1000
+    while plant.true_speed_01mmps > 0:
+        tick, speed_mps, accel_mps2 = plant.tick, plant.true_speed_01mmps / 1e4, plant.accel_mps2
+        position_01mm = plant.position_01mm
+        events = driven(plant, braked, 1)
+        assert plant.tick < 3000
+    assert [event.kind for event in events] == ["stopped"]
+    stop_s = speed_mps / -accel_mps2
+    assert 0.0 < stop_s < 0.01
+    assert events[0].instant_01ms == pytest.approx((tick * 0.01 + stop_s) * 1e4, abs=2)
+    assert events[0].position_01mm == pytest.approx(position_01mm + speed_mps * stop_s / 2 * 1e4, abs=2)
+    # The next stop is one only when the train has moved again by 1 m.
+    first_01mm = plant.position_01mm
+    events = driven(plant, 200, 620)
+    events += driven(plant, -1792, 300)
+    assert 0 < plant.position_01mm - first_01mm < 10_000
+    assert events == []
+    events = driven(plant, 600, 1200)
+    events += driven(plant, -1792, 1000)
+    assert [event.kind for event in events] == ["stopped"]
+
+
+@pytest.mark.parametrize("delay_s", [0.0437, 0.0999])
+def test_a_command_inside_a_tick_splits_it(delay_s: float) -> None:
+    ends = []
+    for per_tick in (1, 100):
+        plant = Plant(with_tick(with_delay(QUIET, delay_s), 10_000_000 // per_tick), 0)
+        for code, ticks in ((1000, 300), (-1792, 50), (1792, 50), (0, 20)):
+            for tick in range(ticks * per_tick):
+                if tick % (2 * per_tick) == 0:
+                    plant.command(code, False)
+                plant.advance()
+        ends.append((plant.position_01mm, plant.true_speed_01mmps))
+    assert ends[0] == pytest.approx(ends[1], abs=1)
+
+
 def test_departure_is_reported_at_the_start_position() -> None:
     events = driven(Plant(QUIET, 0), 1000, 300)
     departed = [event for event in events if event.kind == "departed"]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import os
 import time
+from collections.abc import Sequence
 from typing import Any
 
 import can
@@ -56,13 +57,16 @@ class HubBus(can.BusABC):
         connect_timeout: float = 0.0,
         name: str | None = None,
         bitrate: int | None = None,
+        coalesce_frames: int = 0,
+        wake_on: Sequence[Frame] = (),
         **_other_bus_settings: Any,
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
         Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
-        messages. ``bitrate``: checked against the hub's bit rate model, ignored when it has none; other
+        messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
+        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``bitrate``: checked against the hub's bit rate model, ignored when it has none; other
         settings of real interfaces (sample points and the like) have no meaning here and are ignored.
 
         Raises :class:`HubUnavailable`.
@@ -81,7 +85,14 @@ class HubBus(can.BusABC):
             raise HubUnavailable(str(error)) from None
         link = _connect(address, float(connect_timeout))
         try:
-            self.hub_properties = _exchange_hello(link, name or f"pid {os.getpid()}", bool(receive_own_messages))
+            hello: dict[str, object] = {
+                "name": name or f"pid {os.getpid()}",
+                "receive_own": bool(receive_own_messages),
+            }
+            if coalesce_frames:
+                hello["coalesce_frames"] = int(coalesce_frames)
+                hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
+            self.hub_properties = _exchange_hello(link, hello)
             hub_bitrate = self.hub_properties.get("bitrate_bps")
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
@@ -152,13 +163,18 @@ class HubBus(can.BusABC):
 
     # --- batches ------------------------------------------------------------------------------------------
 
-    def send_frames(self, frames: list[Frame], timeout_s: float | None = None) -> None:
+    def send_frames(self, frames: Sequence[Frame], timeout_s: float | None = None) -> None:
         """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
 
         ``timeout_s``: seconds for the whole list, None waits for ever. Raises as :meth:`send`; ValueError
         comes before anything is sent.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
+        if not frames:
+            return
+        if len(frames) <= wire.MAX_BATCH_FRAMES and not any([frame[2] for frame in frames]):
+            self._send(wire.pack_plain(frames), deadline_s)
+            return
         packets: list[bytes] = []
         batch: list[bytes] = []
         for frame in frames:
@@ -254,10 +270,10 @@ def _connect(address: Address, connect_timeout_s: float) -> Link:
         return PacketLink(sock, str(address)) if address.path is not None else StreamLink(sock, str(address))
 
 
-def _exchange_hello(link: Link, name: str, receive_own: bool) -> dict[str, Any]:
+def _exchange_hello(link: Link, hello: dict[str, object]) -> dict[str, Any]:
     deadline_s = time.monotonic() + _ANSWER_TIMEOUT_S
     try:
-        link.send_packet(wire.encode_hello(name=name, receive_own=receive_own), deadline_s)
+        link.send_packet(wire.encode_hello(**hello), deadline_s)
         packet = link.receive_packet(deadline_s)
         if packet is None:
             raise HubUnavailable(f"hub at {link.peer}: no answer within {_ANSWER_TIMEOUT_S:.0f} s")

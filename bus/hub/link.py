@@ -13,6 +13,7 @@ import socket
 import threading
 import time
 from abc import ABC, abstractmethod
+from struct import Struct
 
 import can
 
@@ -24,6 +25,9 @@ _STREAM_CHUNK_SIZE = 65536
 #: ``select`` waits in microseconds but takes low descriptors only; ``poll`` rounds up to whole milliseconds.
 _SELECT_FD_LIMIT = 1024
 _GOODBYE_TIMEOUT_S = 1.0
+#: Longest wait inside one ``recv`` (SO_RCVTIMEO); reads with a nearer deadline use select first.
+_KERNEL_WAIT_S = 0.02
+_TIMEVAL = Struct("ll")
 
 
 class HubLost(BusLost, can.CanOperationError):
@@ -54,6 +58,7 @@ class Link(ABC):
 
     def __init__(self, sock: socket.socket, peer: str) -> None:
         self.sock = sock
+        self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TIMEVAL.pack(0, int(_KERNEL_WAIT_S * 1e6)))
         self.peer = peer
         self.is_lost = False
 
@@ -79,19 +84,24 @@ class Link(ABC):
 
     def _receive(self, size: int, deadline_s: float | None) -> bytes | None:
         """Bytes of one socket read, or None at the deadline."""
-        for _ in range(2):
+        resets = 0
+        while resets < 2:
             try:
-                if deadline_s is None:
+                if deadline_s is None or deadline_s - time.monotonic() > _KERNEL_WAIT_S:
+                    # One system call instead of two: the kernel wakes this read after _KERNEL_WAIT_S at the latest.
                     chunk = self.sock.recv(size)
                 elif _wait(self.sock, False, deadline_s):
                     chunk = self.sock.recv(size, socket.MSG_DONTWAIT)
                 else:
                     return None
             except BlockingIOError:
+                if deadline_s is None or time.monotonic() < deadline_s:
+                    continue
                 return None
             except ConnectionResetError:
                 # The hub closed while packets of ours were unread. What it sent before is still in our queue:
                 # the next read gets it, and finally the end of file.
+                resets += 1
                 continue
             except OSError as error:
                 raise self._lost(f"connection lost ({error.strerror})") from None

@@ -9,6 +9,7 @@ import socket
 from abc import ABC, abstractmethod
 from collections import deque
 
+from bus.hub.coalesce import Coalescer
 from bus.hub.wire import MAX_PACKET_SIZE
 
 #: What a queued packet costs beyond its bytes: the bytes object and its place in the queue.
@@ -37,6 +38,8 @@ class Port(ABC):
         self.name = name
         self.is_member = False
         self.receive_own = False
+        #: Set for a client that reads in bulk.
+        self.coalescer: Coalescer | None = None
         #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.
         self.has_backlog = False
 

@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable
 
 from bus.hub.address import describe
+from bus.hub.coalesce import HOLD_S, coalescer_of
 from bus.hub.model import WireModel
 from bus.hub.ports import Port, PortClosed, PortFault, SocketPort, StreamPort
 from bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
@@ -51,6 +52,7 @@ class Switch:
         self._ports: dict[int, Port] = {}
         #: Replaced, never changed in place: a port may be dropped while packets are carried.
         self._members: list[Port] = []
+        self._bulk_readers = False
         #: Event mask each port is registered with; 0 means that it is not registered.
         self._watched: dict[Port, int] = {}
         self._is_accepting = True
@@ -106,7 +108,19 @@ class Switch:
                 timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
                 select.select((self._epoll.fileno(),), (), (), timeout_s)
                 return self._epoll.poll(0)
+        if self._bulk_readers:
+            ready = self._epoll.poll(HOLD_S)
+            if ready:
+                return ready
+            self._flush_held()
         return self._epoll.poll()
+
+    def _flush_held(self) -> None:
+        """Nothing happens on the bus: hand over what is held for the clients that read in bulk."""
+        for port in self._members:
+            if port.coalescer is not None:
+                for packet in port.coalescer.flush():
+                    self._hand_over(port, packet)
 
     def _read(self, port: Port) -> None:
         try:
@@ -134,18 +148,24 @@ class Switch:
 
     def _carry(self, source: Port, packet: bytes) -> None:
         for port in self._members:
-            if port is not source:
-                try:
-                    if port.send(packet):
-                        self._update(port)
-                except PortFault as fault:
-                    self._drop(port, str(fault))
-            elif source.receive_own:
-                try:
-                    if port.send(packet + OWN_MARK):
-                        self._update(port)
-                except PortFault as fault:
-                    self._drop(port, str(fault))
+            if port is source:
+                if not source.receive_own:
+                    continue
+                packet_for_port = packet + OWN_MARK
+            else:
+                packet_for_port = packet
+            if port.coalescer is not None:
+                for ready in port.coalescer.take(packet_for_port):
+                    self._hand_over(port, ready)
+            else:
+                self._hand_over(port, packet_for_port)
+
+    def _hand_over(self, port: Port, packet: bytes) -> None:
+        try:
+            if port.send(packet):
+                self._update(port)
+        except PortFault as fault:
+            self._drop(port, str(fault))
 
     # --- the rest -----------------------------------------------------------------------------------------
 
@@ -205,6 +225,7 @@ class Switch:
         """Answer the hello and let the port in; False when it is cut off instead."""
         try:
             hello = decode_hello(packet)
+            port.coalescer = coalescer_of(hello)
         except ValueError as error:
             port.send(encode_hello(error=str(error)))
             self._drop(port, str(error))
@@ -217,6 +238,7 @@ class Switch:
         port.is_member = True
         self._had_member = True
         self._members = [*self._members, port]
+        self._bulk_readers = any(member.coalescer is not None for member in self._members)
         return True
 
     def _drop(self, port: Port, reason: str) -> None:
@@ -235,6 +257,7 @@ class Switch:
             self._epoll.register(self._listener.fileno(), _READ)
             self._is_accepting = True
         self._members = [member for member in self._members if member is not port]
+        self._bulk_readers = any(member.coalescer is not None for member in self._members)
         if self._once and self._had_member and not self._members:
             self._stopping = True
 
@@ -258,6 +281,7 @@ class Switch:
                     self._read(port)
                 if port is not None and events & _WRITE:
                     self._flush(port)
+        self._flush_held()
         for port in self._members:
             if port.has_backlog:
                 self._report(f"{port.name} has not read all packets before the stop")

@@ -32,6 +32,7 @@ Source of the structs and flag bits: ``linux/can.h``.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from struct import Struct
 from typing import Any
 
@@ -138,6 +139,18 @@ def pack_frame(frame: Frame) -> bytes:
     wire_id = _wire_id(can_id, bool(flags & EXTENDED), remote, bool(flags & ERROR))
     fd_flags = (FD_BRS if flags & BRS else 0) if flags & FD else None
     return _pack(wire_id, len(data), b"" if remote else data, fd_flags)
+
+
+def pack_plain(frames: Sequence[Frame]) -> bytes:
+    """Frames without flags as one batch (the bench's own traffic). Raises ValueError as :func:`pack_frame`."""
+    pack = _CLASSIC.pack
+    parts = []
+    for can_id, data, _ in frames:
+        size = len(data)
+        if size > 8 or not 0 <= can_id <= SFF_MASK:
+            raise ValueError(f"CAN identifier 0x{can_id:X} with {size} bytes, allowed: 0..0x{SFF_MASK:X}, 0..8")
+        parts.append(pack(can_id, size, data))
+    return b"".join(parts)
 
 
 def pack_message(message: can.Message) -> bytes:

@@ -6,17 +6,19 @@ import argparse
 from importlib.metadata import version
 
 from bus.exitcodes import guarded
+from dbc import wire_contract
 from supervisor.cli import bus, doctor, node, plot, ports, run, scenarios, score
+from supervisor.cli.output import accept_any_text, flush_output
+from supervisor.cli.usage import OneLineParser, parse
 
 _MODULES = (run, score, plot, scenarios, ports, doctor, node, bus)
 
 
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
-    root = argparse.ArgumentParser(
+    root = OneLineParser(
         prog="railhil",
         description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
-        epilog="exit codes: 0 pass, 1 fail (limits missed), 2 usage or bad input, 3 invalid run, 4 defect of the bench",
     )
     root.add_argument("--version", action="version", version=f"railhil {version('railhil')}")
     commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
@@ -29,8 +31,14 @@ def main() -> int:
     """Entry point of the ``railhil`` command."""
 
     def work() -> int:
-        namespace = parser().parse_args()
-        return int(namespace.work(namespace))
+        accept_any_text()
+        namespace = parse(parser())
+        # A DBC that is not the one of the port table must be noticed by every command, also by those that never
+        # look at a telegram.
+        wire_contract()
+        try:
+            return int(namespace.work(namespace))
+        finally:
+            flush_output()
 
     return guarded("railhil", work)
-

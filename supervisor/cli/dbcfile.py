@@ -7,40 +7,58 @@ from typing import Any
 
 import cantools
 
-from scenarios.errors import InputError
+from scenarios.errors import InputError, Words
 
 
 def _load(path: Path) -> Any:
-    if not path.is_file():
-        raise InputError(path, "file", "no such file", "a DBC file")
     try:
-        return cantools.database.load_file(path, database_format="dbc")
-    except (cantools.database.errors.Error, UnicodeDecodeError, ValueError) as error:
-        raise InputError(path, "file", " ".join(str(error).split()), "a DBC file") from error
+        text = path.read_text(encoding="cp1252", errors="replace")
+    except OSError as error:
+        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), "a readable DBC file") from None
+    try:
+        return cantools.database.load_string(text, database_format="dbc")
+    except Exception as error:
+        # The parser meets anything here; whatever it raises, the file is no DBC that can be used.
+        reason = " ".join(str(error).split()).removeprefix('DBC: "').removesuffix('"') or type(error).__name__
+        raise InputError(path, "file", Words("no DBC that can be read"), "a DBC file", reason[:200]) from None
 
 
-def _layout(message: Any) -> list[tuple[Any, ...]]:
-    return sorted(
-        (signal.name, signal.start, signal.length, signal.byte_order, signal.is_signed, signal.scale, signal.offset)
+def _layout(message: Any) -> dict[str, dict[str, Any]]:
+    return {
+        signal.name: {
+            "start bit": signal.start,
+            "length": signal.length,
+            "byte order": signal.byte_order,
+            "signed": signal.is_signed,
+            "scale": signal.scale,
+            "offset": signal.offset,
+            "unit": signal.unit or "",
+        }
         for signal in message.signals
-    )
+    }
 
 
 def check_foreign_dbc(file: str) -> None:
-    """Compare a DBC file with the wire contract, message by message.
+    """Compare a DBC file with the wire contract, message by message; messages of its own may come on top.
 
     :raises InputError: first difference, one line.
     """
     path = Path(file)
-    theirs = {message.frame_id: message for message in _load(path).messages}
+    theirs = {(message.frame_id, message.is_extended_frame): message for message in _load(path).messages}
     ours = _load(Path(__file__).resolve().parents[2] / "dbc" / "railhil.dbc")
     for message in ours.messages:
-        other = theirs.get(message.frame_id)
+        other = theirs.get((message.frame_id, message.is_extended_frame))
         key = f"message {message.name} ({message.frame_id:#05x})"
         if other is None:
-            raise InputError(path, key, "no such message", "the telegrams of `railhil ports`")
+            raise InputError(path, key, Words("no such message"), "the telegrams of `railhil ports`")
         if other.length != message.length:
-            raise InputError(path, f"{key} length", other.length, str(message.length))
-        if _layout(other) != _layout(message):
-            differing = [row for row in _layout(other) if row not in _layout(message)] or [("missing signals",)]
-            raise InputError(path, f"{key} signals", str(differing[0]), "the layout of `railhil ports`")
+            raise InputError(path, f"{key}: length", other.length, f"{message.length} bytes")
+        wanted, found = _layout(message), _layout(other)
+        for name in sorted(wanted.keys() | found.keys()):
+            if name not in found:
+                raise InputError(path, f"{key}: signal {name}", Words("no such signal"), "the layout of `railhil ports`")
+            if name not in wanted:
+                raise InputError(path, f"{key}: signal {name}", Words("a signal"), "the layout of `railhil ports`")
+            for item, value in wanted[name].items():
+                if found[name][item] != value:
+                    raise InputError(path, f"{key}: signal {name}: {item}", found[name][item], repr(value))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import platform
 import socket
@@ -14,11 +13,10 @@ from typing import Any
 
 import can
 from can.cli import add_bus_arguments
-from rich.console import Console
-from rich.table import Table
 
 from bus.select import choose_bus, vcan_available
 from dbc import wire_contract
+from supervisor.cli.output import Output, print_json, table
 
 #: What a user of each transport must know before trusting a result.
 LIMITS = {
@@ -87,13 +85,15 @@ def work(namespace: argparse.Namespace) -> int:
     """Print facts and limits."""
     found = facts(namespace)
     if namespace.json:
-        print(json.dumps({**found, "limits": LIMITS}, indent=2))
+        print_json({**found, "limits": LIMITS})
         return 0
-    console = Console()
+    console = Output()
     for key, value in found.items():
-        console.print(f"{key:14} {value}", highlight=False, soft_wrap=True)
-    table = Table("transport", "what it does not model")
+        console.line(f"{key:14} {value}")
+    limits = table()
+    limits.add_column("transport", no_wrap=True)
+    limits.add_column("what it does not model")
     for transport, text in LIMITS.items():
-        table.add_row(transport, text)
-    console.print(table)
+        limits.add_row(transport, text)
+    console.print(limits)
     return 0

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import json
-
-from rich.console import Console
-from rich.table import Table
 
 from bus.load import bus_load
 from dbc import Port, wire_contract
 from scenarios.errors import InputError
 from supervisor.cli.dbcfile import check_foreign_dbc
+from supervisor.cli.output import Output, print_json, table
+
+#: The table has a column with each port's purpose from this width on.
+_DESCRIBED_COLUMNS = 90
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("ports", help="print ports, telegram layouts and bus load")
     parser.add_argument("port", nargs="?", help="port whose layout is wanted")
-    parser.add_argument("-b", "--bitrate", type=int, default=0, help="bit/s for the load (default: the port table's)")
+    parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
     parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
     parser.add_argument("--json", action="store_true", help="machine-readable output")
     parser.set_defaults(work=work)
@@ -35,7 +35,7 @@ def _port(name: str) -> Port:
 def work(namespace: argparse.Namespace) -> int:
     """Print what was asked for."""
     contract = wire_contract()
-    bit_rate = namespace.bitrate or contract.bit_rate
+    bit_rate = contract.bit_rate if namespace.bitrate is None else namespace.bitrate
     if bit_rate <= 0:
         raise InputError("command line", "--bitrate", namespace.bitrate, "bit/s above 0")
     if namespace.dbc:
@@ -43,16 +43,18 @@ def work(namespace: argparse.Namespace) -> int:
     loads = bus_load(contract, bit_rate)
     chosen = [_port(namespace.port)] if namespace.port else list(contract.ports)
     if namespace.json:
-        print(json.dumps(_document(chosen, bit_rate, loads), indent=2))
+        print_json(_document(chosen, bit_rate, loads))
         return 0
-    console = Console()
+    console = Output()
     _print_ports(console, chosen, loads)
     if namespace.port:
         _print_layout(console, chosen[0])
         return 0
     total = sum(loads.values())
-    console.print(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)", highlight=False)
-    console.print(f"DBC sha256 {contract.sha256}", highlight=False)
+    console.line(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
+    console.line(f"DBC sha256 {contract.sha256}")
+    if namespace.dbc:
+        console.line(f"{namespace.dbc}: describes these telegrams")
     return 0
 
 
@@ -87,30 +89,47 @@ def _document(ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict
     }
 
 
-def _print_ports(console: Console, ports: list[Port], loads: dict[str, float]) -> None:
-    table = Table("port", "address", "CAN ids", "F", "period ms", "source", "mode", "load", "what")
+def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) -> None:
+    rows = table()
+    for title in ("port", "id"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("CAN ids")
+    rows.add_column("F", no_wrap=True)
+    rows.add_column("ms", justify="right", no_wrap=True)
+    for title in ("source", "mode"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("load", justify="right", no_wrap=True)
+    # Where there is no room for it, `railhil ports PORT` and the DBC still say what a port is for.
+    described = console.width >= _DESCRIBED_COLUMNS
+    if described:
+        rows.add_column("what")
     for port in ports:
-        period = f"{port.period_ns // 1_000_000}" if port.period_ns else "-"
-        ids = " ".join(f"{can_id:03X}" for can_id in port.can_ids)
-        table.add_row(
+        cells = [
             port.name,
             f"{port.address:03X}",
-            ids,
+            " ".join(f"{can_id:03X}" for can_id in port.can_ids),
             str(port.f_code),
-            period,
+            f"{port.period_ns // 1_000_000}" if port.period_ns else "-",
             port.source,
             port.mode,
             f"{loads[port.name]:.2%}",
-            port.comment,
-        )
-    console.print(table)
+        ]
+        rows.add_row(*cells, *([port.comment] if described else []))
+    console.print(rows)
 
 
-def _print_layout(console: Console, port: Port) -> None:
-    table = Table("signal", "byte.msb:length", "type", "scale", "unit", "values or meaning")
+def _print_layout(console: Output, port: Port) -> None:
+    console.line(port.comment)
+    rows = table()
+    rows.add_column("signal", no_wrap=True)
+    for title in ("at", "type", "scale"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("unit", no_wrap=True)
+    rows.add_column("values or meaning")
     for signal in port.signals:
         values = ", ".join(f"{key} {text}" for key, text in signal.values.items())
         kind = f"{'s' if signal.signed else 'u'}{signal.length}"
         at = f"{signal.byte}.{signal.msb}:{signal.length}"
-        table.add_row(signal.name, at, kind, f"{signal.scale:g}", signal.unit, values or signal.comment)
-    console.print(table)
+        rows.add_row(signal.name, at, kind, f"{signal.scale:g}", signal.unit, values or signal.comment)
+    console.print(rows)
+    console.line("at: byte.msb:length")

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import json
-
-from rich.console import Console
-from rich.table import Table
 
 from scenarios.load import load, names
 from scenarios.model import Scenario
+from supervisor.cli.output import Output, print_json, table
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -35,20 +32,21 @@ def work(namespace: argparse.Namespace) -> int:
     """Print the table (or JSON)."""
     found = [load(namespace.scenario)] if namespace.scenario else [load(name) for name in names()]
     if namespace.json:
-        rows = [_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found]
-        print(json.dumps(rows, indent=2, ensure_ascii=False))
+        print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
         return 0
-    table = Table("scenario", "line", "train", title=None)
-    table.add_column("distance m", justify="right")
-    table.add_column("time s", justify="right")
+    rows = table()
+    # A name is what the user types next, so it is folded rather than cut.
+    rows.add_column("scenario", overflow="fold", ratio=4)
+    rows.add_column("line", ratio=5)
+    rows.add_column("m", justify="right", no_wrap=True)
+    rows.add_column("s", justify="right", no_wrap=True)
     for scenario in found:
         plan = scenario.plan
-        table.add_row(
-            scenario.name, scenario.title, scenario.train.name, f"{plan.distance_m:.0f}", f"{plan.running_time_s:.1f}"
-        )
-    console = Console()
-    console.print(table)
+        rows.add_row(scenario.name, scenario.title, f"{plan.distance_m:.0f}", f"{plan.running_time_s:.1f}")
+    console = Output()
+    console.print(rows)
     if namespace.scenario:
+        console.line(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
         for sentence in found[0].assumptions:
-            console.print(f"assumed: {sentence}", highlight=False)
+            console.line(f"assumed: {sentence}")
     return 0

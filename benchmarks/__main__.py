@@ -1,0 +1,115 @@
+"""``python -m benchmarks``: measure, and print the figures beside the machine they hold for."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from dataclasses import asdict
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from bus.exitcodes import guarded
+from scenarios.errors import InputError
+
+#: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
+NAMES = ("lockstep", "round_trip", "controller_step", "plant", "codec", "memory")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description="performance figures of the bench")
+    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.add_argument(
+        "--only", action="append", metavar="NAME", help=f"one of {', '.join(NAMES)}; may be given again"
+    )
+    parser.add_argument(
+        "--quick", action="store_true", help="few repetitions of an 8 s run: a check, not a measurement"
+    )
+    return parser
+
+
+def _module(name: str) -> ModuleType:
+    try:
+        return import_module(f"benchmarks.{name}")
+    except ModuleNotFoundError as error:
+        raise InputError("benchmarks", f"module {error.name}", "not installed", "pip install 'railhil[dev]'") from None
+
+
+def run(name: str, quick: bool) -> dict[str, Any]:
+    """Measure one benchmark.
+
+    :returns: ``title``, ``method``, ``taken_s`` and ``figures`` (each with name, value, unit, ratio, against).
+    :raises benchmarks.figures.MeasurementError: it could not be measured.
+    """
+    module = _module(name)
+    figures = _module("figures")
+    start_s = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        found = module.measure(figures.Setting.make(quick, Path(folder)))
+    return {
+        "title": module.TITLE,
+        "method": module.METHOD,
+        "taken_s": time.monotonic() - start_s,
+        "figures": [asdict(figure) for figure in found],
+    }
+
+
+def _shown(value: float) -> str:
+    return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+
+
+def _print(console: Console, result: dict[str, Any]) -> None:
+    table = Table(
+        title=f"{result['title']} ({result['taken_s']:.0f} s)", title_justify="left", caption=result["method"]
+    )
+    table.caption_justify = "left"
+    table.add_column("what")
+    table.add_column("value", justify="right")
+    table.add_column("unit")
+    table.add_column("ratio", justify="right")
+    table.add_column("of what to what")
+    for figure in result["figures"]:
+        ratio = "" if figure["ratio"] is None else _shown(figure["ratio"])
+        table.add_row(figure["name"], _shown(figure["value"]), figure["unit"], ratio, figure["against"])
+    console.print(table)
+    console.print()
+
+
+def work() -> int:
+    """Measure what the command line asks for."""
+    namespace = _parser().parse_args()
+    names = namespace.only or list(NAMES)
+    for name in names:
+        if name not in NAMES:
+            raise InputError("command line", "--only", name, ", ".join(NAMES))
+    machine = _module("machine").this_machine()
+    console = Console(stderr=namespace.json)
+    for key, text in machine.lines():
+        console.print(f"{key:10} {text}", highlight=False, soft_wrap=True)
+    if machine.warning:
+        console.print(f"WARNING    {machine.warning}", style="bold yellow", highlight=False, soft_wrap=True)
+    if namespace.quick:
+        console.print(
+            "QUICK      few repetitions: a check that the benchmarks work, not a measurement", highlight=False
+        )
+    results = {}
+    for name in names:
+        results[name] = run(name, namespace.quick)
+        if not namespace.json:
+            _print(console, results[name])
+    if namespace.json:
+        description = {**asdict(machine), "busy": machine.busy, "warning": machine.warning}
+        document = {"machine": description, "quick": namespace.quick, "benchmarks": results}
+        print(json.dumps(document, indent=2, allow_nan=False))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("benchmarks", work))

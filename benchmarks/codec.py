@@ -1,0 +1,97 @@
+"""Telegrams to frames and back, check sequence, and the line of the frame log, against the libraries of the field."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import cantools
+from can.io import CanutilsLogWriter
+
+import dbc
+from benchmarks.figures import Figure, MeasurementError, Setting, cpu_ns
+from bus.frame import Frame, to_message
+from bus.layout import Telegram
+from bus.mvb import TelegramSource, check_sequence
+from bus.store import TrafficStore
+from bus.telegrams import SimTruth, TrnSpeed
+from supervisor.framelog import log_line
+
+TITLE = "codec"
+METHOD = (
+    "CPU time per telegram. Encode: fields to CAN frames, check sequences and master word computed. Decode: fields of "
+    "process data. Receive: traffic store (all checks) and decode. cantools encodes and decodes the same frames with "
+    "raw values; it is given the check sequences and does not verify them. Log: one candump line into the null device, "
+    "python-can's writer with the message it needs."
+)
+_DBC = Path(dbc.__file__).with_name("railhil.dbc")
+_TIME_NS = 123_450_000_000
+
+
+def _telegram_figures(telegram: Telegram, database: Any, setting: Setting) -> list[Figure]:
+    """Encode, decode and receive of one telegram."""
+    kind, port = type(telegram), telegram.port()
+    source = TelegramSource(port)
+    frames = source.frames(telegram.encode())
+    messages = [database.get_message_by_frame_id(frame.can_id) for frame in frames]
+    packets = [frame.data for frame in frames]
+    pairs = list(zip(messages, packets, strict=True))
+    signals = [message.decode(data, decode_choices=False, scaling=False) for message, data in pairs]
+    encodings = list(zip(messages, signals, strict=True))
+    data = telegram.encode()
+    store = TrafficStore([port])
+
+    def receive() -> Telegram | None:
+        for frame in frames:
+            store.feed(frame, _TIME_NS)
+        return store.read(kind, _TIME_NS)[0]
+
+    def theirs_encoded() -> list[bytes]:
+        return [message.encode(values, scaling=False) for message, values in encodings]
+
+    if theirs_encoded() != packets or receive() != telegram or kind.decode(data) != telegram:
+        raise MeasurementError(f"codec: {port.name} does not come back as it was")
+    encode_ns = cpu_ns(lambda: source.frames(telegram.encode()), setting)
+    decode_ns = cpu_ns(lambda: kind.decode(data), setting)
+    receive_ns = cpu_ns(receive, setting)
+    their_encode_ns = cpu_ns(theirs_encoded, setting)
+    their_decode_ns = cpu_ns(
+        lambda: [message.decode(packet, decode_choices=False, scaling=False) for message, packet in pairs], setting
+    )
+    what = f"{port.name} ({len(frames)} frame{'s' * (len(frames) > 1)})"
+    against = "cantools to ours"
+    return [
+        Figure(f"{what}: encode", encode_ns, "ns", their_encode_ns / encode_ns, against),
+        Figure(f"{what}: encode with cantools", their_encode_ns, "ns"),
+        Figure(f"{what}: decode", decode_ns, "ns", their_decode_ns / decode_ns, against),
+        Figure(f"{what}: receive, all checks and decode", receive_ns, "ns", their_decode_ns / receive_ns, against),
+        Figure(f"{what}: decode with cantools", their_decode_ns, "ns"),
+    ]
+
+
+def _log_figures(frame: Frame, setting: Setting) -> list[Figure]:
+    with open(os.devnull, "w", encoding="ascii") as ours, open(os.devnull, "w", encoding="ascii") as theirs:
+        writer = CanutilsLogWriter(theirs)
+        line_ns = cpu_ns(lambda: ours.write(log_line(_TIME_NS, frame)), setting)
+        their_ns = cpu_ns(lambda: writer.on_message_received(to_message(frame, _TIME_NS / 1e9)), setting)
+    return [
+        Figure("candump line", line_ns, "ns", their_ns / line_ns, "python-can's writer to ours"),
+        Figure("candump line with python-can's writer", their_ns, "ns"),
+    ]
+
+
+def measure(setting: Setting) -> list[Figure]:
+    """Figures of a single-frame and of a three-frame telegram, of the check sequence and of the log line.
+
+    :raises MeasurementError: the two codecs do not agree.
+    """
+    database = cantools.database.load_file(_DBC)
+    speed = TrnSpeed(215_678, life=7)
+    truth = SimTruth(12_345_678, 215_678, life=7, accel_01mmps2=-4321, traction_20n=1234, grade_001permil=-600)
+    figures = [figure for telegram in (speed, truth) for figure in _telegram_figures(telegram, database, setting)]
+    for size in (4, 8):
+        block = truth.encode()[:size]
+        taken_ns = cpu_ns(lambda block=block: check_sequence(block), setting)  # type: ignore[misc]
+        figures.append(Figure(f"check sequence of {size} bytes", taken_ns, "ns"))
+    return figures + _log_figures(TelegramSource(speed.port()).frames(speed.encode())[0], setting)

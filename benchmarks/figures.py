@@ -1,0 +1,96 @@
+"""What a benchmark gives: figures with units, and the arithmetic on samples behind them."""
+
+from __future__ import annotations
+
+import timeit
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from scenarios.load import load
+from scenarios.model import Scenario
+
+#: Scenario of the full measurement: the published run, 2940 m in 195 s.
+FULL_SCENARIO = "lvshun_tieshan"
+#: Same train and line, 8 m in 8 s: shows that a benchmark works, not how fast the bench is.
+QUICK_TOML = """\
+extends = "lvshun_tieshan"
+name = "benchmark_quick"
+title = "8 m in 8 s"
+[target]
+nodes_s_mps2 = [[0, 0.5], [3.9, 0.5], [4.1, -0.5], [8, -0.5]]
+[plan]
+distance_m = 7.9983
+running_time_s = 8
+overtime_max_s = 1
+"""
+
+
+class MeasurementError(Exception):
+    """A benchmark could not measure what it says; one line."""
+
+    exit_code = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One measured value.
+
+    ``ratio`` is a pure number and ``against`` says what to what; both are absent where nothing is compared.
+    """
+
+    name: str
+    value: float
+    unit: str
+    ratio: float | None = None
+    against: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What a benchmark is given: how thorough to be, the scenario, and an empty folder of its own.
+
+    ``scenario_name``: as the command line takes it (shipped name or TOML file).
+    """
+
+    quick: bool
+    scenario_name: str
+    folder: Path
+
+    @classmethod
+    def make(cls, quick: bool, folder: Path) -> Setting:
+        """Setting of a full or a quick measurement; the quick one writes its scenario into ``folder``."""
+        if not quick:
+            return cls(False, FULL_SCENARIO, folder)
+        path = folder / "quick.toml"
+        path.write_text(QUICK_TOML, encoding="utf-8")
+        return cls(True, str(path), folder)
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario, loaded."""
+        return load(self.scenario_name)
+
+    def count(self, full: int, quick: int) -> int:
+        """Number of repetitions."""
+        return quick if self.quick else full
+
+
+def median(samples: Sequence[float]) -> float:
+    """Median."""
+    return float(np.median(samples))
+
+
+def p99(samples: Sequence[float]) -> float:
+    """99th percentile, linear interpolation."""
+    return float(np.percentile(samples, 99))
+
+
+def cpu_ns(function: Callable[[], object], setting: Setting) -> float:
+    """CPU time of a call in ns: median over blocks of calls, so that other processes of the machine count little."""
+    timer = timeit.Timer(function, timer=process_time)
+    number = setting.count(4000, 20)
+    return median(timer.repeat(setting.count(15, 3), number)) / number * 1e9

@@ -1,0 +1,85 @@
+"""A whole lockstep run: three processes over the hub, and the same run in one process without sockets."""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.figures import Figure, MeasurementError, Setting, median
+from benchmarks.processes import RunCommand
+from bus.frame import Frame
+from hil_tests.bench import local_run
+from scenarios.model import Scenario
+
+TITLE = "lockstep run"
+METHOD = (
+    "`railhil run` (law ipfc, recording on) as plant, controller and supervisor over the hub on a Unix socket, three "
+    "runs. Speed factor: simulated seconds per wall second from the first to the last frame. One process: same nodes "
+    "and recorder, codec and stores included, frames handed over by function call; log hashes are checked to be equal."
+)
+_ARITHMETICS = ("iq", "float64")
+
+
+@dataclass(frozen=True, slots=True)
+class _Timed:
+    speed_factor: float
+    frames_sha256: str
+
+
+def _in_one_process(scenario: Scenario, arithmetic: str, folder: Path) -> _Timed:
+    """The run without sockets; times of its first and last frame are those at which the controller is given them."""
+    folder.mkdir()
+    first_ns = last_ns = 0
+
+    def wire(frame: Frame) -> list[Frame]:
+        nonlocal first_ns, last_ns
+        last_ns = time.perf_counter_ns()
+        first_ns = first_ns or last_ns
+        return [frame]
+
+    run = local_run(scenario, folder, arithmetic=arithmetic, wire=wire)
+    sim_time_s = float(run.trace.times_s("TRN_SPEED")[-1])
+    return _Timed(sim_time_s / ((last_ns - first_ns) / 1e9), run.frames_sha256)
+
+
+def measure(setting: Setting) -> list[Figure]:
+    """Figures of both arithmetics (quick: IQ alone).
+
+    :raises MeasurementError: a run failed, or its frame log is not that of the run in one process.
+    """
+    figures: list[Figure] = []
+    scenario = setting.scenario
+    for arithmetic in _ARITHMETICS[: setting.count(2, 1)]:
+        found: defaultdict[str, list[float]] = defaultdict(list)
+        for number in range(setting.count(3, 1)):
+            out = setting.folder / f"{arithmetic}{number}"
+            with RunCommand(setting, arithmetic, out) as running:
+                found["first frame"].append(running.first_frame_s())
+                done = running.finish()
+            run = done.score["run"]
+            found["wall"].append(done.wall_s)
+            found["factor"].append(run["speed_factor"])
+            found["frames/s"].append(run["frames"] / run["wall_time_s"])
+            # In turns, so that a busy spell of the machine meets both.
+            alone = _in_one_process(scenario, arithmetic, out.with_suffix(".local"))
+            found["alone"].append(alone.speed_factor)
+            if alone.frames_sha256 != done.frames_sha256:
+                raise MeasurementError(f"{arithmetic}: the runs compared have different frame logs")
+        factor, alone_factor = median(found["factor"]), median(found["alone"])
+        figures += [
+            Figure(
+                f"{arithmetic}: speed factor, median",
+                factor,
+                "sim s/s",
+                factor / alone_factor,
+                "three processes to one process",
+            ),
+            Figure(f"{arithmetic}: speed factor, best", max(found["factor"]), "sim s/s"),
+            Figure(f"{arithmetic}: speed factor in one process, median", alone_factor, "sim s/s"),
+            Figure(f"{arithmetic}: frames recorded, median", median(found["frames/s"]), "frames/s"),
+            Figure(f"{arithmetic}: command to first frame, median", median(found["first frame"]), "s"),
+            Figure(f"{arithmetic}: whole command, median", median(found["wall"]), "s"),
+        ]
+    return figures

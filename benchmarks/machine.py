@@ -1,0 +1,82 @@
+"""The machine on which the figures are taken: without it they say nothing."""
+
+from __future__ import annotations
+
+import os
+import platform
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+
+import psutil
+
+_LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil")
+#: A machine counts as busy when others use more than this share of it.
+_BUSY_SHARE = 0.25
+_LOOK_S = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """Description of the machine and its state before the first benchmark.
+
+    ``load_1min``: runnable processes, mean over a minute. ``cpu_used``: share of all cores in use, 0..1.
+    """
+
+    cpu: str
+    cores: int
+    memory_gb: float
+    kernel: str
+    python: str
+    libraries: dict[str, str]
+    load_1min: float
+    cpu_used: float
+
+    @property
+    def busy(self) -> bool:
+        """True when something else uses the machine, so that the figures are worse than it can do."""
+        return self.load_1min > _BUSY_SHARE * self.cores or self.cpu_used > _BUSY_SHARE
+
+    @property
+    def warning(self) -> str:
+        """One line for the reader of the figures; empty on an idle machine."""
+        if not self.busy:
+            return ""
+        return (
+            f"machine is busy (load {self.load_1min:.2f} on {self.cores} cores, {self.cpu_used:.0%} of the CPU used): "
+            "wall times and p99 below are worse than this machine can do"
+        )
+
+    def lines(self) -> list[tuple[str, str]]:
+        """``(key, text)`` for printing."""
+        return [
+            ("CPU", f"{self.cpu}, {self.cores} cores usable, {self.memory_gb:.1f} GB"),
+            ("system", self.kernel),
+            ("Python", self.python),
+            ("libraries", ", ".join(f"{name} {number}" for name, number in self.libraries.items())),
+            ("at start", f"load average {self.load_1min:.2f} (1 min), {self.cpu_used:.0%} of the CPU in use"),
+        ]
+
+
+def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
+    """Name of the CPU as the kernel knows it, else the architecture."""
+    if cpuinfo.is_file():
+        for line in cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines():
+            key, _, value = line.partition(":")
+            if key.strip() == "model name":
+                return value.strip()
+    return platform.processor() or platform.machine()
+
+
+def this_machine() -> Machine:
+    """Look at the machine for half a second."""
+    return Machine(
+        cpu=cpu_model(),
+        cores=len(os.sched_getaffinity(0)),
+        memory_gb=psutil.virtual_memory().total / 1e9,
+        kernel=f"{platform.system()} {platform.release()} {platform.machine()}",
+        python=f"{platform.python_implementation()} {platform.python_version()}",
+        libraries={name: version(name) for name in _LIBRARIES},
+        load_1min=os.getloadavg()[0],
+        cpu_used=psutil.cpu_percent(interval=_LOOK_S) / 100,
+    )

@@ -1,0 +1,69 @@
+"""Memory of the processes of a run, from its start to the last file that the supervisor writes."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import psutil
+
+from benchmarks.figures import Figure, MeasurementError, Setting
+from benchmarks.processes import RunCommand
+
+TITLE = "memory"
+METHOD = (
+    "Peak resident set (VmHWM of the kernel, shared library pages included) of each process of one `railhil run`, read "
+    "every 20 ms until the command ends; MB = 10^6 bytes."
+)
+LIMIT_MB = 150.0
+_LOOK_S = 0.02
+_MODULES = {"plant": "plant_sim", "controller": "controller_node"}
+
+
+def peak_mb(pid: int) -> float:
+    """Peak resident set of a process in MB; 0 when it has ended."""
+    try:
+        status = Path(f"/proc/{pid}/status").read_text(encoding="ascii", errors="replace")
+    except (FileNotFoundError, ProcessLookupError):
+        return 0.0
+    for line in status.splitlines():
+        if line.startswith("VmHWM:"):
+            return int(line.split()[1]) * 1024 / 1e6
+    return 0.0
+
+
+def _role(process: psutil.Process) -> str | None:
+    """Role of a child of the command; None before it has become one of the nodes."""
+    try:
+        words = process.cmdline()
+    except psutil.Error:
+        return None
+    return next((role for role, module in _MODULES.items() if module in words), None)
+
+
+def measure(setting: Setting) -> list[Figure]:
+    """One figure per process.
+
+    :raises MeasurementError: the run failed, or a process was never seen.
+    """
+    peaks_mb = dict.fromkeys(("hub", "plant", "controller", "supervisor"), 0.0)
+    with RunCommand(setting, "iq", setting.folder / "memory") as running:
+        pids = {"hub": running.hub.pid, "supervisor": running.process.pid}
+        command = psutil.Process(running.process.pid)
+        while running.process.poll() is None:
+            if len(pids) < len(peaks_mb):
+                for child in command.children():
+                    role = _role(child)
+                    if role is not None:
+                        pids[role] = child.pid
+            for role, pid in pids.items():
+                peaks_mb[role] = max(peaks_mb[role], peak_mb(pid))
+            time.sleep(_LOOK_S)
+        running.finish()
+    unseen = [role for role, peak in peaks_mb.items() if peak == 0]
+    if unseen:
+        raise MeasurementError(f"memory: no sight of {', '.join(unseen)}")
+    return [
+        Figure(f"{role}: peak resident set", peak, "MB", peak / LIMIT_MB, f"to the limit of {LIMIT_MB:g} MB")
+        for role, peak in peaks_mb.items()
+    ]

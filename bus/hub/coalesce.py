@@ -1,0 +1,73 @@
+"""Packets for a client that reads in bulk: handed over together, like a network card's interrupt coalescing.
+
+Waking a process for every packet is what a fast bench spends most of its time on. A recorder does not need it: it
+asks for its packets in bulk, and names the frames for which it must be woken at once (the polls that it answers).
+Order and content stay as they are; nothing is held for longer than :data:`HOLD_S` while the hub has time.
+"""
+
+from __future__ import annotations
+
+import time
+
+from bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
+
+#: Longest time that a packet is held back.
+HOLD_S = 0.02
+_WAKE_LIMIT = 64
+
+
+class Coalescer:
+    """What one client has coming.
+
+    :param limit_frames: held frames at which they are handed over, 1..256.
+    :param wake_on: packed classic frames (16 bytes); a packet that ends with one is handed over at once.
+    """
+
+    def __init__(self, limit_frames: int, wake_on: frozenset[bytes]) -> None:
+        self._limit_bytes = min(limit_frames * CLASSIC_SIZE, MAX_PACKET_SIZE)
+        self._wake_on = wake_on
+        self._held = bytearray()
+        self._since_s = 0.0
+
+    def take(self, packet: bytes) -> list[bytes]:
+        """Packets to hand over now, in order, after ``packet`` has come."""
+        held = self._held
+        if len(packet) % CLASSIC_SIZE:
+            # A CAN FD frame or an own packet stands alone.
+            return [*self.flush(), packet]
+        ready: list[bytes] = []
+        if len(held) + len(packet) > MAX_PACKET_SIZE:
+            ready = self.flush()
+        if not held:
+            self._since_s = time.monotonic()
+        held += packet
+        late = time.monotonic() - self._since_s > HOLD_S
+        if len(held) >= self._limit_bytes or late or packet[-CLASSIC_SIZE:] in self._wake_on:
+            ready += self.flush()
+        return ready
+
+    def flush(self) -> list[bytes]:
+        """What is held, as one packet or none."""
+        if not self._held:
+            return []
+        packet = bytes(self._held)
+        self._held.clear()
+        return [packet]
+
+
+def coalescer_of(hello: dict[str, object]) -> Coalescer | None:
+    """The coalescer that a client's hello asks for (``coalesce_frames``, ``wake_on``), or None.
+
+    Raises ValueError with one line for values that make no sense.
+    """
+    limit = hello.get("coalesce_frames", 0)
+    if not isinstance(limit, int) or not 0 <= limit <= MAX_PACKET_SIZE // CLASSIC_SIZE:
+        raise ValueError(f"hello: key 'coalesce_frames': found {limit!r}, allowed: 0..{MAX_PACKET_SIZE // CLASSIC_SIZE}")
+    names = hello.get("wake_on", [])
+    try:
+        frames = frozenset(bytes.fromhex(name) for name in names)  # type: ignore[attr-defined]
+    except (TypeError, ValueError):
+        frames = frozenset((b"",))
+    if len(frames) > _WAKE_LIMIT or any(len(frame) != CLASSIC_SIZE for frame in frames):
+        raise ValueError(f"hello: key 'wake_on': found {names!r:.60}, allowed: up to {_WAKE_LIMIT} packed frames in hex")
+    return Coalescer(limit, frames) if limit else None

@@ -1,0 +1,144 @@
+"""Every benchmark runs and gives figures with units; how fast it is, is not asserted."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks.__main__ import NAMES, run
+from benchmarks.figures import Figure, MeasurementError, Setting
+from benchmarks.machine import Machine, cpu_model
+from benchmarks.memory import peak_mb
+from benchmarks.processes import RunCommand
+
+UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "cycles", "MB"}
+#: A figure that must be there, and the number of figures, so that none is dropped without notice.
+EXPECTED = {
+    "lockstep": (6, "iq: command to first frame, median"),
+    "round_trip": (16, "pinned: hub, TCP loopback, p99"),
+    "controller_step": (8, "float64: step of 1000 trains, per train, median"),
+    "plant": (4, "direct run with iq, per core"),
+    "codec": (14, "SIM_TRUTH (3 frames): receive, all checks and decode"),
+    "memory": (4, "controller: peak resident set"),
+}
+
+
+def benchmarks(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """``python -m benchmarks`` to its end."""
+    return subprocess.run(
+        [sys.executable, "-m", "benchmarks", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+@pytest.mark.loop
+@pytest.mark.parametrize("name", NAMES)
+def test_benchmark_gives_figures_with_units(name):
+    before = os.sched_getaffinity(0)
+    result = run(name, quick=True)
+    figures = result["figures"]
+    count, known = EXPECTED[name]
+    names = [figure["name"] for figure in figures]
+    assert len(set(names)) == len(names) == count
+    assert known in names
+    for figure in figures:
+        assert figure["unit"] in UNITS, figure
+        assert math.isfinite(figure["value"]), figure
+        assert figure["value"] > 0, figure
+        assert (figure["ratio"] is None) == (figure["against"] == ""), figure
+        assert figure["ratio"] is None or figure["ratio"] > 0, figure
+    assert result["title"]
+    assert result["method"]
+    assert os.sched_getaffinity(0) == before
+
+
+def test_every_benchmark_has_an_expectation():
+    assert set(EXPECTED) == set(NAMES)
+
+
+def test_json_holds_machine_and_figures():
+    done = benchmarks("--json", "--quick", "--only", "codec")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert list(document["benchmarks"]) == ["codec"]
+    assert document["quick"] is True
+    machine = document["machine"]
+    assert machine["cores"] >= 1
+    assert machine["libraries"]["python-can"].startswith("4.")
+    assert machine["busy"] == bool(machine["warning"])
+
+
+def test_table_names_every_figure_and_its_unit():
+    done = benchmarks("--quick", "--only", "controller_step", COLUMNS="200")
+    assert done.returncode == 0, done.stderr
+    assert "not a measurement" in done.stdout
+    assert "load average" in done.stdout
+    row = next(line for line in done.stdout.splitlines() if "estimated C28x cycles" in line)
+    assert "cycles" in row.split("│")[3]
+
+
+def test_unknown_benchmark_is_one_line():
+    done = benchmarks("--only", "lokstep")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.splitlines() == [
+        f"benchmarks: command line: --only: found 'lokstep', allowed {', '.join(NAMES)}"
+    ]
+
+
+def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
+    setting = Setting(True, str(socket_folder / "missing.toml"), socket_folder)
+    with RunCommand(setting, "iq", socket_folder / "out") as running:
+        with pytest.raises(MeasurementError, match=r"exit code 2: .*missing\.toml"):
+            running.finish()
+        hub = running.hub
+    assert hub.returncode is not None
+
+
+def machine(load_1min: float, cpu_used: float) -> Machine:
+    return Machine("cpu", 2, 8.0, "Linux", "CPython", {}, load_1min, cpu_used)
+
+
+@pytest.mark.parametrize(("load_1min", "cpu_used", "busy"), [(0.1, 0.05, False), (1.2, 0.05, True), (0.1, 0.6, True)])
+def test_busy_machine_is_said(load_1min, cpu_used, busy):
+    found = machine(load_1min, cpu_used)
+    assert found.busy is busy
+    assert bool(found.warning) is busy
+
+
+def test_cpu_model_is_the_kernel_s_word(tmp_path):
+    cpuinfo = tmp_path / "cpuinfo"
+    cpuinfo.write_text("processor\t: 0\nmodel name\t: Test CPU 3000\n\nprocessor\t: 1\nmodel name\t: Other\n")
+    assert cpu_model(cpuinfo) == "Test CPU 3000"
+    assert cpu_model(tmp_path / "missing")
+
+
+def test_peak_is_not_below_what_is_resident_now():
+    block = bytearray(os.urandom(1)) * 30_000_000
+    peak = peak_mb(os.getpid())
+    del block
+    assert peak > 30
+    assert peak_mb(os.getpid()) >= peak
+    assert peak_mb(2**31 - 2) == 0.0
+
+
+def test_quick_scenario_is_a_short_run(tmp_path):
+    scenario = Setting.make(True, tmp_path).scenario
+    assert scenario.plan.running_time_s == 8
+    assert scenario.timing == Setting.make(False, Path("unused")).scenario.timing
+
+
+def test_a_figure_without_comparison_has_no_ratio():
+    figure = Figure("name", 1.0, "us")
+    assert figure.ratio is None
+    assert figure.against == ""

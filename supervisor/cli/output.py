@@ -1,0 +1,76 @@
+"""Where the commands print: a console that takes text as it is and survives a closed pipe."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import sys
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+#: Width of output into a file or pipe when COLUMNS does not say otherwise.
+_FILE_COLUMNS = 100
+
+
+class Output(Console):
+    """Plain text in, plain text out: names and paths of users may hold brackets and colons.
+
+    A reader that is gone (``railhil run | head``) must neither stop a run nor change its exit code.
+    """
+
+    def __init__(self, stderr: bool = False) -> None:
+        super().__init__(stderr=stderr, markup=False, emoji=False, highlight=False)
+        if not self.is_terminal and not os.environ.get("COLUMNS", "").isdigit():
+            self.width = _FILE_COLUMNS
+
+    def on_broken_pipe(self) -> None:
+        """Print nothing from here on; rich would end the process with the exit code of FAIL."""
+        self.quiet = True
+        discard_output()
+
+    def line(self, text: str, style: str | None = None) -> None:
+        """Print one line, however long."""
+        self.print(text, style=style, soft_wrap=True)
+
+
+def table(title: str | None = None) -> Table:
+    """An empty table, narrow enough for 60 to 80 columns."""
+    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+
+
+def print_json(document: object) -> None:
+    """Print a JSON document (ASCII, no NaN) and nothing else to standard output."""
+    text = json.dumps(document, indent=2, allow_nan=False)
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        discard_output()
+
+
+def flush_output() -> None:
+    """Hand out what is buffered, so that nothing is left to fail when the process ends."""
+    if sys.stdout is None:
+        return
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:
+        discard_output()
+
+
+def discard_output() -> None:
+    """Send standard output nowhere."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, sys.stdout.fileno())
+    os.close(null)
+
+
+def accept_any_text() -> None:
+    """Print a question mark for a character that the terminal's encoding does not have."""
+    streams: tuple[Any, ...] = (sys.stdout, sys.stderr)
+    for stream in streams:
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
