@@ -17,7 +17,8 @@ TITLE = "lockstep run"
 METHOD = (
     "`railhil run` (law ipfc, recording on) as plant, controller and supervisor over the hub on a Unix socket, three "
     "runs. Speed factor: simulated seconds per wall second from the first to the last frame. One process: same nodes "
-    "and recorder, codec and stores included, frames handed over by function call; log hashes are checked to be equal."
+    "and recorder, codec and stores included, frames handed over by function call; log hashes are checked to be equal. "
+    "Whole command: Python's start, the run, the score and all files of the run folder."
 )
 _ARITHMETICS = ("iq", "float64")
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from bus.clock import Pacer
 from bus.errors import PeerSilent
-from bus.frame import Frame
+from bus.frame import BRS, FD, Frame
 from bus.layout import Telegram
 from bus.link import Endpoint
 from bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
@@ -87,10 +87,11 @@ class Administrator:
     def poll(self, port: Port) -> bool:
         """Ask the owner of a port for its telegram.
 
-        Lockstep waits for the answer; realtime gives up after the reply time-out.
+        Lockstep waits for the answer; realtime gives up after the reply time-out. An answer that the store refuses
+        (damaged on the way) is a missed telegram in both.
 
-        :returns: True when the answer was committed to the store, False for a missed one (realtime only).
-        :raises PeerSilent: in lockstep, after the wall-clock watchdog.
+        :returns: True when the answer was committed to the store, False for a missed one.
+        :raises PeerSilent: in lockstep, when no answer came within the wall-clock watchdog.
         """
         self.counters["polls"] += 1
         if self._pacer.rate:
@@ -98,10 +99,11 @@ class Administrator:
         self._queue.append(master_frame(port.f_code, port.address))
         self.flush()
         limit_ns = self._reply_ns if self._pacer.rate else self._watchdog_ns
-        if self._wait_for(port.name, time.monotonic_ns() + limit_ns):
+        committed = self._wait_for(port, time.monotonic_ns() + limit_ns)
+        if committed:
             return True
         self.counters["missed_polls"] += 1
-        if not self._pacer.rate:
+        if committed is None and not self._pacer.rate:
             raise PeerSilent(
                 f"bus administrator waits for {port.source} ({port.name}) for {limit_ns / 1e9:.1f} s, "
                 f"at simulation time {self._now_ns() / 1e9:.2f} s"
@@ -116,18 +118,22 @@ class Administrator:
             if time.monotonic_ns() >= deadline_ns:
                 return
 
-    def _wait_for(self, name: str, deadline_ns: int) -> bool:
+    def _wait_for(self, port: Port, deadline_ns: int) -> bool | None:
+        """True: an answer was committed, False: it was refused, None: no answer by the deadline."""
         receive, feed, now_ns = self._endpoint.receive, self._store.feed, self._now_ns
+        name, last_ids = port.name, (port.can_ids[-1], port.fd_id)
         while True:
             remaining_ns = deadline_ns - time.monotonic_ns()
             if remaining_ns <= 0:
-                return False
-            answered = False
+                return None
+            committed = None
             for frame in receive(remaining_ns / 1e9):
                 if feed(frame, now_ns()) == name:
-                    answered = True
-            if answered:
-                return True
+                    committed = True
+                elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
+                    committed = False
+            if committed is not None:
+                return committed
 
     def find_devices(self, devices: Iterable[int], timeout_ns: int, interval_ns: int = 100_000_000) -> set[int]:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.

@@ -37,7 +37,7 @@ class BusClock:
     ======================================== ========================================================================
     life sign 1..7 ahead                     counts on; the ticks of lost frames are bridged
     life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
-    8..15 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
+    8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
     no clock frame between polls             the polls count on, from the second such poll: they come on their period
     TIME_SYNC                                takes its absolute value
     ======================================== ========================================================================
@@ -47,14 +47,14 @@ class BusClock:
     """
 
     __slots__ = (
-        "_expected", "_frame_tick", "_ids", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
+        "_expected", "_flags", "_frame_tick", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
         "base_tick_ns", "running", "tick",
     )  # fmt: skip
 
     def __init__(self, base_tick_ns: int) -> None:
         port = wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
-        self._ids = (port.address, port.fd_id)
+        self._flags = {port.address: (0,), port.fd_id: (FD, FD | BRS)}
         self._tail = master_tail(port.f_code, port.address)
         self._ticks_per_frame = max(1, port.period_ns // base_tick_ns)
         # Life sign of the last clock frame (-1: not known) and its tick, which polls leave behind ``tick``.
@@ -71,7 +71,7 @@ class BusClock:
     def feed(self, frame: Frame) -> bool:
         """Take a frame in bus order; True when it opened a new tick. A frame that the store refuses opens none."""
         can_id, data, flags = frame
-        if can_id not in self._ids or flags & ~BRS != (FD if can_id == self._ids[1] else 0):
+        if flags not in self._flags.get(can_id, ()):
             return False
         if len(data) != 8 or data[5:] != self._tail or check_sequence(data[:4]) != data[4]:
             return False
@@ -109,7 +109,7 @@ class BusClock:
         if not self.running:
             return
         if self._polls == 0:
-            self._poll_tick = -(-self.tick // period_ticks) * period_ticks
+            self._poll_tick = -(-self._frame_tick // period_ticks) * period_ticks
         elif self._polls >= 2:
             self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
         self._polls += 1

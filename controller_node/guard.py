@@ -81,8 +81,8 @@ class Guard:
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""
-        if now_ns > self._accepted_ns:
-            self._observe(Telegram.NONE, now_ns)
+        # Also in the tick of a good telegram: the limit may have come after it.
+        self._observe(Telegram.NONE, now_ns)
         elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS
         self._sent_ns = now_ns
         self._state, code, emergency = command(self._ladder, self._state, law_code, elapsed_ms)

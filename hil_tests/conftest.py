@@ -24,7 +24,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Skip by capability, naming it."""
-    missing = {}
+    missing: dict[str, str] = {}
     if not vcan_available():
         missing["needs_socketcan"] = "MISSING CAPABILITY kernel SocketCAN with vcan0 (make test brings it up as root)"
     if shutil.which("docker") is None or not os.environ.get("DOCKER_HOST"):

@@ -77,9 +77,10 @@ class Layers:
                 continue
             _absolute_foreign(path, section, inner)
             self._drop_nodes(section, inner)
-            if "file" in inner:
+            if any(key in inner for key in ("file", *_FOREIGN[section])):
                 # A section that names a file starts anew: what an extended scenario says of it is left out.
                 self._closed.add(section)
+            if "file" in inner:
                 there = self._reference(path, f"{section}.file", inner.pop("file"), DATA / folder)
                 referred = read_toml(there)
                 _absolute_foreign(there, section, referred)

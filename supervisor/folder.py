@@ -6,6 +6,7 @@ import hashlib
 import json
 import platform
 import shlex
+import tempfile
 import time
 import xml.etree.ElementTree as ET
 from importlib.metadata import version
@@ -14,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from bus.exitcodes import TOOL_ERROR
 from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from dbc import wire_contract
 from scenarios.errors import InputError
@@ -42,29 +44,51 @@ _COLUMNS = (
 )
 
 
-def run_folder(out: str | None, scenario: str, controller: str) -> Path:
+#: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
+_DERIVED = ("signals.csv", "frames.blf", "score.json", "junit.xml", "certificate.json")
+
+
+class RecordFailed(Exception):
+    """The record cannot be written (disk full); what has reached the log stays there."""
+
+    exit_code = TOOL_ERROR
+
+
+def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
     """Make the folder of a new run.
 
     :param out: the folder itself when the user names one; it must be empty or not exist.
-    :raises InputError: the named folder holds something, or cannot be made.
+    :returns: the folder, and whether it was made here.
+    :raises InputError: the named folder holds something, cannot be made or cannot be written.
     """
+    if out is not None and not out.strip():
+        raise InputError("command line", "--out", out, "name of an empty or new folder")
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
-    folder = Path(out) if out else Path("runs") / f"{stamp}-{scenario}-{controller}"
+    folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
     try:
-        if out is None:
-            serial = 1
-            while folder.exists():
-                serial += 1
-                folder = folder.with_name(f"{stamp}-{scenario}-{controller}-{serial}")
+        serial = 1
+        while out is None and folder.exists():
+            serial += 1
+            folder = folder.with_name(f"{stamp}-{scenario}-{controller}-{serial}")
+        made = not folder.exists()
         folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
+        # Leaves nothing behind; asking for permissions would not notice a read-only file system.
+        tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        raise InputError(
-            "command line", "--out", str(folder), f"a folder that can be written ({error.strerror})"
-        ) from None
+        allowed = f"a folder that can be written ({(error.strerror or str(error)).lower()})"
+        raise InputError("command line", "--out", str(folder), allowed) from None
     if occupied:
         raise InputError("command line", "--out", str(folder), "an empty or new folder")
-    return folder
+    return folder, made
+
+
+def discard_folder(folder: Path, made: bool) -> None:
+    """Remove what a run that never began has left: the files, and the folder itself when it was made for the run."""
+    for path in folder.iterdir():
+        path.unlink()
+    if made:
+        folder.rmdir()
 
 
 def code_sha256() -> str:
@@ -97,7 +121,7 @@ def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
         "sim_time_s": result.sim_time_s,
         "wall_time_s": result.wall_time_s,
         "speed_factor": result.speed_factor,
-        "first_frame_s": result.first_frame_s,
+        "first_frame_s": result.first_frame_s if result.frames else None,
         "frames": result.frames,
         "transport": result.transport,
         "pace": options.pace,
@@ -139,6 +163,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
         "verdict": result.score.verdict if result.exit_code in (0, 1) else "INVALID",
+        "line": result.line,
         "command": run_command(options, bus_arguments),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
@@ -168,7 +193,9 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
     for name, text in cases:
         case = ET.SubElement(suite, "testcase", classname=f"railhil.{scenario.name}", name=name)
         if text:
-            ET.SubElement(case, "failure", message=text)
+            # XML has no way to write a control character.
+            shown = "".join(letter if letter.isprintable() else "?" for letter in text)
+            ET.SubElement(case, "failure", message=shown)
     return ET.ElementTree(suite)
 
 
@@ -208,13 +235,27 @@ def write_json(path: Path, document: dict[str, Any]) -> None:
 def write_folder(
     folder: Path, scenario: Scenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
 ) -> None:
-    """Write everything that a finished record gives; the certificate comes last and marks the folder as whole."""
-    if trace.count(SimTruth.PORT):
-        write_signals(trace, folder / "signals.csv")
-    document = score_json(result, options)
-    if document["run"]["first_frame_s"] != document["run"]["first_frame_s"]:
-        document["run"]["first_frame_s"] = None
-    write_blf(folder / "frames.log", folder / "frames.blf")
-    write_json(folder / "score.json", document)
-    junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
-    write_json(folder / "certificate.json", certificate(scenario, options, result, bus_arguments))
+    """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
+
+    :raises RecordFailed: the folder cannot be written; it then holds the log and nothing that looks like a result.
+    """
+    try:
+        if trace.count(SimTruth.PORT):
+            write_signals(trace, folder / "signals.csv")
+        write_blf(folder / "frames.log", folder / "frames.blf")
+        write_json(folder / "score.json", score_json(result, options))
+        junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
+        write_json(folder / "certificate.json", certificate(scenario, options, result, bus_arguments))
+    except BaseException as error:
+        for name in _DERIVED:
+            (folder / name).unlink(missing_ok=True)
+            (folder / name).with_suffix(".part").unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise record_failed(folder, error) from error
+        raise
+
+
+def record_failed(folder: Path, error: OSError) -> RecordFailed:
+    """The one line for a folder that cannot be written."""
+    reason = (error.strerror or str(error)).lower()
+    return RecordFailed(f"run folder {folder} cannot be written: {reason}; frames.log is kept as far as it got")

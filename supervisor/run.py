@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -106,10 +107,12 @@ class Run:
         )
         #: Telegrams of the record, read back from the log when the run has ended.
         self.trace = Trace()
+        #: Exit code of a run that a signal has ended (128 + its number), else 0.
+        self.stopped_exit_code = 0
         self._lost = ""
 
     def execute(self) -> RunResult:
-        """The whole run.
+        """The whole run. A signal (Ctrl-C, SIGTERM) during the record ends it as INVALID, with what was recorded.
 
         :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
         """
@@ -122,6 +125,12 @@ class Run:
                     self._record(link, nodes)
                 except BusLost as error:
                     self._lost = self._who_died(nodes) or str(error)
+                except (KeyboardInterrupt, SystemExit) as stop:
+                    if not self.session.recording:
+                        raise
+                    number = signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM
+                    self.stopped_exit_code = 128 + number
+                    self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
                 finally:
                     link.close()
                 counters = dict(link.counters) | self.session.counters
@@ -150,6 +159,9 @@ class Run:
             for node in nodes.ended():
                 raise BusUnavailable(node.last_words()) from None
             raise
+        except Exception as error:
+            # An interface without its driver library raises anything (kvaser: NameError).
+            raise BusUnavailable(f"bus {self.choice.transport} cannot be opened: {error}") from error
 
     def _bulk_reading(self) -> dict[str, Any]:
         """On the hub in lockstep, take frames in bulk and be woken at once only for the polls to answer."""
@@ -162,7 +174,7 @@ class Run:
     def _record(self, link: Link, nodes: Nodes) -> None:
         session = self.session
         look_s = time.monotonic() + _LOOK_S
-        heard_s = time.monotonic()
+        opened_s = time.monotonic()
         give_up_s: float | None = None
         while session.ended is None:
             frames = link.receive(_LOOK_S)
@@ -171,8 +183,6 @@ class Run:
                 if answers:
                     link.send(answers)
             now_s = time.monotonic()
-            if frames:
-                heard_s = now_s
             if now_s < look_s:
                 continue
             look_s = now_s + _LOOK_S
@@ -187,8 +197,12 @@ class Run:
                         return
             elif now_s > give_up_s:
                 return
-            if now_s - heard_s > (SILENCE_S if session.recording else APPEAR_S):
-                self._lost = self._lost or f"no frame for {now_s - heard_s:.0f} s of wall time: bench is deadlocked"
+            # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
+            if not session.recording and now_s - opened_s > APPEAR_S:
+                self._lost = self._lost or f"no plant on {self.choice.transport} within {APPEAR_S:g} s"
+                return
+            if session.recording and now_s - session.heard_ns / 1e9 > SILENCE_S:
+                self._lost = self._lost or f"no tick for {SILENCE_S:g} s of wall time: bench is deadlocked"
                 return
 
     def _drain(self, link: Link) -> bool:
@@ -216,7 +230,7 @@ class Run:
         if refusals:
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
-            return "the nodes do not agree on what to run", True
+            return "; ".join(self.session.disagreements) or "the plant did not start the run", True
         return self._lost, False
 
     def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
@@ -250,4 +264,3 @@ def _blame(node: Node) -> tuple[int, int]:
     """A node that was killed comes before those that ended because of it; the hub before all."""
     code = node.exit_code() or 0
     return (0 if code < 0 else 1, ("hub", "plant", "controller").index(node.role))
-

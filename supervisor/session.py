@@ -11,7 +11,7 @@ from array import array
 from collections.abc import Callable
 
 from bus.frame import Frame
-from bus.ident import Ident, PltIdent, Role, SupIdent, make_ident
+from bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from bus.layout import Telegram
 from bus.mvb import F_DEVICE_STATUS
 from bus.responder import Responder
@@ -43,7 +43,8 @@ class Session:
     ) -> None:
         contract = wire_contract()
         self.ended: Event | None = None
-        self.stop_requested = False
+        #: In what the nodes disagree, one sentence each; the run is then not started.
+        self.disagreements: list[str] = []
         #: Number and monotonic wall time of each new tick: the jitter side file.
         self.wall_ticks: array[int] = array("q")
         self.wall_ns: array[int] = array("q")
@@ -63,7 +64,7 @@ class Session:
             arithmetic=arithmetic,
             indexing=indexing,
         )
-        sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent)]
+        sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent)]
         self._responder = Responder(
             Role.SUPERVISOR,
             scenario.timing.base_tick_ns,
@@ -85,6 +86,11 @@ class Session:
     def sim_time_s(self) -> float:
         """Simulation time of the current tick."""
         return self._clock.now_ns / 1e9
+
+    @property
+    def heard_ns(self) -> int:
+        """Monotonic wall time of the plant's last sign of life: its newest tick, or the start of the record."""
+        return max(self.first_frame_ns, self.wall_ns[-1] if self.wall_ns else 0)
 
     @property
     def counters(self) -> dict[str, int]:
@@ -122,18 +128,30 @@ class Session:
         return answers
 
     def _committed(self, port: str) -> None:
+        if port == CtlIdent.PORT:
+            self._compare()
         if port != RunEvent.PORT or not self.recording:
             return
         telegram, _ = self._responder.store.read(RunEvent, self._clock.now_ns)
         if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
             self.ended = Event(telegram.event)
 
+    def _compare(self) -> None:
+        """Compare what the nodes say; plant and controller alone do not know which controller was asked for."""
+        store, now_ns = self._responder.store, self._clock.now_ns
+        plant: Ident | None = store.read(PltIdent, now_ns)[0]
+        controller: Ident | None = store.read(CtlIdent, now_ns)[0]
+        if plant is not None and controller is not None:
+            own = self._ident
+            found = plant.differences(controller) + plant.differences(own)
+            self.disagreements = found or controller.differences(own)
+
     def _command(self) -> Telegram:
         self.last_poll_ns = time.monotonic_ns()
         self._life = (self._life + 1) & 0xF
         if self._on_progress is not None:
             self._on_progress(self.sim_time_s)
-        return SupCmd(command=SupCommand.STOP if self.stop_requested else SupCommand.START, life=self._life)
+        return SupCmd(command=SupCommand.STOP if self.disagreements else SupCommand.START, life=self._life)
 
     def _own_ident(self) -> Ident:
         return self._ident

@@ -54,6 +54,11 @@ def _works(words: Sequence[str], environment: dict[str, str]) -> bool:
     return done.returncode == 0
 
 
+def engine_answers() -> bool:
+    """Whether this user's Docker settings lead to an engine that answers."""
+    return _works(["docker", "version"], {})
+
+
 def compose_words() -> str:
     """The compose command of this host (version 2, else version 1, else Debian's package is installed).
 
@@ -76,8 +81,10 @@ def docker_engine() -> Iterator[dict[str, str]]:
         CapabilityError: no engine answers and this host cannot have one.
         MachineError: the private engine does not start, stop or take the base image.
     """
-    if debian.find_command("docker") and _works(["docker", "version"], {}):
-        yield {"RAILHIL_BUILD_NETWORK": "default", "RAILHIL_COMPOSE": compose_words()}
+    if engine_answers():
+        words = ["docker", "context", "inspect", "--format", "{{.Endpoints.docker.Host}}"]
+        host = os.environ.get("DOCKER_HOST") or debian.run_tool(words).strip()
+        yield {"DOCKER_HOST": host, "RAILHIL_BUILD_NETWORK": "default", "RAILHIL_COMPOSE": compose_words()}
         return
     debian.require_debian_root(_PURPOSE)
     debian.install_commands(_PACKAGES, _PURPOSE)
@@ -159,9 +166,7 @@ def run(command: Sequence[str], *, timeout_s: float) -> int:
         CapabilityError, MachineError: as :func:`docker_engine`; subprocess.TimeoutExpired: after ``timeout_s``.
     """
     with docker_engine() as environment:
-        return subprocess.run(
-            command, env={**os.environ, **environment}, timeout=timeout_s, check=False
-        ).returncode
+        return subprocess.run(command, env={**os.environ, **environment}, timeout=timeout_s, check=False).returncode
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

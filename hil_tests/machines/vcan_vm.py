@@ -68,6 +68,7 @@ def _qemu_words(image: VmImage, control: Path, shares: Sequence[Path], disks: Se
     words += ["-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", str(memory_mb)]
     words += ["-nodefaults", "-no-user-config", "-nographic", "-no-reboot", "-nic", "none"]
     words += ["-kernel", str(image.kernel), "-initrd", str(image.initrd)]
+    # random.trust_cpu: an idle machine has no other source, and Python would wait for one.
     words += ["-append", "console=ttyS0 quiet panic=-1 random.trust_cpu=on mitigations=off"]
     words += ["-serial", f"file:{control / 'console.log'}".replace(",", ",,")]
     words += ["-device", "virtio-serial-pci"]

@@ -25,6 +25,7 @@ MODULES = (
     "overlay", "vcan", "vxcan", "slcan", "can_raw", "can_bcm", "can_isotp", "can_gw",
 )  # fmt: skip
 
+
 @dataclass(frozen=True, slots=True)
 class VmImage:
     """Files to boot from, and the kernel's version."""

@@ -55,10 +55,9 @@ def check_foreign_dbc(file: str) -> None:
             raise InputError(path, f"{key}: length", other.length, f"{message.length} bytes")
         wanted, found = _layout(message), _layout(other)
         for name in sorted(wanted.keys() | found.keys()):
-            if name not in found:
-                raise InputError(path, f"{key}: signal {name}", Words("no such signal"), "the layout of `railhil ports`")
-            if name not in wanted:
-                raise InputError(path, f"{key}: signal {name}", Words("a signal"), "the layout of `railhil ports`")
+            if name not in found or name not in wanted:
+                present = Words("no such signal" if name in wanted else "a signal more")
+                raise InputError(path, f"{key}: signal {name}", present, "the layout of `railhil ports`")
             for item, value in wanted[name].items():
                 if found[name][item] != value:
                     raise InputError(path, f"{key}: signal {name}: {item}", found[name][item], repr(value))

@@ -21,7 +21,7 @@ from supervisor.cli.output import Output, print_json, table
 #: What a user of each transport must know before trusting a result.
 LIMITS = {
     "railhil": "no bit errors, no TEC/REC, no bus-off; arbitration and bit-rate delay only with the hub's models on",
-    "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small receive buffer can drop frames",
+    "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small buffer can drop frames",
     "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
     "slcan, serial adapters": "latency of the serial line; the adapter may drop frames without telling",
     "virtual": "one process only",
@@ -89,7 +89,7 @@ def work(namespace: argparse.Namespace) -> int:
         return 0
     console = Output()
     for key, value in found.items():
-        console.line(f"{key:14} {value}")
+        console.say(f"{key:14} {value}")
     limits = table()
     limits.add_column("transport", no_wrap=True)
     limits.add_column("what it does not model")

@@ -25,8 +25,8 @@ def work(namespace: argparse.Namespace) -> int:
     command = [sys.executable, "-m", _MODULES[namespace.role], *namespace.arguments]
     sys.stdout.flush()
     sys.stderr.flush()
-    if {"-h", "--help"} & set(namespace.arguments):
-        code = subprocess.run(command, check=False).returncode
-        print(f"\n{EXIT_CODES}")
-        return code
-    os.execv(sys.executable, command)
+    if not {"-h", "--help"} & set(namespace.arguments):
+        os.execv(sys.executable, command)
+    code = subprocess.run(command, check=False).returncode
+    print(f"\n{EXIT_CODES}")
+    return code

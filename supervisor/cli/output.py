@@ -32,14 +32,14 @@ class Output(Console):
         self.quiet = True
         discard_output()
 
-    def line(self, text: str, style: str | None = None) -> None:
+    def say(self, text: str, style: str | None = None) -> None:
         """Print one line, however long."""
         self.print(text, style=style, soft_wrap=True)
 
 
-def table(title: str | None = None) -> Table:
-    """An empty table, narrow enough for 60 to 80 columns."""
-    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+def table(tight: bool = False) -> Table:
+    """An empty table with little between its columns: two blanks, one when ``tight``."""
+    return Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
 
 
 def print_json(document: object) -> None:

@@ -5,8 +5,14 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from scenarios.errors import InputError
-from supervisor.cli.score import checked_trace, log_path, recorded_scenario
+from bus.telegrams import SimTruth
+from scenarios.errors import InputError, Words
+from supervisor.cli.output import Output
+from supervisor.cli.record import checked_record
+
+_SUFFIXES = (".svg", ".png", ".pdf")
+#: A curve needs two points.
+_POINTS_MIN = 2
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -23,12 +29,21 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         from supervisor.picture import draw
     except ImportError:
-        raise InputError("railhil plot", "matplotlib", "not installed", "pip install 'railhil[plot]'") from None
-    log = log_path(namespace.log)
-    scenario = recorded_scenario(log, namespace.scenario)
-    out = Path(namespace.out) if namespace.out else log.with_name("run.svg")
-    if out.suffix not in (".svg", ".png", ".pdf"):
-        raise InputError("command line", "--out", str(out), "a name that ends in .svg, .png or .pdf")
-    draw(scenario, checked_trace(log, scenario), out)
-    print(out)
+        raise InputError("railhil plot", "matplotlib", Words("not installed"), "pip install 'railhil[plot]'") from None
+    record = checked_record(namespace.log, namespace.scenario)
+    points = record.trace.count(SimTruth.PORT)
+    if points < _POINTS_MIN:
+        raise InputError(record.log, SimTruth.PORT, points, f"at least {_POINTS_MIN} telegrams to draw")
+    out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
+    if out.suffix not in _SUFFIXES:
+        raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
+    draft = out.with_name(f".part-{out.name}")
+    try:
+        draw(record.scenario, record.trace, draft)
+        draft.replace(out)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        allowed = f"a file that can be written ({(error.strerror or str(error)).lower()})"
+        raise InputError("command line", "--out", str(out), allowed) from None
+    Output().say(str(out))
     return 0

@@ -51,10 +51,10 @@ def work(namespace: argparse.Namespace) -> int:
         _print_layout(console, chosen[0])
         return 0
     total = sum(loads.values())
-    console.line(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
-    console.line(f"DBC sha256 {contract.sha256}")
+    console.say(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
+    console.say(f"DBC sha256 {contract.sha256}")
     if namespace.dbc:
-        console.line(f"{namespace.dbc}: describes these telegrams")
+        console.say(f"{namespace.dbc}: describes these telegrams")
     return 0
 
 
@@ -119,7 +119,7 @@ def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) ->
 
 
 def _print_layout(console: Output, port: Port) -> None:
-    console.line(port.comment)
+    console.say(port.comment)
     rows = table()
     rows.add_column("signal", no_wrap=True)
     for title in ("at", "type", "scale"):
@@ -132,4 +132,4 @@ def _print_layout(console: Output, port: Port) -> None:
         at = f"{signal.byte}.{signal.msb}:{signal.length}"
         rows.add_row(signal.name, at, kind, f"{signal.scale:g}", signal.unit, values or signal.comment)
     console.print(rows)
-    console.line("at: byte.msb:length")
+    console.say("at: byte.msb:length")

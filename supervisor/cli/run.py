@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 import argparse
-import json
-import shutil
+import errno
 import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib.metadata import entry_points
 from pathlib import Path
-from typing import Any
 
+import can
 from can.cli import add_bus_arguments
-from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-from bus.errors import BusUnavailable
+from bus.exitcodes import USAGE
 from bus.select import BusChoice, choose_bus
-from scenarios.errors import InputError
+from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.model import Scenario
 from supervisor.cli.dbcfile import check_foreign_dbc
+from supervisor.cli.output import Output, print_json
 from supervisor.cli.show import print_result
-from supervisor.folder import run_folder, score_json, write_folder
+from supervisor.folder import discard_folder, record_failed, run_folder, score_json, write_folder
 from supervisor.run import Run, RunOptions, RunResult
 
 #: Seeds travel as 32 bit in the handshake.
 SEED_MAX = 0xFFFF_FFFF
+#: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
+RATE_MIN, RATE_MAX = 0.01, 1000.0
+#: What the operating system says when a log cannot grow.
+_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -58,8 +63,8 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
         raise InputError("command line", "--controller", namespace.controller, ", ".join(law_names()))
     if not 0 <= namespace.seed <= SEED_MAX:
         raise InputError("command line", "--seed", namespace.seed, f"0..{SEED_MAX}")
-    if not 0 < namespace.rate <= 1000:
-        raise InputError("command line", "--rate", namespace.rate, "above 0, at most 1000")
+    if not RATE_MIN <= namespace.rate <= RATE_MAX:
+        raise InputError("command line", "--rate", namespace.rate, f"{RATE_MIN:g} to {RATE_MAX:g}")
     scenario = namespace.scenario
     return RunOptions(
         scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
@@ -74,35 +79,53 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
     )
 
 
+def _bus(namespace: argparse.Namespace, private_hub: Path | None) -> BusChoice:
+    """The bus of the run.
+
+    :raises InputError: what is chosen cannot carry a run.
+    """
+    choice = choose_bus(namespace, private_hub)
+    interface = choice.config.get("interface")
+    if interface is None:
+        try:
+            can.util.load_config(config=dict(choice.config))
+        except can.CanInterfaceNotImplementedError:
+            found = Words(f"only {' '.join(choice.arguments)}")
+            raise InputError("command line", "--interface", found, "-i INTERFACE beside it, or can.rc") from None
+    if interface == "virtual":
+        raise InputError("command line", "--interface", interface, "an interface that other processes can open")
+    return choice
+
+
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     options = _options(namespace)
     scenario = load(options.scenario)
-    if namespace.dbc:
+    if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc)
-    folder = run_folder(namespace.out, scenario.name, options.controller)
-    console = Console(stderr=namespace.json)
+    console = Output(stderr=namespace.json)
     with tempfile.TemporaryDirectory(prefix="railhil-") as private:
-        choice = choose_bus(namespace, None if options.attach else Path(private) / "hub.sock")
-        console.print(f"bus: {choice.transport} ({choice.reason})", highlight=False)
-        try:
-            run, result = _execute(scenario, options, choice, folder, console, namespace.quiet or namespace.json)
-        except BusUnavailable:
-            shutil.rmtree(folder)
-            raise
-    if result.frames == 0:
-        shutil.rmtree(folder)
-        raise Failed(result.line or "no frame came", result.exit_code)
+        choice = _bus(namespace, None if options.attach else Path(private) / "hub.sock")
+        folder, made = run_folder(namespace.out, scenario.name, options.controller)
+        console.say(f"bus: {choice.transport} ({choice.reason})")
+        quiet = namespace.quiet or namespace.json or not console.is_terminal
+        with _progress(scenario, options, console, quiet) as on_progress:
+            run = Run(scenario, options, choice, folder, on_progress)
+            result = _executed(run, folder, made)
+    refused = result.exit_code == USAGE and result.sim_time_s == 0
+    if refused or result.frames == 0:
+        discard_folder(folder, made)
+        raise NeverBegan(result.line or "no frame came", result.exit_code)
     given = [] if choice.needs_hub else choice.arguments
     write_folder(folder, scenario, options, result, run.trace, given)
     if namespace.json:
-        print(json.dumps(score_json(result, options), indent=2))
+        print_json(score_json(result, options))
     else:
         print_result(console, scenario, result, options, folder)
-    return result.exit_code
+    return run.stopped_exit_code or result.exit_code
 
 
-class Failed(Exception):
+class NeverBegan(Exception):
     """A run that never began; carries its exit code."""
 
     def __init__(self, line: str, exit_code: int) -> None:
@@ -110,23 +133,40 @@ class Failed(Exception):
         self.exit_code = exit_code
 
 
-def _execute(
-    scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, console: Console, quiet: bool
-) -> tuple[Run, RunResult]:
-    columns: tuple[Any, ...] = (
+def _executed(run: Run, folder: Path, made: bool) -> RunResult:
+    """The run's result; whatever goes wrong, a folder without a frame goes and a folder with frames stays."""
+    try:
+        return run.execute()
+    except BaseException as error:
+        if run.session.frames == 0:
+            discard_folder(folder, made)
+        elif isinstance(error, OSError) and error.errno in _NO_ROOM:
+            raise record_failed(folder, error) from error
+        raise
+
+
+@contextmanager
+def _progress(
+    scenario: Scenario, options: RunOptions, console: Output, quiet: bool
+) -> Iterator[Callable[[float], None] | None]:
+    """What the run calls with its simulation time in s; None when nothing is to be shown."""
+    if quiet:
+        yield None
+        return
+    columns: tuple[ProgressColumn, ...] = (
         TextColumn("{task.description}"),
         BarColumn(),
         TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
     )
-    with Progress(*columns, console=console, disable=quiet, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(f"{scenario.name} {options.controller}", total=scenario.plan.running_time_s)
-        shown_s = [-1e9]
+    with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
+        task = progress.add_task(options.controller, total=scenario.plan.running_time_s)
+        shown_s = -1e9
 
         def on_progress(sim_time_s: float) -> None:
+            nonlocal shown_s
             # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough for the eye.
-            if sim_time_s - shown_s[0] >= (10.0 if options.pace == "lockstep" else 0.5):
-                shown_s[0] = sim_time_s
+            if sim_time_s - shown_s >= (10.0 if options.pace == "lockstep" else 0.5):
+                shown_s = sim_time_s
                 progress.update(task, completed=sim_time_s, refresh=True)
 
-        run = Run(scenario, options, choice, folder, None if quiet else on_progress)
-        return run, run.execute()
+        yield on_progress

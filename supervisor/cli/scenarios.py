@@ -8,6 +8,9 @@ from scenarios.load import load, names
 from scenarios.model import Scenario
 from supervisor.cli.output import Output, print_json, table
 
+#: The longest shipped name leaves room for the other columns from this width on.
+_NAMES_COLUMNS = 80
+
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
@@ -35,18 +38,18 @@ def work(namespace: argparse.Namespace) -> int:
         print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
         return 0
     rows = table()
-    # A name is what the user types next, so it is folded rather than cut.
-    rows.add_column("scenario", overflow="fold", ratio=4)
-    rows.add_column("line", ratio=5)
+    console = Output()
+    # A name is what the user types next, so it is never cut.
+    rows.add_column("scenario", overflow="fold", no_wrap=console.width >= _NAMES_COLUMNS)
+    rows.add_column("line")
     rows.add_column("m", justify="right", no_wrap=True)
     rows.add_column("s", justify="right", no_wrap=True)
     for scenario in found:
         plan = scenario.plan
         rows.add_row(scenario.name, scenario.title, f"{plan.distance_m:.0f}", f"{plan.running_time_s:.1f}")
-    console = Output()
     console.print(rows)
     if namespace.scenario:
-        console.line(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
+        console.say(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
         for sentence in found[0].assumptions:
-            console.line(f"assumed: {sentence}")
+            console.say(f"assumed: {sentence}")
     return 0

@@ -1,0 +1,368 @@
+"""Dense sweeps of the safety gate against models written here in another way.
+
+Each ``sweep_*`` takes the module to judge, so that the mutation test can run the very same checks on changed source.
+"""
+
+from __future__ import annotations
+
+import random
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from bus import lifesign, store
+from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from bus.mvb import TelegramSource
+from bus.telegrams import NotchCmd, TrkInfo, TrnPos, TrnSpeed
+from controller_node import guard
+from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from dbc import Port, wire_contract
+from plant_sim import gate
+from scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
+MS = 1_000_000
+#: A telegram of each size; the port table uses F1 to F3 only.
+PORTS = [
+    Port("X_F0", 0x200, 0, 0, "plant", "event", "", ()),
+    wire_contract().port("TRN_SPEED"),
+    wire_contract().port("TRN_POS"),
+    wire_contract().port("TRK_INFO"),
+    Port("X_F4", 0x208, 4, 0, "plant", "event", "", ()),
+]
+
+# -- life sign --------------------------------------------------------------------------------------------------------
+
+
+def sweep_lifesign(module: ModuleType) -> None:
+    """Every pair of life signs; the four verdicts drawn as a ring."""
+    ring = ["duplicate", "next", *["gap"] * 6, *["out_of_order"] * 8]
+    assert module.MAX_STEP == 7
+    for last in range(16):
+        sign = module.LifeSign()
+        for life in range(16):
+            assert sign.judge(life) is module.Life.FIRST
+        sign.accept(last)
+        for life in range(16):
+            assert sign.judge(life).value == ring[(life - last) % 16]
+    assert [life.value for life in module.Life if life.fresh] == ["first", "next", "gap"]
+
+
+# -- traffic store ----------------------------------------------------------------------------------------------------
+
+
+def telegram_of(port: Port, fd: bool, seed: int = 1) -> tuple[bytes, list[Frame]]:
+    data = random.Random(seed).randbytes(port.data_bytes)
+    return data, TelegramSource(port, fd).frames(data)
+
+
+def changed(frame: Frame, byte: int, mask: int) -> Frame:
+    data = bytearray(frame.data)
+    data[byte] ^= mask
+    return frame._replace(data=bytes(data))
+
+
+def expected_cause(port: Port, fd: bool, frame_index: int, byte: int, mask: int) -> str | None:
+    """What the drawings of the mapping say about a flipped bit; None: the bit means nothing."""
+    if port.single_frame:
+        if byte in (2, 3) and port.f_code == 0:
+            return None
+        return "wrong_check_sequence" if byte <= 4 else "wrong_master_word"
+    trailer = byte - port.data_bytes if fd else (byte if frame_index == port.blocks else -1)
+    if trailer < 0:
+        return "wrong_check_sequence"
+    if trailer < 4:
+        return "wrong_check_sequence" if trailer < port.blocks else None
+    if trailer == 4:
+        return "wrong_block_count" if mask & 0x0F else None
+    return "wrong_master_word" if trailer < 8 else None
+
+
+def fed(traffic: Any, frames: list[Frame], now_ns: int = 0) -> str | None:
+    results = [traffic.feed(frame, now_ns) for frame in frames]
+    assert results[:-1] == [None] * (len(frames) - 1)
+    return results[-1]  # type: ignore[no-any-return]
+
+
+def sweep_store_accepts(module: ModuleType) -> None:
+    """Whole telegrams of every size in both forms, with their age from time 0 on."""
+    traffic = module.TrafficStore(PORTS)
+    assert traffic.ports == tuple(port.name for port in PORTS)
+    assert traffic.read(TrnSpeed, 5) == (None, 65_535_000_000)
+    assert module.NEVER_NS == 65_535_000_000
+    for count, fd in enumerate((False, True), 1):
+        for port in PORTS:
+            assert traffic.raw(port.name) == (b"" if count == 1 else telegram_of(port, False, 1)[0])
+            data, frames = telegram_of(port, fd, count)
+            assert fed(traffic, frames, 0) == port.name
+            assert traffic.raw(port.name) == data
+            assert traffic.accepted(port.name) == count
+    assert traffic.read(TrnSpeed, 0)[1] == 0
+    assert traffic.read(TrnSpeed, 777)[1] == 777
+    assert fed(traffic, telegram_of(PORTS[1], False)[1], 500) == "TRN_SPEED"
+    assert traffic.read(TrnSpeed, 777)[1] == 277
+    assert not traffic.counters
+    for wrong in (traffic.raw, traffic.accepted):
+        with pytest.raises(KeyError):
+            wrong("SIM_TRUTH")
+
+
+def sweep_store_bits(module: ModuleType) -> None:
+    """One bit of every byte of every frame flipped."""
+    for port in PORTS:
+        for fd in (False, True):
+            _, frames = telegram_of(port, fd)
+            for index, frame in enumerate(frames):
+                for byte in range(len(frame.data)):
+                    for mask in (0x01, 0x10):
+                        traffic = module.TrafficStore([port])
+                        result = fed(traffic, [*frames[:index], changed(frame, byte, mask), *frames[index + 1 :]])
+                        cause = expected_cause(port, fd, index, byte, mask)
+                        assert result == (None if cause else port.name)
+                        assert traffic.counters == ({cause: 1} if cause else {})
+                        assert traffic.accepted(port.name) == (0 if cause else 1)
+
+
+def sweep_store_forms(module: ModuleType) -> None:
+    """Every flag, every length, every identifier around the right one."""
+    reasons = {ERROR: "error_frame", REMOTE: "remote_frame", EXTENDED: "extended_id"}
+    for port in PORTS:
+        for fd in (False, True):
+            _, frames = telegram_of(port, fd)
+            for frame in frames:
+                for flags in range(32):
+                    cause = next((name for bit, name in reasons.items() if flags & bit), None)
+                    if cause is None and (flags & ~BRS != FD if fd else flags):
+                        cause = "wrong_length"
+                    traffic = module.TrafficStore([port])
+                    traffic.feed(frame._replace(flags=flags), 0)
+                    assert not cause or traffic.counters == {cause: 1}
+                    assert cause or "wrong_length" not in traffic.counters
+                for size in range(66):
+                    traffic = module.TrafficStore([port])
+                    traffic.feed(frame._replace(data=frame.data[:size].ljust(size, b"\0")), 0)
+                    assert (traffic.counters == {"wrong_length": 1}) == (size != len(frame.data))
+        known = {*port.can_ids, port.fd_id}
+        for can_id in range(port.address - 2, port.address + 8):
+            traffic = module.TrafficStore([port])
+            traffic.feed(Frame(can_id, b"123"), 0)
+            assert traffic.counters == {"wrong_length" if can_id in known else "unknown_id": 1}
+
+
+def sweep_store_assembly(module: ModuleType) -> None:
+    """Which blocks are there, and how long they took."""
+    assert module.ASSEMBLY_NS == 5 * MS
+    for port in PORTS[2:]:
+        data, frames = telegram_of(port, False)
+        blocks, trailer = frames[:-1], frames[-1]
+        for present in range(1 << len(blocks)):
+            traffic = module.TrafficStore([port])
+            some = [block for k, block in enumerate(blocks) if present >> k & 1]
+            whole = len(some) == len(blocks)
+            assert fed(traffic, [*some, trailer]) == (port.name if whole else None)
+            assert traffic.counters == ({} if whole else {"missing_block": 1})
+            # Whatever the trailer made of them, the blocks are gone.
+            assert traffic.feed(trailer, 0) is None
+            assert traffic.counters["missing_block"] == (1 if whole else 2)
+            assert fed(traffic, frames) == port.name
+        for limit_ns in (None, 0, 3):
+            allowed_ns = 5 * MS if limit_ns is None else limit_ns
+            for over_ns in (0, 1):
+                arguments = () if limit_ns is None else (limit_ns,)
+                traffic = module.TrafficStore([port], *arguments)
+                # The time counts from the first block, in whatever order they come.
+                traffic.feed(blocks[-1], 1000)
+                for block in blocks[:-1]:
+                    traffic.feed(block, 1000 + allowed_ns)
+                result = traffic.feed(trailer, 1000 + allowed_ns + over_ns)
+                assert result == (None if over_ns else port.name)
+                assert traffic.counters == ({"assembly_timeout": 1} if over_ns else {})
+        traffic = module.TrafficStore([port])
+        assert fed(traffic, telegram_of(port, True)[1], 10**12) == port.name
+        assert traffic.raw(port.name) == data
+
+
+# -- the train's gate -------------------------------------------------------------------------------------------------
+
+
+def sweep_gate(module: ModuleType) -> None:
+    """Every life sign, check variable and boundary of the notch after every accepted life sign."""
+    for maximum in (0, 1792):
+        notches = [*range(-maximum - 3, -maximum + 4), -1, 0, 1, *range(maximum - 3, maximum + 4), 32767, -32768]
+        for check in range(4):
+            for notch in notches:
+                for step in range(-1, 16):
+                    fresh_gate = module.CommandGate(maximum)
+                    if step >= 0:
+                        assert fresh_gate.accept(NotchCmd(0, life=9))
+                    before = int(step >= 0)
+                    wrong = [
+                        cause
+                        for cause, holds in (
+                            ("duplicate", step == 0),
+                            ("out_of_order", step > 7),
+                            ("check_variable", check != 1),
+                            ("out_of_range", not -maximum <= notch <= maximum),
+                        )
+                        if holds
+                    ]
+                    life = (9 + max(step, 0)) % 16
+                    assert fresh_gate.accept(NotchCmd(notch, check=check, life=life)) == (not wrong)
+                    expected = {"accepted": before} if before else {}
+                    if wrong:
+                        expected[wrong[0]] = 1
+                    else:
+                        expected["accepted"] = before + 1
+                        if 2 <= step <= 7:
+                            expected["gap"] = 1
+                    assert fresh_gate.counters == expected
+                    # What was refused is not remembered, what was accepted is.
+                    again = fresh_gate.accept(NotchCmd(0, life=life))
+                    assert again == (bool(wrong) and (step == -1 or 1 <= step <= 7))
+    assert [module.CommandGate.emergency(NotchCmd(emergency=code)) for code in range(4)] == [True, False, True, True]
+
+
+# -- the controller's guard -------------------------------------------------------------------------------------------
+
+
+class PlainGuard:
+    """The guard told as a history: which telegrams counted, and when."""
+
+    def __init__(self) -> None:
+        self.ladder = Ladder.of(SCENARIO)
+        self.state = WatchState()
+        self.fresh: list[int] = []
+        self.good: list[tuple[int, int]] = []
+        self.limits: list[int] = []
+        self.sent: list[int] = [0]
+        self.counters: dict[str, int] = {}
+
+    def look(self, telegram: Telegram, now_ns: int) -> None:
+        at_ns, speed = self.good[-1] if self.good else (0, -1)
+        margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+        too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
+        age_ms = (now_ns - at_ns) // MS
+        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast))
+
+    def count(self, cause: str) -> None:
+        self.counters[cause] = self.counters.get(cause, 0) + 1
+
+    def speed(self, speed: int, check: int, life: int, now_ns: int) -> None:
+        step = (life - self.fresh[-1]) % 16 if self.fresh else 1
+        if step == 0 or step >= 8:
+            self.count("out_of_order" if step else "duplicate")
+            return self.look(Telegram.NONE, now_ns)
+        self.fresh.append(life)
+        if step > 1:
+            self.count("gap")
+        if check != 1 or speed < 0 or speed > 1_500_000:
+            self.count("out_of_range" if check == 1 else "check_variable")
+            return self.look(Telegram.BAD, now_ns)
+        self.good.append((now_ns, speed))
+        return self.look(Telegram.GOOD, now_ns)
+
+    def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
+        self.look(Telegram.NONE, now_ns)
+        elapsed_ms = (now_ns - self.sent[-1]) // MS
+        self.sent.append(now_ns)
+        self.state, code, emergency = command(self.ladder, self.state, law_code, elapsed_ms)
+        return code, emergency
+
+
+def sweep_guard_random(module: ModuleType) -> None:
+    """Seeded traffic with every fault at once, against the plain guard after every step."""
+    for seed in range(30):
+        draw = random.Random(seed)
+        subject, model = module.Guard(SCENARIO), PlainGuard()
+        now_ns, life = 0, 0
+        speeds = [0, 0, 1, 100_000, 150_000, 1_499_999, 1_500_000, 1_500_001, -1]
+        for _ in range(300):
+            now_ns += draw.choice([0, 10, 10, 10, 10, 16, 21, 65, 257, 1001]) * MS if draw.random() < 0.4 else 10 * MS
+            kind = draw.random()
+            if kind < 0.75:
+                life += draw.choice([1] * 14 + [0, 2, 7, 8, 15])
+                check = draw.choice([1] * 12 + [0, 2, 3])
+                speed = draw.choice(speeds) if draw.random() < 0.2 else 90_000
+                subject.speed(TrnSpeed(speed, check=check, life=life % 16), now_ns)
+                model.speed(speed, check, life % 16, now_ns)
+            elif kind < 0.78:
+                limit = draw.choice([1402, 1403, 2000, 3400, 60_000])
+                check = draw.randrange(4)
+                subject.limit(TrkInfo(speed_limit_4mmps=limit, limit_check=check))
+                if check == 1:
+                    model.limits.append(limit)
+            else:
+                law = draw.choice([1792, 500, 0, -500, -1792])
+                assert subject.notch(law, now_ns) == model.notch(law, now_ns)
+            assert subject.level == model.state.level
+            assert subject.counters == model.counters
+            assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
+
+
+def sweep_guard_boundaries(module: ModuleType) -> None:
+    """Speed range, overspeed and age at their exact limits."""
+    assert module.SPEED_MAX_01MMPS == 1_500_000
+    for speed in (-1, 0, 1, 1_499_999, 1_500_000, 1_500_001):
+        subject = module.Guard(SCENARIO)
+        subject.speed(TrnSpeed(speed), 0)
+        assert subject.speed_01mmps == (speed if 0 <= speed <= 1_500_000 else None)
+        assert subject.level is (Level.NORMAL if 0 <= speed <= 1_500_000 else Level.HOLD)
+    limit = 5000
+    edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+    for speed in range(edge - 3, edge + 4):
+        subject = module.Guard(SCENARIO)
+        subject.limit(TrkInfo(speed_limit_4mmps=limit))
+        subject.speed(TrnSpeed(speed), 0)
+        assert (subject.level is Level.EMERGENCY) == (speed > edge)
+    for age_ms in range(1100):
+        for extra_ns in (0, MS - 1):
+            subject = module.Guard(SCENARIO)
+            subject.speed(TrnSpeed(100_000), 7 * MS)
+            subject.notch(500, (7 + age_ms) * MS + extra_ns)
+            expected = sum(age_ms > edge_ms for edge_ms in (20, 64, 256, 1000))
+            assert subject.level == expected
+    # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
+    for age_ms, level in ((20, Level.NORMAL), (21, Level.HOLD), (300, Level.SERVICE_BRAKE)):
+        subject = module.Guard(SCENARIO)
+        code = -command_ramp(age_ms) if level is Level.SERVICE_BRAKE else 0
+        assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
+        assert subject.level is level
+    # A limit that comes after the speed of the same tick counts in that tick.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(edge + 1), 0)
+    subject.limit(TrkInfo(speed_limit_4mmps=limit))
+    assert subject.notch(500, 0)[1]
+    # An hour without a telegram at standstill is no emergency, and time 0 is a time like any other.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(0), 0)
+    assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
+    assert subject.level is Level.SERVICE_BRAKE
+
+
+def command_ramp(elapsed_ms: int) -> int:
+    """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
+    ladder = Ladder.of(SCENARIO)
+    return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
+
+
+SWEEPS = {
+    lifesign: (sweep_lifesign,),
+    store: (sweep_store_accepts, sweep_store_assembly, sweep_store_forms, sweep_store_bits),
+    gate: (sweep_gate,),
+    guard: (sweep_guard_boundaries, sweep_guard_random),
+}
+
+
+@pytest.mark.parametrize(
+    ("module", "sweep"),
+    [(module, sweep) for module, sweeps in SWEEPS.items() for sweep in sweeps],
+    ids=lambda item: item.__name__,
+)
+def test_sweep(module: ModuleType, sweep: Any) -> None:
+    sweep(module)
+
+
+def test_sweeps_use_every_size_of_telegram() -> None:
+    assert [port.f_code for port in PORTS] == [0, 1, 2, 3, 4]
+    assert {TrnPos.PORT, TrkInfo.PORT} <= {port.name for port in PORTS}

@@ -1,0 +1,42 @@
+"""IPFC over 200 perturbed runs: the medians that any right implementation of the paper's law has on this plant."""
+
+from __future__ import annotations
+
+import multiprocessing
+from statistics import median
+
+import pytest
+
+from hil_tests.bench import direct_run
+from scenarios.load import load
+
+RUNS = 200
+#: Medians and their tolerances; absolute where the name says so.
+BANDS = {
+    "itae": (2120.0, 0.10 * 2120.0),
+    "energy_kj": (73_800.0, 0.01 * 73_800.0),
+    "punctuality_s": (0.078, 0.02),
+    "stop_error_m": (0.26, 0.05),
+    "comfort": (1.8, 0.15),
+}
+
+
+def scores(job: tuple[int, str]) -> dict[str, float | None]:
+    """The five scores of one perturbed run, and how it ended."""
+    seed, arithmetic = job
+    found = direct_run(load("lvshun_tieshan"), seed=seed, drawn=True, arithmetic=arithmetic).score
+    return {name: getattr(found, name) for name in BANDS} | {"overspeed_mps": found.overspeed_mps}
+
+
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+def test_medians_of_200_perturbed_runs(arithmetic):
+    jobs = [(seed, arithmetic) for seed in range(1000, 1000 + RUNS)]
+    with multiprocessing.get_context("spawn").Pool() as pool:
+        found = pool.map(scores, jobs, chunksize=10)
+    assert all(run["stop_error_m"] is not None for run in found), "every run stops"
+    assert max(run["overspeed_mps"] or 0.0 for run in found) == 0.0
+    medians = {name: median(run[name] for run in found) for name in BANDS}
+    print({name: round(value, 4) for name, value in medians.items()})
+    for name, (centre, tolerance) in BANDS.items():
+        assert abs(medians[name] - centre) <= tolerance, f"{name}: median {medians[name]}, band {centre} +- {tolerance}"
