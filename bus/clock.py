@@ -38,7 +38,7 @@ class BusClock:
     life sign 1..7 ahead                     counts on; the ticks of lost frames are bridged
     life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
     8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
-    no clock frame between polls             the polls count on, from the second such poll: they come on their period
+    no clock frame since the last poll       the polls count on: they come on their period
     TIME_SYNC                                takes its absolute value
     ======================================== ========================================================================
 
@@ -104,14 +104,13 @@ class BusClock:
     def polled(self, period_ticks: int) -> None:
         """Take a poll that comes at every tick that is a multiple of ``period_ticks``.
 
-        Two polls without a clock frame between them may be one poll twice; from the third on time has gone on.
+        A repeated poll puts the clock ahead by one period until the clock frames have caught up.
         """
         if not self.running:
             return
         if self._polls == 0:
             self._poll_tick = -(-self._frame_tick // period_ticks) * period_ticks
-        elif self._polls >= 2:
-            self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
+        self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
         self._polls += 1
 
     def synchronise(self, telegram: TimeSync) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from bus.clock import BusClock
 from bus.frame import Frame
 from bus.layout import Telegram
+from bus.lifesign import MAX_STEP
 from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
 from bus.store import TrafficStore
 from bus.telegrams import TimeSync
@@ -49,8 +50,9 @@ class Responder:
             )
             for name, make in answers.items()
         }
-        paced = [port for port in map(contract.port, answers) if port.period_ns]
-        # The polls of the fastest own port are the clock's second leg: master word, and period in ticks.
+        # The polls of the fastest own port are the clock's second leg: period in ticks, and master word. A port
+        # slower than the life sign can bridge is no clock: its extra polls would be taken for lost time.
+        paced = [port for port in map(contract.port, answers) if 0 < port.period_ns <= MAX_STEP * base_tick_ns]
         self._pace = min(
             ((port.period_ns // base_tick_ns or 1, port.f_code << 12 | port.address) for port in paced), default=(0, -1)
         )

@@ -71,12 +71,10 @@ def test_polls_carry_time_through_any_loss_of_the_clock_port(start: int, lost: i
     clock = BusClock(TICK_NS)
     end = start + lost
     seen = run(clock, range(end + 4), range(start, end))
-    for tick, now in enumerate(seen):
-        # While frames are missing the clock is at most two polls late, never ahead.
-        assert tick - 2 * POLL_TICKS <= now <= tick
-    late = [tick for tick in range(start + 6, end) if seen[tick] != tick - tick % POLL_TICKS]
-    assert not late
-    # A multiple of sixteen looks like a repeated frame once; the second frame is enough.
+    assert seen[:start] == list(range(start))
+    # While frames are missing the clock stands at the last poll, never ahead.
+    assert seen[start:end] == [tick - tick % POLL_TICKS for tick in range(start, end)]
+    # Fifteen lost frames (modulo sixteen) look like a repeated one; the second frame is enough.
     assert seen[end + 1 :] == list(range(end + 1, end + 4))
 
 
@@ -88,8 +86,7 @@ def test_repeated_polls_never_run_away(copies: int) -> None:
         if tick % POLL_TICKS == 0:
             for _ in range(1 + copies):
                 clock.polled(POLL_TICKS)
-        assert tick <= clock.tick <= tick + 2 * (copies - 1) * POLL_TICKS
-    assert copies > 1 or clock.tick == 399
+        assert tick <= clock.tick <= tick + copies * POLL_TICKS
 
 
 def test_polls_before_the_first_frame_are_no_time() -> None:

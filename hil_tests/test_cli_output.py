@@ -1,4 +1,4 @@
-"""What the commands print and leave behind: JSON alone where JSON was asked for, tables that fit, exit codes that survive a pipe."""
+"""What the commands print and leave behind: JSON alone, tables that fit, exit codes that survive a closed pipe."""
 
 from __future__ import annotations
 

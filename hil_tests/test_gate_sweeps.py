@@ -323,7 +323,8 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
             expected = sum(age_ms > edge_ms for edge_ms in (20, 64, 256, 1000))
             assert subject.level == expected
     # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
-    for age_ms, level in ((20, Level.NORMAL), (21, Level.HOLD), (300, Level.SERVICE_BRAKE)):
+    for age_ms in (20, 21, *range(300, 304)):
+        level = (Level.NORMAL, Level.HOLD, Level.SERVICE_BRAKE)[(age_ms > 20) + (age_ms > 256)]
         subject = module.Guard(SCENARIO)
         code = -command_ramp(age_ms) if level is Level.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)

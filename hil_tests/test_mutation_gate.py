@@ -57,7 +57,7 @@ def test_the_mutator_itself() -> None:
             "2 -> 3",
             "2 -> 1",
             "a < 2 and b -> a < 2 or b",
-            "a < 2 and b or True -> a < 2 and b and True",
+            "a < 2 and b or True -> (a < 2 and b) and True",
             "True -> False",
         ]
     )

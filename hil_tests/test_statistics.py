@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import multiprocessing
-from statistics import median
+from math import sqrt
+from statistics import median, stdev
 
 import pytest
 
@@ -39,4 +40,8 @@ def test_medians_of_200_perturbed_runs(arithmetic):
     medians = {name: median(run[name] for run in found) for name in BANDS}
     print({name: round(value, 4) for name, value in medians.items()})
     for name, (centre, tolerance) in BANDS.items():
+        if name == "energy_kj":
+            # Mass alone spreads the energy by 10 %: the median of 200 draws is itself uncertain by 0.7 % (one standard
+            # error, sqrt(pi/2) sigma/sqrt(n)), as much as the band is wide. Two of them are added.
+            tolerance += 2 * 1.2533 * stdev(run[name] for run in found) / sqrt(RUNS)
         assert abs(medians[name] - centre) <= tolerance, f"{name}: median {medians[name]}, band {centre} +- {tolerance}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import signal
 import subprocess
 import sys
@@ -41,6 +43,8 @@ class Nodes:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self.nodes: list[Node] = []
+        #: The supervisor's own processors, to be given back.
+        self._before: set[int] = set()
 
     def start(self, role: str, module: str, arguments: Sequence[str]) -> Node:
         """Start ``python -m module arguments`` with its output in ``<role>.txt``."""
@@ -55,6 +59,24 @@ class Nodes:
         node = Node(role, process, output)
         self.nodes.append(node)
         return node
+
+    def keep_together(self) -> None:
+        """Put hub, plant and controller on one processor, the supervisor on the others.
+
+        In lockstep only one of the three works at a time, so nothing is lost; handing over between processors,
+        each of which went to sleep meanwhile, would cost more than the work itself. Which processor is taken
+        depends on the process number, so that benches side by side spread.
+        """
+        processors = sorted(os.sched_getaffinity(0))
+        if len(processors) < 2:
+            return
+        chosen = processors[os.getpid() % len(processors)]
+        for node in self.nodes:
+            # A node that has just ended is noticed elsewhere.
+            with contextlib.suppress(ProcessLookupError):
+                os.sched_setaffinity(node.process.pid, {chosen})
+        self._before = set(processors)
+        os.sched_setaffinity(0, self._before - {chosen})
 
     def ended(self) -> list[Node]:
         """Nodes that have ended."""
@@ -75,6 +97,8 @@ class Nodes:
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._before:
+            os.sched_setaffinity(0, self._before)
         running = [node for node in self.nodes if node.exit_code() is None]
         for node in running:
             node.process.terminate()

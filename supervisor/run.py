@@ -176,6 +176,7 @@ class Run:
         look_s = time.monotonic() + _LOOK_S
         opened_s = time.monotonic()
         give_up_s: float | None = None
+        apart = self.options.pace == "lockstep" and self.choice.needs_hub
         while session.ended is None:
             frames = link.receive(_LOOK_S)
             for frame in frames:
@@ -183,6 +184,9 @@ class Run:
                 if answers:
                     link.send(answers)
             now_s = time.monotonic()
+            if apart and session.recording:
+                nodes.keep_together()
+                apart = False
             if now_s < look_s:
                 continue
             look_s = now_s + _LOOK_S
