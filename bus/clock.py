@@ -78,7 +78,9 @@ class BusClock:
         life = data[3] & 0xF
         if not self.running:
             return self._open(0, life)
-        step = (life - self._life) % _LIFE_MODULUS if self._life >= 0 else 1
+        if self._life < 0:
+            return self._open(self.tick + self._ticks_per_frame, life)
+        step = (life - self._life) % _LIFE_MODULUS
         if step == 0:
             return False
         # Of the ticks with this life sign, the one nearest to where the polls say that time is.
@@ -118,9 +120,14 @@ class BusClock:
         tick = from_time_sync(telegram, self.base_tick_ns)
         if tick == self.tick and self.running:
             return
-        # Whether the clock frame of this tick was lost cannot be told: the next one is the next tick.
+        known = self._life >= 0 and self._polls > 0 and abs(tick - self.tick) <= MAX_STEP * self._ticks_per_frame
         self.running = True
-        self.tick = self._frame_tick = tick
+        self.tick = tick
+        if known:
+            # The clock frames are missing since before the last poll: their life sign goes on where it was.
+            return
+        # Whether the clock frame of this tick was lost cannot be told: the next one is the next tick.
+        self._frame_tick = tick
         self._life = self._expected = -1
         self._polls = 0
 

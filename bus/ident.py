@@ -69,11 +69,17 @@ class Ident(Telegram):
         ):
             a, b = getattr(self, name), getattr(other, name)
             if a != b and known(a) and known(b):
-                found.append(f"{title} differs: {mine} {a:08x}, {theirs} {b:08x}")
+                found.append(f"{title} differs: {mine} {_shown(name, a)}, {theirs} {_shown(name, b)}")
         seeds_known = Role.CONTROLLER not in (self.role, other.role)
         if seeds_known and (self.seed, self.perturbed) != (other.seed, other.perturbed):
             found.append(f"seed differs: {mine} {self.seed}, {theirs} {other.seed}")
         return found
+
+
+def _shown(field: str, value: int) -> str:
+    """A handshake value as a user knows it: names where there are names, else the hexadecimal code."""
+    words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS}.get(field, ())
+    return words[value] if value < len(words) else f"{value:08x}"
 
 
 @dataclass(slots=True)

@@ -46,9 +46,7 @@ def _check_octet(data: int) -> int:
 
 
 #: The octet is linear in the data, so it is the xor of one table value for each byte, by its place from the end.
-_BY_PLACE = tuple(
-    tuple(_check_octet(value << 8 * place) for value in range(256)) for place in range(_BLOCK_BYTES)
-)
+_BY_PLACE = tuple(tuple(_check_octet(value << 8 * place) for value in range(256)) for place in range(_BLOCK_BYTES))
 _P0, _P1, _P2, _P3, _P4, _P5, _P6, _P7 = _BY_PLACE
 
 

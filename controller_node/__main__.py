@@ -11,6 +11,7 @@ from can.cli import add_bus_arguments
 from bus.exitcodes import guarded
 from bus.link import open_link
 from bus.select import choose_bus
+from bus.usage import OneLineParser, parse
 from controller_node.laws import names
 from controller_node.node import ControllerNode, ControllerOptions, run_controller
 from scenarios.load import load
@@ -18,7 +19,7 @@ from scenarios.load import load
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the controller node."""
-    parser = argparse.ArgumentParser(prog="railhil node controller", description="Train speed controller on the bus.")
+    parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
     parser.add_argument("--arithmetic", choices=("iq", "float64"), default="iq")
@@ -29,7 +30,7 @@ def arguments() -> argparse.ArgumentParser:
 
 def main() -> int:
     """Serve one run; exit code 0 when it came to its end."""
-    namespace = arguments().parse_args()
+    namespace = parse(arguments())
     scenario = load(namespace.scenario)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)

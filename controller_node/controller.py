@@ -94,9 +94,7 @@ class Controller:
     :raises scenarios.errors.InputError: one of the names is unknown.
     """
 
-    def __init__(
-        self, scenario: Scenario, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
-    ) -> None:
+    def __init__(self, scenario: Scenario, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time") -> None:
         number = make(arithmetic)
         self._loop: ControlLoop[Any] = ControlLoop(scenario, law, number, indexing)
         self._number = number

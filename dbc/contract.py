@@ -239,7 +239,7 @@ def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -
     found = hashlib.sha256(dbc_path.read_bytes()).hexdigest() if dbc_path.exists() else "no file"
     if check_dbc and found != digest:
         raise ContractError(
-            f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (what {file} describes; `make dbc` writes it)"
+            f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
         )
     return Contract(draft.bit_rate, draft.poll_id, draft.device_status_id, draft.base_tick_ns, draft.ports, digest)
 

@@ -87,7 +87,9 @@ def local_run(
         frames = [frame] if wire is None else wire(frame)
         return [answer for item in frames for answer in node.handle(item)]
 
-    plant = PlantNode(scenario, PlantOptions(seed=seed, perturbed=drawn, fd=fd), LocalBus([to_controller, session.handle]))
+    plant = PlantNode(
+        scenario, PlantOptions(seed=seed, perturbed=drawn, fd=fd), LocalBus([to_controller, session.handle])
+    )
     ended = plant.run()
     sha256 = log.close()
     trace = trace_of(read_log(log.path))

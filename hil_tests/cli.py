@@ -55,9 +55,7 @@ class Started:
     """A command that goes on while the test does something to it."""
 
     def __init__(self, *arguments: str | Path) -> None:
-        self.process = subprocess.Popen(
-            command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-        )
+        self.process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def child(self, module: str) -> psutil.Process:
         """The child process that runs a module; waits for it."""

@@ -73,7 +73,9 @@ def wall(monkeypatch: pytest.MonkeyPatch) -> Wall:
     return clock
 
 
-def make(endpoint: FakeEndpoint, rate: float = 0.0, now_ns: int = 0, fd: bool = False) -> tuple[Administrator, TrafficStore]:
+def make(
+    endpoint: FakeEndpoint, rate: float = 0.0, now_ns: int = 0, fd: bool = False
+) -> tuple[Administrator, TrafficStore]:
     store = TrafficStore([NOTCH, STAT])
     ports = [TrnSpeed.port(), TrnPos.port()]
     return Administrator(endpoint, store, lambda: now_ns, Pacer(rate), ports, fd=fd), store
@@ -195,7 +197,7 @@ def test_a_late_answer_is_never_taken_for_the_next_one(wall: Wall, delay_ns: int
 
 
 def test_a_flooded_bus_does_not_stop_the_administrator(wall: Wall) -> None:
-    """Frames without end, each 1 us of wall time: every poll still ends at its time-out."""
+    """Frames without end, each 50 us of wall time: every poll still ends at its time-out."""
 
     class Flood(FakeEndpoint):
         def receive(self, timeout_s: float | None) -> list[Frame]:

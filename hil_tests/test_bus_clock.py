@@ -181,6 +181,23 @@ def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
             assert clock.tick == tick
 
 
+@pytest.mark.parametrize("first", [110, 111, 118, 127])
+@pytest.mark.parametrize("count", [2, 4, 5, 20, 33])
+def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(300):
+        lost = first <= tick < first + count
+        if not lost:
+            clock.feed(FRAMES[tick % 16])
+        if tick % 128 == 0:
+            clock.synchronise(to_time_sync(tick, TICK_NS))
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS)
+            assert clock.tick == tick
+        if tick > first + count + 1:
+            assert clock.tick == tick
+
+
 def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
     clock = BusClock(TICK_NS)
     for tick in range(1000, 1200):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import can
@@ -81,7 +82,7 @@ class FullBus(can.BusABC):
 def slept_s(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """Instead of waiting, say how long."""
     slept: list[float] = []
-    monkeypatch.setattr(link_module.time, "sleep", slept.append)
+    monkeypatch.setattr(link_module, "time", SimpleNamespace(sleep=slept.append))
     return slept
 
 

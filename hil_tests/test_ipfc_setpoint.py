@@ -31,9 +31,7 @@ def kmh(arithmetic: str, indexing: str, k: int, position_01mm: int) -> list[floa
 @pytest.mark.parametrize("k", [0, 1, 47, 260, 388, 395, 400])
 def test_time_indexing_is_the_curve(arithmetic: str, k: int) -> None:
     times = (k + np.arange(11)) * 0.5
-    np.testing.assert_allclose(
-        kmh(arithmetic, "time", k, 0), TARGET.speed_mps(times) * 3.6, atol=0.51 * LSB_KMH
-    )
+    np.testing.assert_allclose(kmh(arithmetic, "time", k, 0), TARGET.speed_mps(times) * 3.6, atol=0.51 * LSB_KMH)
 
 
 def test_speed_becomes_virtually_negative_after_the_stop() -> None:

@@ -66,8 +66,8 @@ class HubBus(can.BusABC):
         Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
-        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``bitrate``: checked against the hub's bit rate model, ignored when it has none; other
-        settings of real interfaces (sample points and the like) have no meaning here and are ignored.
+        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``bitrate``: checked against the
+        hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and the like) have no meaning here and are ignored.
 
         Raises :class:`HubUnavailable`.
         """
@@ -172,7 +172,7 @@ class HubBus(can.BusABC):
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         if not frames:
             return
-        if len(frames) <= wire.MAX_BATCH_FRAMES and not any([frame[2] for frame in frames]):
+        if len(frames) <= wire.MAX_BATCH_FRAMES and not any(frame[2] for frame in frames):
             self._send(wire.pack_plain(frames), deadline_s)
             return
         packets: list[bytes] = []

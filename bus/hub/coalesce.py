@@ -62,12 +62,16 @@ def coalescer_of(hello: dict[str, object]) -> Coalescer | None:
     """
     limit = hello.get("coalesce_frames", 0)
     if not isinstance(limit, int) or not 0 <= limit <= MAX_PACKET_SIZE // CLASSIC_SIZE:
-        raise ValueError(f"hello: key 'coalesce_frames': found {limit!r}, allowed: 0..{MAX_PACKET_SIZE // CLASSIC_SIZE}")
+        raise ValueError(
+            f"hello: key 'coalesce_frames': found {limit!r}, allowed: 0..{MAX_PACKET_SIZE // CLASSIC_SIZE}"
+        )
     names = hello.get("wake_on", [])
     try:
         frames = frozenset(bytes.fromhex(name) for name in names)  # type: ignore[attr-defined]
     except (TypeError, ValueError):
         frames = frozenset((b"",))
     if len(frames) > _WAKE_LIMIT or any(len(frame) != CLASSIC_SIZE for frame in frames):
-        raise ValueError(f"hello: key 'wake_on': found {names!r:.60}, allowed: up to {_WAKE_LIMIT} packed frames in hex")
+        raise ValueError(
+            f"hello: key 'wake_on': found {names!r:.60}, allowed: up to {_WAKE_LIMIT} packed frames in hex"
+        )
     return Coalescer(limit, frames) if limit else None

@@ -88,7 +88,7 @@ def guarded(name: str, action: Callable[[], int]) -> int:
         say(f"{name}: {error}")
         return EXIT_NO_CAPABILITY
     except subprocess.TimeoutExpired as error:
-        say(f"{name}: {error.cmd[0]} was stopped after {error.timeout:g} s")
+        say(f"{name}: {error.cmd[0]} was stopped after {error.timeout:.0f} s")
         return EXIT_TIMEOUT
     except (MachineError, OSError) as error:
         say(f"{name}: {error}")

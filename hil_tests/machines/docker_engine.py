@@ -38,8 +38,8 @@ _DOCKERFILE = Path(__file__).parents[2] / "Dockerfile"
 #: In an emulated machine the engine takes ten times as long as the 2 s on real hardware.
 _START_S = 90.0
 _STOP_S = 30.0
-#: Layers without a name are the build stage, which the next build finds again; older ones are left-overs.
-_LAYERS_KEPT = "until=168h"
+#: The newest images without a name are build stages, which the next build finds again; the rest is left over.
+_STAGES_KEPT = 2
 
 
 def _works(words: Sequence[str], environment: dict[str, str]) -> bool:
@@ -134,14 +134,19 @@ def _private_engine(home: Path, data: Path) -> Iterator[str]:
 
 def _clear(host: str) -> None:
     """Remove containers, volumes and old layers, so that no process of a container outlives its engine."""
-    environment = {**os.environ, "DOCKER_HOST": host}
-    listed = subprocess.run(
-        ["docker", "ps", "-aq"], env=environment, capture_output=True, text=True, timeout=60, check=False
-    )
-    if names := listed.stdout.split():
-        subprocess.run(["docker", "rm", "-f", *names], env=environment, capture_output=True, timeout=120, check=False)
-    _works(["docker", "volume", "prune", "-f"], {"DOCKER_HOST": host})
-    _works(["docker", "image", "prune", "-f", "--filter", _LAYERS_KEPT], {"DOCKER_HOST": host})
+
+    def docker(*words: str) -> list[str]:
+        done = subprocess.run(
+            ["docker", *words], env={**os.environ, "DOCKER_HOST": host}, stdin=subprocess.DEVNULL,
+            capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
+        return done.stdout.split()
+
+    if containers := docker("ps", "-aq"):
+        docker("rm", "-f", *containers)
+    docker("volume", "prune", "-f")
+    if stages := docker("images", "-q", "--filter", "dangling=true")[_STAGES_KEPT:]:
+        docker("rmi", *stages)
 
 
 def _unmount_below(folder: Path) -> None:

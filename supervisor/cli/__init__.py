@@ -6,10 +6,10 @@ import argparse
 from importlib.metadata import version
 
 from bus.exitcodes import guarded
+from bus.usage import OneLineParser, parse
 from dbc import wire_contract
 from supervisor.cli import bus, doctor, node, plot, ports, run, scenarios, score
 from supervisor.cli.output import accept_any_text, flush_output
-from supervisor.cli.usage import OneLineParser, parse
 
 _MODULES = (run, score, plot, scenarios, ports, doctor, node, bus)
 

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
-
-from supervisor.cli.usage import EXIT_CODES
 
 _MODULES = {"plant": "plant_sim", "controller": "controller_node"}
 
@@ -25,8 +22,4 @@ def work(namespace: argparse.Namespace) -> int:
     command = [sys.executable, "-m", _MODULES[namespace.role], *namespace.arguments]
     sys.stdout.flush()
     sys.stderr.flush()
-    if not {"-h", "--help"} & set(namespace.arguments):
-        os.execv(sys.executable, command)
-    code = subprocess.run(command, check=False).returncode
-    print(f"\n{EXIT_CODES}")
-    return code
+    os.execv(sys.executable, command)

@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
 from bus.exitcodes import USAGE
 from bus.select import BusChoice, choose_bus
+from bus.usage import add_run_arguments
 from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.model import Scenario
@@ -25,10 +26,6 @@ from supervisor.cli.show import print_result
 from supervisor.folder import discard_folder, record_failed, run_folder, score_json, write_folder
 from supervisor.run import Run, RunOptions, RunResult
 
-#: Seeds travel as 32 bit in the handshake.
-SEED_MAX = 0xFFFF_FFFF
-#: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
-RATE_MIN, RATE_MAX = 0.01, 1000.0
 #: What the operating system says when a log cannot grow.
 _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 
@@ -36,14 +33,10 @@ _NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
-    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    add_run_arguments(parser)
     parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
     parser.add_argument("--arithmetic", choices=("iq", "float64"), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
-    parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
-    parser.add_argument("--rate", type=float, default=1.0, help="realtime: simulated seconds per second (default 1)")
-    parser.add_argument("--seed", type=int, default=0, help="random seed (default 0)")
-    parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
@@ -61,10 +54,6 @@ def law_names() -> list[str]:
 def _options(namespace: argparse.Namespace) -> RunOptions:
     if namespace.controller not in law_names():
         raise InputError("command line", "--controller", namespace.controller, ", ".join(law_names()))
-    if not 0 <= namespace.seed <= SEED_MAX:
-        raise InputError("command line", "--seed", namespace.seed, f"0..{SEED_MAX}")
-    if not RATE_MIN <= namespace.rate <= RATE_MAX:
-        raise InputError("command line", "--rate", namespace.rate, f"{RATE_MIN:g} to {RATE_MAX:g}")
     scenario = namespace.scenario
     return RunOptions(
         scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,

@@ -9,6 +9,10 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+#: Seeds travel as 32 bit in the handshake.
+SEED_MAX = 0xFFFF_FFFF
+#: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
+RATE_MIN, RATE_MAX = 0.01, 1000.0
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -45,3 +49,28 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
         raise
     print(said.getvalue(), end="", file=sys.stderr)
     return namespace
+
+
+def _seed(text: str) -> int:
+    if not (text.isascii() and text.isdigit()) or int(text) > SEED_MAX:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed 0..{SEED_MAX}")
+    return int(text)
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = float("nan")
+    if not RATE_MIN <= rate <= RATE_MAX:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed {RATE_MIN:g} to {RATE_MAX:g}")
+    return rate
+
+
+def add_run_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that say which run it is: the same for the plant node and for the supervisor."""
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    parser.add_argument("--seed", type=_seed, default=0, help="random seed of the run (default 0)")
+    parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
+    parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
+    parser.add_argument("--rate", type=_rate, default=1.0, help="realtime: simulated seconds per second (default 1)")
