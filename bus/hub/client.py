@@ -67,7 +67,8 @@ class HubBus(can.BusABC):
         ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
         classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``bitrate``: checked against the
-        hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and the like) have no meaning here and are ignored.
+        hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and
+        the like) have no meaning here and are ignored.
 
         Raises :class:`HubUnavailable`.
         """
