@@ -9,7 +9,6 @@ from __future__ import annotations
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 
 from bus.clock import Pacer
 from bus.errors import PeerSilent
@@ -24,24 +23,6 @@ from dbc import Port, wire_contract
 REPLY_NS = 5_000_000
 #: Lockstep: a peer that has not answered for this long on the wall clock is lost.
 WATCHDOG_NS = 2_000_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Schedule:
-    """Periods of the ports in ticks; a port is due at every tick that is a multiple of its period."""
-
-    base_tick_ns: int
-    periods_ns: dict[str, int]
-
-    @classmethod
-    def from_contract(cls, base_tick_ns: int, overrides: dict[str, int]) -> Schedule:
-        """Periods of the port table with the scenario's overrides."""
-        periods = {port.name: port.period_ns for port in wire_contract().ports if port.period_ns}
-        return cls(base_tick_ns, {**periods, **overrides})
-
-    def ticks(self, port: str) -> int:
-        """Period of a port in ticks, at least one."""
-        return max(1, self.periods_ns[port] // self.base_tick_ns)
 
 
 class Administrator:

@@ -51,12 +51,12 @@ class BusClock:
         "base_tick_ns", "running", "tick",
     )  # fmt: skip
 
-    def __init__(self, base_tick_ns: int) -> None:
+    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
         port = wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
         self._flags = {port.address: (0,), port.fd_id: (FD, FD | BRS)}
         self._tail = master_tail(port.f_code, port.address)
-        self._ticks_per_frame = max(1, port.period_ns // base_tick_ns)
+        self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
         # Life sign of the last clock frame (-1: not known) and its tick, which polls leave behind ``tick``.
         self._life = -1
         self._frame_tick = 0

@@ -9,6 +9,7 @@ from bus.frame import Frame
 from bus.layout import Telegram
 from bus.lifesign import MAX_STEP
 from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
+from bus.schedule import Schedule
 from bus.store import TrafficStore
 from bus.telegrams import TimeSync
 from dbc import Port, wire_contract
@@ -21,6 +22,7 @@ class Responder:
     """Reacts to one frame at a time; holds no socket, so it runs in a process or in memory alike.
 
     :param device: MVB device address, answered to device status polls.
+    :param schedule: base tick, and the period of every port in ticks.
     :param sinks: ports with a mailbox.
     :param answers: for each port that this node sources, what makes the telegram when the poll comes.
     :param on_commit: called with the port's name whenever a telegram was accepted.
@@ -29,7 +31,7 @@ class Responder:
     def __init__(
         self,
         device: int,
-        base_tick_ns: int,
+        schedule: Schedule,
         sinks: list[Port],
         answers: Mapping[str, Callable[[], Telegram]],
         *,
@@ -37,7 +39,7 @@ class Responder:
         on_commit: Callable[[str], None] | None = None,
     ) -> None:
         contract = wire_contract()
-        self.clock = BusClock(base_tick_ns)
+        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(contract.clock_port.name))
         self.store = TrafficStore(sinks)
         self._device = device
         self._on_commit = on_commit
@@ -52,9 +54,11 @@ class Responder:
         }
         # The polls of the fastest own port are the clock's second leg: period in ticks, and master word. A port
         # slower than the life sign can bridge is no clock: its extra polls would be taken for lost time.
-        paced = [port for port in map(contract.port, answers) if 0 < port.period_ns <= MAX_STEP * base_tick_ns]
+        paced = [
+            port for port in map(contract.port, answers) if port.period_ns and schedule.ticks(port.name) <= MAX_STEP
+        ]
         self._pace = min(
-            ((port.period_ns // base_tick_ns or 1, port.f_code << 12 | port.address) for port in paced), default=(0, -1)
+            ((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in paced), default=(0, -1)
         )
 
     def handle(self, frame: Frame) -> list[Frame]:

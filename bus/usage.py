@@ -73,4 +73,11 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=_seed, default=0, help="random seed of the run (default 0)")
     parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
     parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
+    parser.add_argument(
+        "--appear-timeout",
+        type=float,
+        default=25.0,
+        metavar="S",
+        help="wall time for the other nodes to appear (default 25 s)",
+    )
     parser.add_argument("--rate", type=_rate, default=1.0, help="realtime: simulated seconds per second (default 1)")

@@ -11,6 +11,7 @@ from bus.ident import CtlIdent, Ident, Role, make_ident
 from bus.layout import Telegram, flag
 from bus.link import Endpoint
 from bus.responder import Responder
+from bus.schedule import Schedule
 from bus.telegrams import (
     BalisePassed,
     CtlMode,
@@ -79,7 +80,7 @@ class ControllerNode:
         self._stat_life = 0
         self.responder = Responder(
             Role.CONTROLLER,
-            scenario.timing.base_tick_ns,
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             [contract.port(telegram.PORT) for telegram in MAILBOXES],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status, CtlIdent.PORT: self._own_ident},
             fd=options.fd,

@@ -7,12 +7,13 @@ from collections.abc import Callable, Sequence
 import pytest
 
 from bus import administrator as administrator_module
-from bus.administrator import Administrator, Schedule
+from bus.administrator import Administrator
 from bus.clock import Pacer
 from bus.errors import PeerSilent
 from bus.frame import ERROR, REMOTE, Frame
 from bus.layout import Telegram
 from bus.mvb import TelegramSource, device_status_frame, master_frame
+from bus.schedule import Schedule
 from bus.store import TrafficStore
 from bus.telegrams import CtlStat, NotchCmd, TrnPos, TrnSpeed
 from dbc import wire_contract

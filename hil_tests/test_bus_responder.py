@@ -11,6 +11,7 @@ from bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from bus.layout import Telegram
 from bus.mvb import TelegramSource, master_frame, parse_device_status
 from bus.responder import Responder
+from bus.schedule import Schedule
 from bus.telegrams import CtlStat, NotchCmd, SupCmd, TimeSync, TrnPos, TrnSpeed
 from dbc import wire_contract
 
@@ -26,7 +27,7 @@ class Node:
         self.committed: list[str] = []
         self.responder = Responder(
             DEVICE,
-            TICK_NS,
+            Schedule.from_contract(TICK_NS, {}),
             [TrnSpeed.port(), TrnPos.port(), TimeSync.port()],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status},
             fd=fd,
@@ -167,7 +168,7 @@ def test_time_goes_on_by_the_polls_of_the_fastest_own_port() -> None:
 
 def test_a_slow_port_is_no_clock() -> None:
     """An extra poll of a port with a long period must not be taken for lost time."""
-    responder = Responder(2, TICK_NS, [TrnSpeed.port()], {SupCmd.PORT: lambda: SupCmd(1)})
+    responder = Responder(2, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port()], {SupCmd.PORT: lambda: SupCmd(1)})
     responder.handle(TelegramSource(TrnSpeed.port()).frames(TrnSpeed(5).encode())[0])
     for _ in range(5):
         assert responder.handle(poll(SupCmd))

@@ -210,7 +210,6 @@ def test_interface_without_its_driver(monkeypatch, tmp_path):
 
 def test_attach_with_nobody_there(monkeypatch, tmp_path):
     """Frames of somebody else on the bus do not keep the wait going."""
-    monkeypatch.setattr(supervisor_run, "APPEAR_S", 0.3)
 
     class Chatter:
         counters: dict[str, int] = {}  # noqa: RUF012
@@ -223,7 +222,8 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
 
     monkeypatch.setattr(supervisor_run, "open_link", lambda _config: Chatter())
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    result = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path).execute()
+    options = RunOptions("lvshun_tieshan", attach=True, appear_s=0.3)
+    result = Run(load("lvshun_tieshan"), options, choice, tmp_path).execute()
     assert (result.exit_code, result.frames) == (3, 0)
     assert result.line == "no plant on socketcan:can0 within 0.3 s"
 

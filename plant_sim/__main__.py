@@ -35,6 +35,7 @@ def main() -> int:
         perturbed=namespace.perturbed,
         rate=namespace.rate if namespace.pace == "realtime" else 0.0,
         fd=choice.fd,
+        appear_s=namespace.appear_timeout,
     )
     link = open_link(choice.config)
     # Nothing that outlives a tick is allocated in the loop; the collector would only add pauses.

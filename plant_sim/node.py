@@ -9,11 +9,12 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from bus.administrator import WATCHDOG_NS, Administrator, Schedule
+from bus.administrator import WATCHDOG_NS, Administrator
 from bus.clock import Pacer
 from bus.errors import BusError, PeerSilent
 from bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from bus.link import Endpoint
+from bus.schedule import Schedule
 from bus.store import TrafficStore
 from bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
 from dbc import Port, wire_contract
@@ -23,8 +24,6 @@ from plant_sim.telegrams import TrainTelegrams
 from scenarios.model import Scenario
 from scenarios.perturb import perturbed
 
-#: How long the other nodes may take to appear, on the wall clock.
-PRESENCE_NS = 20_000_000_000
 #: The record goes on this long after the stop, so that it shows the standstill.
 AFTER_STOP_S = 1.0
 
@@ -44,6 +43,8 @@ class PlantOptions:
     #: Simulated seconds per wall second, 0 = lockstep.
     rate: float = 0.0
     fd: bool = False
+    #: How long the other nodes may take to appear, on the wall clock.
+    appear_s: float = 25.0
 
 
 class PlantNode:
@@ -68,7 +69,7 @@ class PlantNode:
             [port for port in contract.ports if port.source == "plant"],
             fd=options.fd,
         )
-        schedule = Schedule.from_contract(self._tick_ns, dict(self.scenario.timing.port_period_ns))
+        schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
         clock_port = contract.clock_port.name
         self._published = sorted(
             ((schedule.ticks(name), name != clock_port, make) for name, make in self._telegrams.makers.items()),
@@ -81,6 +82,7 @@ class PlantNode:
             (schedule.ticks(port.name), port) for port in (self._sup_port, self._notch_port, self._stat_port)
         ]
         self._controller_lost = ""
+        self._appear_s = options.appear_s
         self._supervisor_heard_ns = 0
         self._ended: Event | None = None
 
@@ -97,10 +99,11 @@ class PlantNode:
         :raises PeerSilent: a node did not appear.
         :raises Refused: the nodes disagree.
         """
-        missing = self.administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), PRESENCE_NS)
+        wait_ns = round(self._appear_s * 1e9)
+        missing = self.administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), wait_ns)
         if missing:
             names = " and ".join(Role(device).name.lower() for device in sorted(missing))
-            raise PeerSilent(f"bus administrator waits for {names}: no answer within {PRESENCE_NS // 10**9} s")
+            raise PeerSilent(f"bus administrator waits for {names}: no answer within {self._appear_s:g} s")
         self.administrator.publish(self._ident)
         differences: list[str] = []
         for telegram in (CtlIdent, SupIdent):

@@ -14,6 +14,7 @@ from bus.exitcodes import FAIL, INVALID, PASS, USAGE
 from bus.ident import Role, SupIdent
 from bus.link import Link, open_link
 from bus.mvb import F_DEVICE_STATUS, master_frame
+from bus.order import BusOrder
 from bus.select import HUB_INTERFACE, BusChoice
 from bus.telegrams import Event, SupCmd
 from dbc import wire_contract
@@ -27,8 +28,6 @@ from supervisor.trace import Trace, trace_of
 
 #: Wall time without any frame after which a started run counts as dead.
 SILENCE_S = 4.0
-#: Wall time for all nodes to appear.
-APPEAR_S = 25.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
@@ -51,6 +50,8 @@ class RunOptions:
     perturbed: bool = False
     #: Attach to nodes that are running already instead of starting them.
     attach: bool = False
+    #: Wall time for all nodes to appear.
+    appear_s: float = 25.0
 
 
 @dataclass(slots=True)
@@ -110,6 +111,9 @@ class Run:
         #: Exit code of a run that a signal has ended (128 + its number), else 0.
         self.stopped_exit_code = 0
         self._lost = ""
+        # The hub has one order for all; a kernel bus has one per processor.
+        in_order = choice.config.get("interface") == HUB_INTERFACE or options.pace != "lockstep"
+        self._order = None if in_order else BusOrder()
 
     def execute(self) -> RunResult:
         """The whole run. A signal (Ctrl-C, SIGTERM) during the record ends it as INVALID, with what was recorded.
@@ -148,6 +152,7 @@ class Run:
         if options.attach:
             return
         plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
+        plant += ["--appear-timeout", str(options.appear_s)]
         nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
         law = ["--controller", options.controller, "--arithmetic", options.arithmetic, "--indexing", options.indexing]
         nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
@@ -178,11 +183,7 @@ class Run:
         give_up_s: float | None = None
         apart = self.options.pace == "lockstep" and self.choice.needs_hub
         while session.ended is None:
-            frames = link.receive(_LOOK_S)
-            for frame in frames:
-                answers = session.handle(frame)
-                if answers:
-                    link.send(answers)
+            self._take(link, _LOOK_S)
             now_s = time.monotonic()
             if apart and session.recording:
                 nodes.keep_together()
@@ -202,8 +203,8 @@ class Run:
             elif now_s > give_up_s:
                 return
             # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
-            if not session.recording and now_s - opened_s > APPEAR_S:
-                self._lost = self._lost or f"no plant on {self.choice.transport} within {APPEAR_S:g} s"
+            if not session.recording and now_s - opened_s > self.options.appear_s:
+                self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
                 return
             if session.recording and now_s - session.heard_ns / 1e9 > SILENCE_S:
                 self._lost = self._lost or f"no tick for {SILENCE_S:g} s of wall time: bench is deadlocked"
@@ -212,14 +213,20 @@ class Run:
     def _drain(self, link: Link) -> bool:
         """Take what is still queued after a node has ended; True when the run ended regularly with it."""
         while self.session.ended is None:
-            frames = link.receive(0.05)
-            if not frames:
+            if not self._take(link, _LOOK_S):
                 return False
-            for frame in frames:
-                answers = self.session.handle(frame)
-                if answers:
-                    link.send(answers)
         return True
+
+    def _take(self, link: Link, timeout_s: float) -> bool:
+        """Hand what has arrived to the recorder and send its answers; False when nothing came."""
+        frames = arrived = link.receive(timeout_s)
+        if self._order is not None:
+            frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
+        for frame in frames:
+            answers = self.session.handle(frame)
+            if answers:
+                link.send(answers)
+        return bool(frames or arrived)
 
     def _who_died(self, nodes: Nodes) -> str:
         dead = sorted(nodes.ended(), key=_blame)

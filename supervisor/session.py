@@ -15,6 +15,7 @@ from bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from bus.layout import Telegram
 from bus.mvb import F_DEVICE_STATUS
 from bus.responder import Responder
+from bus.schedule import Schedule
 from bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
 from dbc import wire_contract
 from scenarios.model import Scenario
@@ -52,6 +53,7 @@ class Session:
         self.last_poll_ns = 0
         self.frames = 0
         self.recording = False
+        self._ending: Event | None = None
         self._write = write
         self._on_progress = on_progress
         self._life = 0
@@ -67,7 +69,7 @@ class Session:
         sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent)]
         self._responder = Responder(
             Role.SUPERVISOR,
-            scenario.timing.base_tick_ns,
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
@@ -119,6 +121,9 @@ class Session:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
         answers = self._responder.handle(frame)
+        if answers:
+            # The plant's last poll comes after its last event: only then is everything here.
+            self.ended = self._ending
         scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
         if self.recording and not scan:
             # The device status scan goes on until all nodes are there: bus management, not part of the record.
@@ -134,7 +139,7 @@ class Session:
             return
         telegram, _ = self._responder.store.read(RunEvent, self._clock.now_ns)
         if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
-            self.ended = Event(telegram.event)
+            self._ending = Event(telegram.event)
 
     def _compare(self) -> None:
         """Compare what the nodes say; plant and controller alone do not know which controller was asked for."""

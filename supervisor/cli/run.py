@@ -65,6 +65,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
         seed=namespace.seed,
         perturbed=namespace.perturbed,
         attach=namespace.attach,
+        appear_s=namespace.appear_timeout,
     )
 
 
