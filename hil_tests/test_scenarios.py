@@ -275,3 +275,10 @@ def test_the_json_schema_knows_every_key_and_requires_none() -> None:
     assert {"extends", "train", "plan", "published"} <= set(schema["properties"])
     assert "file" in schema["$defs"]["TrainTable"]["properties"]
     assert schema["$defs"]["TrainTable"]["additionalProperties"] is False
+
+
+def test_example_of_imported_files_replaces_train_and_line_of_what_it_extends() -> None:
+    scenario = load(str(Path(__file__).parents[1] / "docs" / "examples" / "desiro_slope.toml"))
+    assert scenario.train.name == "Regional Train"
+    assert scenario.line.grade_permil[-1][1] == 0.0
+    assert scenario.plan.distance_m == 9000
