@@ -63,9 +63,9 @@ class Responder:
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame; returns the answer to a poll of this node, otherwise nothing."""
-        can_id = frame.can_id
-        if can_id == self._poll_id and not frame.flags:
-            return self._answer(frame.data)
+        can_id, data, flags = frame
+        if can_id == self._poll_id and not flags:
+            return self._answer(data)
         if can_id in self._clock_ids:
             self.clock.feed(frame)
         committed = self.store.feed(frame, self.clock.now_ns)

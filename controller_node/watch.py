@@ -130,6 +130,15 @@ class WatchState(NamedTuple):
 def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
     """State after one look."""
     recent = state.recent
+    if (
+        state.level is Level.NORMAL
+        and seen.age_ms <= ladder.hold_ms
+        and seen.telegram is not Telegram.BAD
+        and not (seen.overspeed or seen.implausible or seen.channel_lost)
+        and (seen.telegram is Telegram.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
+    ):
+        # A healthy channel that has been so for a while: nothing to remember, and this is nearly every look.
+        return state
     if seen.telegram is not Telegram.NONE:
         recent = (recent << 1 | (seen.telegram is Telegram.BAD)) & _RECENT_MASK
     good_run = state.good_run

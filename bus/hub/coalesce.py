@@ -38,10 +38,11 @@ class Coalescer:
         ready: list[bytes] = []
         if len(held) + len(packet) > MAX_PACKET_SIZE:
             ready = self.flush()
+        now_s = time.monotonic()
         if not held:
-            self._since_s = time.monotonic()
+            self._since_s = now_s
         held += packet
-        late = time.monotonic() - self._since_s > HOLD_S
+        late = now_s - self._since_s > HOLD_S
         if len(held) >= self._limit_bytes or late or packet[-CLASSIC_SIZE:] in self._wake_on:
             ready += self.flush()
         return ready
