@@ -57,9 +57,9 @@ def measure(setting: Setting) -> list[Figure]:
         for number in range(setting.count(3, 1)):
             out = setting.folder / f"{arithmetic}{number}"
             with RunCommand(setting, arithmetic, out) as running:
-                found["first frame"].append(running.first_frame_s())
                 done = running.finish()
             run = done.score["run"]
+            found["first frame"].append(run["first_frame_s"])
             found["wall"].append(done.wall_s)
             found["factor"].append(run["speed_factor"])
             found["frames/s"].append(run["frames"] / run["wall_time_s"])

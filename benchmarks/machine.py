@@ -12,7 +12,7 @@ import psutil
 
 _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil")
 #: A machine counts as busy when others use more than this share of it.
-_BUSY_SHARE = 0.25
+_BUSY_SHARE = 0.5
 _LOOK_S = 0.5
 
 

@@ -17,7 +17,7 @@ METHOD = (
 )
 LIMIT_MB = 150.0
 _LOOK_S = 0.02
-_MODULES = {"plant": "plant_sim", "controller": "controller_node"}
+_MODULES = {"hub": "bus.hub", "plant": "plant_sim", "controller": "controller_node"}
 
 
 def peak_mb(pid: int) -> float:
@@ -48,7 +48,7 @@ def measure(setting: Setting) -> list[Figure]:
     """
     peaks_mb = dict.fromkeys(("hub", "plant", "controller", "supervisor"), 0.0)
     with RunCommand(setting, "iq", setting.folder / "memory") as running:
-        pids = {"hub": running.hub.pid, "supervisor": running.process.pid}
+        pids = {"supervisor": running.process.pid}
         command = psutil.Process(running.process.pid)
         while running.process.poll() is None:
             if len(pids) < len(peaks_mb):

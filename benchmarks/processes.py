@@ -15,9 +15,7 @@ from typing import Any
 
 from benchmarks.figures import MeasurementError, Setting
 from bus.exitcodes import FAIL, PASS
-from bus.ident import PltIdent
-from bus.link import open_link
-from bus.select import HUB_INTERFACE, arguments_from_config
+from bus.select import HUB_INTERFACE
 from hil_tests.cli import command
 
 _READY = "railhil hub ready at "
@@ -72,33 +70,20 @@ class Finished:
 
 
 class RunCommand:
-    """``railhil run`` in lockstep, recording, over a hub that starts with it; a context manager.
-
-    The hub is started here and not by the command, so that a machine with kernel SocketCAN measures the same thing.
+    """``railhil run`` in lockstep, recording, over a hub of its own; a context manager.
 
     :param out: run folder, must not exist.
     """
 
     def __init__(self, setting: Setting, arithmetic: str, out: Path) -> None:
         self._out = out
-        self._channel = str(out.with_suffix(".sock"))
-        bus = arguments_from_config(hub_config(self._channel))
         self._started_ns = time.perf_counter_ns()
-        self.hub = subprocess.Popen(
-            [sys.executable, "-m", "bus.hub", "-c", self._channel], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-        )
-        words: list[str | Path] = [
-            "run",
-            setting.scenario_name,
-            "--arithmetic",
-            arithmetic,
-            "--out",
-            out,
-            "--json",
-            "--quiet",
-        ]
+        words: list[str | Path] = ["run", setting.scenario_name, "--arithmetic", arithmetic, "-i", HUB_INTERFACE]
         self.process = subprocess.Popen(
-            command(*words, *bus), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            command(*words, "--out", out, "--json", "--quiet"),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
         )
 
     def __enter__(self) -> RunCommand:
@@ -106,28 +91,9 @@ class RunCommand:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         end(self.process)
-        end(self.hub)
         for stream in (self.process.stdout, self.process.stderr):
             if stream is not None:
                 stream.close()
-
-    def first_frame_s(self) -> float:
-        """Wall time from the start of the command to the first frame of the record, seen by a client of the hub.
-
-        The client leaves the hub at once, so that the run goes on without it.
-
-        :raises MeasurementError: the command ended before.
-        """
-        opening = set(PltIdent.port().can_ids)
-        link = open_link(hub_config(self._channel))
-        try:
-            while self.process.poll() is None:
-                if any(frame.can_id in opening for frame in link.receive(0.5)):
-                    return (time.perf_counter_ns() - self._started_ns) / 1e9
-        finally:
-            link.close()
-        self.finish()
-        raise MeasurementError("railhil run ended without a frame")
 
     def finish(self) -> Finished:
         """Wait for the end of the command.

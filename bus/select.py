@@ -86,6 +86,8 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -
     :param private_hub: socket path at which the caller can start a hub of its own; without it the default hub is used.
     """
     given = config_from_namespace(namespace)
+    if given.get("interface") == HUB_INTERFACE and "channel" not in given and private_hub is not None:
+        return _own_hub(private_hub, "a hub of this run's own, as given on the command line", given)
     if given:
         return BusChoice(given, "given on the command line", arguments=arguments_from_config(given))
     try:
@@ -98,9 +100,19 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -
     if vcan_available():
         config = {"interface": "socketcan", "channel": _DEFAULT_VCAN}
         return BusChoice(config, "the kernel has vcan0", arguments=arguments_from_config(config))
-    config = {"interface": HUB_INTERFACE, "channel": str(private_hub or default_channel())}
+    reason = "no vcan0 in this kernel: user-space hub"
     if private_hub is not None:
-        config["connect_timeout"] = str(HUB_START_S)
-    return BusChoice(
-        config, "no vcan0 in this kernel: user-space hub", private_hub is not None, arguments_from_config(config)
-    )
+        return _own_hub(private_hub, reason, {})
+    config = {"interface": HUB_INTERFACE, "channel": default_channel()}
+    return BusChoice(config, reason, arguments=arguments_from_config(config))
+
+
+def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:
+    """The hub that the caller starts beside the nodes; they wait for it."""
+    config = {
+        **given,
+        "interface": HUB_INTERFACE,
+        "channel": str(path),
+        "connect_timeout": str(HUB_START_S),
+    }
+    return BusChoice(config, reason, True, arguments_from_config(config))

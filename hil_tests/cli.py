@@ -66,7 +66,8 @@ class Started:
                     return child
             return None
 
-        return wait_for(find)
+        found: psutil.Process = wait_for(find)
+        return found
 
     def finish(self) -> tuple[Done, float]:
         """Wait for the end; also the seconds that it took."""

@@ -116,3 +116,11 @@ def test_the_choice_itself_can_be_handed_on(hub: Path | None) -> None:
     choice = choose_bus(parsed(), hub)
     again = config_from_namespace(parsed(*choice.arguments))
     assert {key: str(value) for key, value in again.items()} == choice.config
+
+
+def test_hub_without_channel_is_a_hub_of_the_run_s_own(tmp_path: Path) -> None:
+    choice = choose_bus(parsed("-i", "railhil"), tmp_path / "hub.sock")
+    assert choice.needs_hub
+    assert choice.config["channel"] == str(tmp_path / "hub.sock")
+    # Without a place for one of its own, python-can's plugin takes the user's default hub.
+    assert not choose_bus(parsed("-i", "railhil")).needs_hub

@@ -20,7 +20,7 @@ from bus.telegrams import Event, SupCmd
 from dbc import wire_contract
 from scenarios.model import Scenario
 from supervisor.framelog import FrameLog, read_log
-from supervisor.processes import Node, Nodes
+from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
 from supervisor.timing import Jitter, jitter_of
@@ -65,6 +65,7 @@ class RunResult:
     frames_sha256: str
     wall_time_s: float
     sim_time_s: float
+    #: From the start of this process (the command), interpreter start included.
     first_frame_s: float
     transport: str
     jitter: Jitter | None
@@ -120,7 +121,7 @@ class Run:
 
         :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
         """
-        started_ns = time.monotonic_ns()
+        started_ns = process_start_ns()
         try:
             with Nodes(self.folder) as nodes:
                 self._start(nodes)
@@ -181,7 +182,7 @@ class Run:
         look_s = time.monotonic() + _LOOK_S
         opened_s = time.monotonic()
         give_up_s: float | None = None
-        apart = self.options.pace == "lockstep" and self.choice.needs_hub
+        apart = self.options.pace == "lockstep" and bool(nodes.nodes)
         while session.ended is None:
             self._take(link, _LOOK_S)
             now_s = time.monotonic()
