@@ -99,9 +99,9 @@ def test_unknown_benchmark_is_one_line():
 
 def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
     setting = Setting(True, str(socket_folder / "missing.toml"), socket_folder)
-    with RunCommand(setting, "iq", socket_folder / "out") as running:
-        with pytest.raises(MeasurementError, match=r"exit code 2: .*missing\.toml"):
-            running.finish()
+    running = RunCommand(setting, "iq", socket_folder / "out")
+    with running, pytest.raises(MeasurementError, match=r"exit code 2: .*missing\.toml"):
+        running.finish()
     assert running.process.returncode == 2
 
 
