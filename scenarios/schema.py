@@ -148,8 +148,9 @@ class TargetTable(_Table):
 class PlanTable(_Table):
     """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
 
-    distance_m: Annotated[float, Field(gt=0, le=1_000_000)]
-    running_time_s: Annotated[float, Field(gt=0, le=100_000)] | None = None
+    # What the wire can carry: true position in 0.1 mm (signed 32 bit), instants in 0.1 ms (28 bit).
+    distance_m: Annotated[float, Field(gt=0, le=214_000)]
+    running_time_s: Annotated[float, Field(gt=0, le=26_000)] | None = None
     running_time_reserve_percent: NotNegative | None = None
     stop_error_max_m: Positive
     time_error_max_s: Positive
