@@ -18,12 +18,15 @@ class BusOrder:
     """Gives frames back in the order of the wire; holds some of them for a moment.
 
     :param source: whose answers may arrive out of order (a node that is not the recorder itself).
+    :param fd: the bus carries the CAN FD form.
     """
 
-    def __init__(self, source: str = "controller") -> None:
+    def __init__(self, source: str = "controller", fd: bool = False) -> None:
         contract = wire_contract()
         self._poll_id = contract.poll_id
-        self._answers = {port.address: port.can_ids for port in contract.ports if port.source == source}
+        self._answers = {
+            port.address: (port.fd_id,) if fd else port.can_ids for port in contract.ports if port.source == source
+        }
         self._answer_ids = {can_id for ids in self._answers.values() for can_id in ids}
         self._awaited: list[int] = []
         self._early: list[Frame] = []

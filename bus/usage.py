@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 SEED_MAX = 0xFFFF_FFFF
 #: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
 RATE_MIN, RATE_MAX = 0.01, 1000.0
+APPEAR_MAX_S = 3600.0
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -67,6 +68,16 @@ def _rate(text: str) -> float:
     return rate
 
 
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = float("nan")
+    if not 0 < seconds <= APPEAR_MAX_S:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed above 0, at most {APPEAR_MAX_S:g} s")
+    return seconds
+
+
 def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     """Options that say which run it is: the same for the plant node and for the supervisor."""
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
@@ -75,7 +86,7 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
     parser.add_argument(
         "--appear-timeout",
-        type=float,
+        type=_seconds,
         default=25.0,
         metavar="S",
         help="wall time for the other nodes to appear (default 25 s)",

@@ -62,3 +62,11 @@ def test_answer_that_never_comes_is_given_up_when_the_bus_falls_silent():
 def test_random_frames_are_neither_lost_nor_invented(frames):
     sent = [Frame(can_id, data) for can_id, data in frames]
     assert sorted(ordered(sent)) == sorted(sent)
+
+
+def test_can_fd_answers_are_known():
+    order = BusOrder(fd=True)
+    answer = TelegramSource(NotchCmd.port(), fd=True).frames(NotchCmd(1).encode())
+    assert order.feed(NOTCH_POLL) == [NOTCH_POLL]
+    assert order.feed(SPEED[0]) == []
+    assert order.feed(answer[0]) == [answer[0], SPEED[0]]

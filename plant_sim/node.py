@@ -26,6 +26,8 @@ from scenarios.perturb import perturbed
 
 #: The record goes on this long after the stop, so that it shows the standstill.
 AFTER_STOP_S = 1.0
+#: No train brakes longer than this after its controller was lost.
+BRAKING_MAX_NS = 300_000_000_000
 
 
 class Refused(BusError):
@@ -84,6 +86,8 @@ class PlantNode:
         self._controller_lost = ""
         self._appear_s = options.appear_s
         self._supervisor_heard_ns = 0
+        # Of the current tick: a plant that has failed has no position any more.
+        self._position_01mm = 0
         self._ended: Event | None = None
 
     @property
@@ -152,8 +156,8 @@ class PlantNode:
             if self._ended is None:
                 if stop_tick is not None and plant.tick >= stop_tick + after_stop:
                     self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_COMPLETE)
-                elif plant.tick > last_tick and not self._controller_lost:
-                    self._end(Event.ENDED_NOT_STOPPED)
+                elif self._overdue(last_tick):
+                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_NOT_STOPPED)
             try:
                 plant.advance()
             except PlantError:
@@ -166,6 +170,7 @@ class PlantNode:
     def _tick(self) -> bool:
         """Bus traffic of the current tick; True when the train stopped since the tick before."""
         tick, administrator = self.plant.tick, self.administrator
+        self._position_01mm = self.plant.position_01mm
         stopped = False
         for period, _, make in self._published:
             if tick % period == 0:
@@ -181,6 +186,9 @@ class PlantNode:
                 stopped = stopped or kind is Event.STOPPED
                 administrator.publish(RunEvent(kind, event.instant_01ms, event.position_01mm))
         for period, port in self._polled:
+            if self._ended is not None:
+                # The supervisor has just ended the run: the controller is leaving.
+                break
             if tick % period == 0 and not (port.source == "controller" and self._controller_lost):
                 self._poll(port)
         if self._pacer.rate:
@@ -214,6 +222,16 @@ class PlantNode:
             if order is not None and order.command == SupCommand.STOP:
                 self._end(Event.ENDED_BY_SUPERVISOR)
 
+    def _overdue(self, last_tick: int) -> bool:
+        """True when no stop is to be waited for: time is over, or nobody will ever move the standing train.
+
+        A train whose controller is lost may still be braking when the timetable is over.
+        """
+        standing = self.plant.true_speed_01mmps == 0
+        if self._controller_lost:
+            return standing or self.plant.tick * self._tick_ns > last_tick * self._tick_ns + BRAKING_MAX_NS
+        return self.plant.tick > last_tick
+
     def _controller_silent(self) -> bool:
         """True when the train stands because nobody commanded it: its watch had reached the emergency age."""
         _, age_ns = self._store.read(NotchCmd, self.plant.tick * self._tick_ns)
@@ -228,7 +246,7 @@ class PlantNode:
     def _announce(self, event: Event) -> None:
         self._ended = event
         instant_01ms = self.plant.tick * self._tick_ns // 100_000
-        self.administrator.publish(RunEvent(event, instant_01ms, self.plant.position_01mm))
+        self.administrator.publish(RunEvent(event, instant_01ms, self._position_01mm))
 
     def _end(self, event: Event) -> None:
         """Publish the last event; the final poll tells that the supervisor has recorded everything."""

@@ -63,7 +63,7 @@ class TrainTable(_Table):
     actuator_pole_per_s: Positive
     force_per_notch_n: Positive | None = None
     accel_per_notch_mps2: Positive | None = None
-    notch_max: Positive = 7.0
+    notch_max: Annotated[float, Field(gt=0, le=127)] = 7.0
     speed_limit_kmh: Positive = 3600.0
     service_braking_mps2: Positive = 1.0
     gravity_mps2: Annotated[float, Field(gt=9.0, lt=10.0)] = 9.81
@@ -77,7 +77,7 @@ class ImportedTrainTable(_Table):
     train_id: Text | None = None
     actuator_pole_per_s: Positive
     accel_per_notch_mps2: Positive
-    notch_max: Positive = 7.0
+    notch_max: Annotated[float, Field(gt=0, le=127)] = 7.0
     assumptions: list[Text] = []
 
 
@@ -97,7 +97,7 @@ class BaliseTable(_Table):
     """One balise; ``true_m`` defaults to the surveyed position."""
 
     number: Annotated[int, Field(ge=0, le=255)]
-    surveyed_m: Number
+    surveyed_m: Annotated[float, Field(ge=-2_000_000, le=2_000_000)]
     true_m: Number | None = None
 
 
@@ -149,12 +149,12 @@ class PlanTable(_Table):
     """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
 
     # What the wire can carry: true position in 0.1 mm (signed 32 bit), instants in 0.1 ms (28 bit).
-    distance_m: Annotated[float, Field(gt=0, le=214_000)]
+    distance_m: Annotated[float, Field(gt=0, le=200_000)]
     running_time_s: Annotated[float, Field(gt=0, le=26_000)] | None = None
     running_time_reserve_percent: NotNegative | None = None
     stop_error_max_m: Positive
     time_error_max_s: Positive
-    overtime_max_s: Positive = 10.0
+    overtime_max_s: Annotated[float, Field(gt=0, le=600)] = 10.0
 
 
 class TimingTable(_Table):

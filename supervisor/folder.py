@@ -66,12 +66,11 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
     folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
     try:
-        serial = 1
-        while out is None and folder.exists():
-            serial += 1
-            folder = folder.with_name(f"{stamp}-{scenario}-{controller}-{serial}")
-        made = not folder.exists()
-        folder.mkdir(parents=True, exist_ok=True)
+        made = out is None or not folder.exists()
+        if out is None:
+            folder = _new_folder(folder)
+        else:
+            folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
         # Leaves nothing behind; asking for permissions would not notice a read-only file system.
         tempfile.TemporaryFile(dir=folder).close()
@@ -81,6 +80,20 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
     if occupied:
         raise InputError("command line", "--out", str(folder), "an empty or new folder")
     return folder, made
+
+
+def _new_folder(wanted: Path) -> Path:
+    """Make a folder of this name, or with a number behind it: runs that start in the same second never share one."""
+    wanted.parent.mkdir(parents=True, exist_ok=True)
+    folder, serial = wanted, 1
+    while True:
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            serial += 1
+            folder = wanted.with_name(f"{wanted.name}-{serial}")
+        else:
+            return folder
 
 
 def discard_folder(folder: Path, made: bool) -> None:

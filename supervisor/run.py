@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bus.errors import BusLost, BusUnavailable
-from bus.exitcodes import FAIL, INVALID, PASS, USAGE
+from bus.exitcodes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from bus.ident import Role, SupIdent
 from bus.link import Link, open_link
 from bus.mvb import F_DEVICE_STATUS, master_frame
@@ -23,7 +23,7 @@ from supervisor.framelog import FrameLog, read_log
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
-from supervisor.timing import Jitter, jitter_of
+from supervisor.timing import Jitter, jitter_of, write_wall_times
 from supervisor.trace import Trace, trace_of
 
 #: Wall time without any frame after which a started run counts as dead.
@@ -31,6 +31,8 @@ SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
+#: The plant knows better who is missing: it may give up first.
+_LATER_S = 2.0
 #: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
 _BULK_FRAMES = 64
 _ANSWERED = (SupCmd.PORT, SupIdent.PORT)
@@ -114,7 +116,7 @@ class Run:
         self._lost = ""
         # The hub has one order for all; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or options.pace != "lockstep"
-        self._order = None if in_order else BusOrder()
+        self._order = None if in_order else BusOrder(fd=choice.fd)
 
     def execute(self) -> RunResult:
         """The whole run. A signal (Ctrl-C, SIGTERM) during the record ends it as INVALID, with what was recorded.
@@ -204,7 +206,7 @@ class Run:
             elif now_s > give_up_s:
                 return
             # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
-            if not session.recording and now_s - opened_s > self.options.appear_s:
+            if not session.recording and now_s - opened_s > self.options.appear_s + _LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
                 return
             if session.recording and now_s - session.heard_ns / 1e9 > SILENCE_S:
@@ -252,11 +254,14 @@ class Run:
         jitter = None
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
         if self.options.pace == "realtime":
+            write_wall_times(session.wall_ticks, session.wall_ns, self.folder / "wall.csv")
             jitter = jitter_of(session.wall_ticks, session.wall_ns, self.scenario, self.options.rate)
             if not jitter.valid and code in (PASS, FAIL):
                 code, line = INVALID, line or jitter.sentence()
         if line:
             code = USAGE if refused else INVALID
+        if session.ended is Event.ENDED_PLANT_ERROR:
+            code = TOOL_ERROR
         return RunResult(
             score=result,
             exit_code=code,

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bus.ident import INDEXINGS, CtlIdent
+from bus.schedule import Schedule
 from bus.telegrams import Event, RunEvent, SimTruth
 from scenarios.model import Profile, Scenario
 from scenarios.target import Target
@@ -76,8 +77,10 @@ def _itae(scenario: Scenario, target: Target, indexing: str, time_s: FloatArray,
     """Eq. (4): sum of k Tc^2 times the mean |e| of cycle k, e in km/h; standstill counts to the timetable's end."""
     period_s = scenario.timing.control_period_ns / 1e9
     cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
-    step_s = time_s[1] - time_s[0]
-    grid_s = np.arange(1, round(cycles * period_s / step_s) + 1) * step_s
+    timing = scenario.timing
+    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+    step_s = schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
+    grid_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
     index = np.minimum(np.searchsorted(time_s, grid_s - step_s / 2), len(time_s) - 1)
     speed = np.where(grid_s > time_s[-1] + step_s / 2, 0.0, truth["speed"][index])
     if indexing == "distance":
@@ -117,7 +120,8 @@ def _events(trace: Trace) -> dict[Event, tuple[float, float]]:
     positions = trace.values(RunEvent.PORT, "EventPos")
     found: dict[Event, tuple[float, float]] = {}
     for code, instant_s, position_m in zip(codes, instants, positions, strict=True):
-        found.setdefault(Event(int(code)), (float(instant_s), float(position_m)))
+        if int(code) in Event._value2member_map_:
+            found.setdefault(Event(int(code)), (float(instant_s), float(position_m)))
     return found
 
 
@@ -137,6 +141,9 @@ def score(scenario: Scenario, trace: Trace) -> Score:
         "traction": trace.values(SimTruth.PORT, "TractionForce"),
         "brake": trace.values(SimTruth.PORT, "BrakeForce"),
     }
+    # A telegram that was recorded twice counts once: the times of the rest increase.
+    fresh = np.diff(time_s, prepend=-1.0) > 0
+    time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     ended_name = ended.name.lower() if ended is not None else "record_incomplete"
     whole = (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
     if ended not in whole or len(time_s) < 2:

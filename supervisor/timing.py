@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -36,6 +37,13 @@ class Jitter:
             f"timing: {self.late_share:.2%} of {self.cycles} cycles more than {LATE_MS:g} ms late, "
             f"allowed {LATE_SHARE_MAX:.1%}"
         )
+
+
+def write_wall_times(ticks: array[int], wall_ns: array[int], out: Path) -> None:
+    """Write the side file of a realtime run: arrival of each tick in ns of wall time since the first."""
+    rows = np.column_stack([np.array(ticks, dtype=np.int64), np.array(wall_ns, dtype=np.int64)])
+    rows[:, 1] -= rows[0, 1] if len(rows) else 0
+    np.savetxt(out, rows, fmt="%d", delimiter=",", header="tick,wall_ns", comments="")
 
 
 def jitter_of(ticks: array[int], wall_ns: array[int], scenario: Scenario, rate: float) -> Jitter:
