@@ -31,6 +31,7 @@ SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
+_REAP_S = 1.0
 #: The plant knows better who is missing: it may give up first.
 _LATER_S = 2.0
 #: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
@@ -131,6 +132,8 @@ class Run:
                 try:
                     self._record(link, nodes)
                 except BusLost as error:
+                    # A killed process closes its sockets a moment before it can be seen to have ended.
+                    nodes.wait(("hub",), _REAP_S)
                     self._lost = self._who_died(nodes) or str(error)
                 except (KeyboardInterrupt, SystemExit) as stop:
                     if not self.session.recording:
