@@ -156,7 +156,7 @@ class PlantNode:
             if self._ended is None:
                 if stop_tick is not None and plant.tick >= stop_tick + after_stop:
                     self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_COMPLETE)
-                elif self._overdue(last_tick):
+                elif stop_tick is None and self._overdue(last_tick):
                     self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_NOT_STOPPED)
             try:
                 plant.advance()
