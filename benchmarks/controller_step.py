@@ -8,7 +8,9 @@ import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
-from controller_node.controller import BatchController, Controller, counted_cycles
+from controller_node.controller import BatchController, Controller
+from controller_node.program.cycles import CPU_MHZ, estimated_cycles
+from controller_node.program.record import record as record_law
 from scenarios.model import Scenario
 
 TITLE = "controller step"
@@ -20,8 +22,6 @@ METHOD = (
 _ARITHMETICS = ("iq", "float64")
 _TRAINS = 1000
 _SPREAD_01MMPS = 5000
-#: Clock of a TMS320F28335.
-_C28X_MHZ = 150
 
 
 def _scalar_us(scenario: Scenario, arithmetic: str, recording: Recording, passes: int) -> list[float]:
@@ -76,12 +76,12 @@ def measure(setting: Setting) -> list[Figure]:
                 "single step to batch step per train",
             ),
         ]
-    cycles = counted_cycles(scenario, "ipfc", "time")
-    chip_us = cycles / _C28X_MHZ
+    cycles = estimated_cycles(record_law(scenario, "ipfc").step_counts())
+    chip_us = cycles / CPU_MHZ
     return [
         *figures,
         Figure("iq: estimated C28x cycles per step", cycles, "cycles"),
         Figure(
-            f"iq: the same at {_C28X_MHZ} MHz", chip_us, "us", period_us / chip_us, "control period to estimated step"
+            f"iq: the same at {CPU_MHZ} MHz", chip_us, "us", period_us / chip_us, "control period to estimated step"
         ),
     ]

@@ -21,7 +21,7 @@ class Role(IntEnum):
 
 
 #: Codes of ``arithmetic`` and ``indexing`` in the handshake.
-ARITHMETICS = ("none", "float64", "float32", "iq")
+ARITHMETICS = ("none", "float64", "float32", "iq", "iq-portable", "float32-truncated")
 INDEXINGS = ("none", "time", "distance")
 
 
@@ -35,10 +35,10 @@ class Ident(Telegram):
         +-------------------+-------------------+
         |   scenario hash   |     wire hash     |
         +-------------------+-------------------+
-          8    9    10   11   12   13         14                   15
-        +-------------------+---------+--------------------+-------------------+
-        |       seed        |  law    |role arith index per| chk spare version |
-        +-------------------+---------+--------------------+-------------------+
+          8    9    10   11   12     13          14                 15
+        +-------------------+--------------+---------------+-------------------+
+        |       seed        |  law   arith |role  index per| chk spare version |
+        +-------------------+--------------+---------------+-------------------+
     """
 
     PORT: ClassVar[str] = "PLT_IDENT"
@@ -108,7 +108,7 @@ _CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlI
 
 def law_code(controller: str) -> int:
     """16-bit code of a controller's name (low half of its CRC-32), 0 for the empty name."""
-    return zlib.crc32(controller.encode()) & 0xFFFF if controller else 0
+    return zlib.crc32(controller.encode()) & 0xFFF if controller else 0
 
 
 def make_ident(

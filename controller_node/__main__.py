@@ -9,6 +9,7 @@ import sys
 from can.cli import add_bus_arguments
 
 from bus.exitcodes import guarded
+from bus.ident import ARITHMETICS
 from bus.link import open_link
 from bus.select import choose_bus
 from bus.usage import OneLineParser, parse
@@ -22,7 +23,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
-    parser.add_argument("--arithmetic", choices=("iq", "float64"), default="iq")
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     add_bus_arguments(parser)
     return parser

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Generic
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from controller_node.arithmetic import make
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.arithmetic.counting import Counting, estimated_cycles
-from controller_node.laws import load
-from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.setpoint import SetPoints
+from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
+from controller_node.loop import ControlLoop
+from controller_node.program.cycles import estimated_cycles
+from controller_node.program.record import record
 from scenarios.model import Scenario
 
-#: km/h per 0.1 mm/s. With Q40 the one product that turns the wire's speed into Q20 is exact to 1e-9.
-_KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40)
 #: UNIPOLAR2.16 of CTL_STAT: 1/16384.
 _UNIPOLAR2_Q = 14
 
@@ -54,36 +51,6 @@ class BatchOutput:
     overflow_flags: int
 
 
-class ControlLoop(Generic[T]):
-    """Law, set-points and state on one arithmetic; operands are those of the arithmetic."""
-
-    def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[T], indexing: str) -> None:
-        period_s = scenario.timing.control_period_ns / 1e9
-        self.arithmetic = arithmetic
-        self.law: Law[T, Any] = load(law)(arithmetic, period_s, scenario.train.notch_max)
-        self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
-        self._kmh = arithmetic.const(_KMH_PER_01MMPS)
-        self.state: Any = None
-
-    def inputs(self, k: int, speed_01mmps: T, position_01mm: T) -> LawInputs[T]:
-        """Wire values and set-points as the law takes them."""
-        speed = self.arithmetic.mpy_iqx(speed_01mmps, 0, self._kmh, 40, SPEED_Q)
-        set_point, preview = self.set_points.at(k, position_01mm)
-        return LawInputs(speed, set_point, preview)
-
-    def step(self, k: int, speed_01mmps: T, position_01mm: T) -> tuple[LawInputs[T], LawOutputs[T]]:
-        """One control period; the first one also makes the law's state."""
-        inputs = self.inputs(k, speed_01mmps, position_01mm)
-        if self.state is None:
-            self.state = self.law.start(inputs)
-        self.state, outputs = self.law.step(self.state, inputs)
-        return inputs, outputs
-
-    def sent(self, notch: T) -> None:
-        """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
-        self.state = self.law.with_sent(self.state, notch)
-
-
 class Controller:
     """Controller of one train.
 
@@ -99,8 +66,8 @@ class Controller:
         self._loop: ControlLoop[Any] = ControlLoop(scenario, law, number, indexing)
         self._number = number
         self._code: int | None = None
-        # The law is straight-line: one counted step is the cost of every step.
-        self._cycles = 0 if number.wide else counted_cycles(scenario, law, indexing)
+        # The law is straight-line: the cost of one step is the cost of every step.
+        self._cycles = 0 if number.wide else estimated_cycles(record(scenario, law, indexing).step_counts())
 
     def step(self, k: int, speed_01mmps: int, position_01mm: int) -> ControlOutput:
         """One control period.
@@ -169,13 +136,3 @@ class BatchController:
 
     def _raw(self, value: Any, q: int) -> NDArray[np.int64]:
         return np.broadcast_to(np.asarray(self._number.raw(value, q), dtype=np.int64), (self._trains,))
-
-
-def counted_cycles(scenario: Scenario, law: str, indexing: str) -> int:
-    """Estimated C28x cycles of one step of a law in IQ arithmetic, program and data in RAM."""
-    counting = Counting(make("iq"))
-    loop = ControlLoop(scenario, law, counting, indexing)
-    loop.step(0, 0, 0)
-    counting.counts.clear()
-    loop.step(1, 0, 0)
-    return estimated_cycles(counting.counts)

@@ -61,19 +61,19 @@ class SetPoints(Generic[T]):
         end_s = max(scenario.plan.running_time_s, target.stop_time_s) + scenario.plan.overtime_max_s
         count = math.ceil(end_s / period_s) + horizon + 1
         times_s = np.arange(count, dtype=np.float64) * period_s
-        self._by_time = arithmetic.table(_speed_constants("v_of_t", target, times_s))
+        self._by_time = arithmetic.table("v_of_t", _speed_constants("v_of_t", target, times_s))
         self._last_k = count - horizon - 1
         self._distance = _DistanceTable(arithmetic, target, period_s, horizon) if indexing == "distance" else None
 
-    def at(self, k: int, position_01mm: T) -> tuple[T, Sequence[T]]:
+    def at(self, k: Any, position_01mm: T) -> tuple[T, Sequence[T]]:
         """Set-point of control period ``k`` and those of the next ``horizon`` periods.
 
         ``position_01mm`` is the measured position in 0.1 mm (whole numbers in every arithmetic). Beyond the end of the
         timetable plus the overtime of the plan, and before 0, the last or first entries hold.
         """
         ar = self._ar
-        first = min(max(k, 0), self._last_k)
-        by_time = self._by_time[first : first + self._horizon + 1]
+        first = ar.index(k, self._last_k)
+        by_time = [ar.at(self._by_time, first, i) for i in range(self._horizon + 1)]
         if self._distance is None:
             return by_time[0], by_time[1:]
         by_distance = self._distance.at(position_01mm)
@@ -95,10 +95,11 @@ class _DistanceTable(Generic[T]):
         before = math.ceil((target.stop_time_s - float(target.time_s(DISTANCE_FROM_M))) / cell_s)
         times_s: NDArray[np.float64] = target.stop_time_s + np.arange(-before, 1, dtype=np.float64) * cell_s
         positions = target.position_m(times_s) * _01MM
-        self._position = arithmetic.table([Constant(f"x[{i}]", round(x), 0) for i, x in enumerate(positions)])
+        distances = [Constant(f"x_of_t[{i}]", round(x), 0) for i, x in enumerate(positions)]
+        self._position = arithmetic.table("x_of_t", distances)
         after = np.arange(1, horizon * _PER_PERIOD + 1)
         all_times_s: NDArray[np.float64] = np.append(times_s, target.stop_time_s + after * cell_s)
-        self._speed = arithmetic.table(_speed_constants("v_of_x", target, all_times_s))
+        self._speed = arithmetic.table("v_of_x", _speed_constants("v_of_x", target, all_times_s))
         self._offsets = [i * _PER_PERIOD for i in range(horizon + 1)]
         self._zero = arithmetic.const(Constant("zero", 0.0, 0))
         self._one_01mm = arithmetic.const(Constant("one_01mm", 1.0, 0))
@@ -108,12 +109,12 @@ class _DistanceTable(Generic[T]):
     def at(self, position_01mm: T) -> list[Any]:
         ar = self._ar
         index = ar.locate(self._position, position_01mm)
-        begin = self._position[index]
+        begin = ar.at(self._position, index)
         # Next to the stop neighbours can share a tenth of a millimetre.
-        length = ar.maximum(ar.sub(self._position[index + 1], begin), self._one_01mm)
+        length = ar.maximum(ar.sub(ar.at(self._position, index, 1), begin), self._one_01mm)
         fraction = ar.div(ar.clip(ar.sub(position_01mm, begin), length, self._zero), length, _FRACTION_Q)
         points = []
         for offset in self._offsets:
-            left, right = self._speed[index + offset], self._speed[index + offset + 1]
+            left, right = ar.at(self._speed, index, offset), ar.at(self._speed, index, offset + 1)
             points.append(ar.add(left, ar.rmpy(ar.sub(right, left), fraction, _FRACTION_Q)))
         return points

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from controller_node.arithmetic import make, names
 from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Constant, Counters, Curve
-from controller_node.arithmetic.counting import C28X_CYCLES, Counting, estimated_cycles
 from controller_node.arithmetic.float64 import Float64, Float64Batch
 from controller_node.arithmetic.iq import Iq, IqBatch
 from scenarios.errors import InputError
@@ -21,7 +20,7 @@ PAIRS = st.lists(st.tuples(INT32, INT32), min_size=1, max_size=20)
 SHIFT = st.integers(1, 30)
 REAL = st.floats(-1e6, 1e6)
 
-CURVE = Curve("decay", lambda x: math.exp(-x), 24, 30)
+CURVE = Curve.sampled("decay", lambda x: math.exp(-x), 24, 30)
 
 
 @settings(deadline=None, max_examples=150)
@@ -92,9 +91,9 @@ def test_curve_ends_are_samples() -> None:
 def test_locate_scalar_equals_array(arguments: list[int]) -> None:
     constants = [Constant(f"x[{i}]", float(x), 0) for i, x in enumerate((0, 3, 4, 50, 50, 100))]
     for one, many in ((Iq(), IqBatch()), (Float64(), Float64Batch())):
-        table = one.table(constants)
+        table = one.table("t", constants)
         expected = [one.locate(table, a) for a in arguments]
-        np.testing.assert_array_equal(many.locate(many.table(constants), np.array(arguments)), expected)
+        np.testing.assert_array_equal(many.locate(many.table("t", constants), np.array(arguments)), expected)
         assert all(0 <= index <= 4 for index in expected)
         assert all(table[i] <= a for i, a in zip(expected, arguments, strict=True) if a >= 0)
 
@@ -135,20 +134,3 @@ def test_unknown_arithmetic_is_one_line() -> None:
     assert names() == ["float64", "iq"]
     with pytest.raises(InputError, match=r"^arithmetic: name: found 'float16', allowed one of float64, iq$"):
         make("float16")
-
-
-def test_counting_counts_and_prices_operations() -> None:
-    counting = Counting(Iq())
-    assert counting.dot((1 << 24, 1 << 24), (3, 4), 24) == 7
-    assert counting.div(1 << 20, 1 << 21, 20) == 1 << 19
-    assert counting.counts == {"rmpy": 2, "add": 1, "div": 1, "load_store": 4}
-    assert estimated_cycles(counting.counts) == 2 * 17 + 2 + 63 + 4 * C28X_CYCLES["load_store"]
-
-
-def test_counting_passes_results_and_counters_through() -> None:
-    inner = Iq()
-    counting = Counting(inner)
-    assert counting.wide is False
-    assert counting.add(2**31 - 1, 1) == -(2**31)
-    assert counting.counters is inner.counters
-    assert counting.counters.wraps == 1

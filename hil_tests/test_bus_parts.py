@@ -66,7 +66,7 @@ def test_another_dbc_and_version_are_named_with_both_values() -> None:
     ours = wire_contract().sha256[:8]
     assert plant.differences(other) == [
         f"DBC differs: plant {ours}, controller deadbeef",
-        "wire version differs: plant 00000001, controller 00000009",
+        f"wire version differs: plant {WIRE_VERSION:08x}, controller 00000009",
     ]
 
 

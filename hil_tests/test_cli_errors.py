@@ -82,7 +82,7 @@ USAGE = {
     "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),
     "no such file": (["run", "there.toml"], "there.toml: found no such file"),
     "unknown controller": (["run", "--controller", "nix"], "--controller: found 'nix', allowed "),
-    "arithmetic": (["run", "--arithmetic", "nix"], "'nix' (choose from 'iq'"),
+    "arithmetic": (["run", "--arithmetic", "nix"], "'nix' (choose from 'float32'"),
     "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
     "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
     "text as seed": (["run", "--seed", "x"], "--seed: found x, allowed 0..4294967295"),

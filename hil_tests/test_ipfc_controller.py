@@ -10,7 +10,8 @@ import pytest
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Constant
 from controller_node.arithmetic.iq import Iq
-from controller_node.controller import BatchController, Controller, ControlLoop
+from controller_node.controller import BatchController, Controller
+from controller_node.loop import ControlLoop
 from plant_sim.plant import Plant
 from scenarios.errors import InputError
 from scenarios.load import load
@@ -56,7 +57,7 @@ class PoisonedIq(Iq):
     def const(self, constant: Constant) -> int:
         return NoFloat(constant.raw)
 
-    def table(self, constants: Any) -> Any:
+    def table(self, name: str, constants: Any) -> Any:
         return tuple(NoFloat(constant.raw) for constant in constants)
 
 

@@ -41,6 +41,8 @@ class Constant:
     name: str
     value: float
     q: int
+    #: Where the value comes from: equation, parameter, limit.
+    origin: str = field(default="", compare=False)
     #: Integer that stands for the value in Q ``q``.
     raw: int = field(init=False)
 
@@ -72,11 +74,13 @@ class Curve:
     function: Callable[[float], float]
     q_in: int
     q_out: int
-    samples: tuple[Constant, ...] = field(init=False)
+    samples: tuple[Constant, ...]
 
-    def __post_init__(self) -> None:
-        samples = (Constant(f"{self.name}[{i}]", self.function(i / 256), self.q_out) for i in range(257))
-        object.__setattr__(self, "samples", tuple(samples))
+    @classmethod
+    def sampled(cls, name: str, function: Callable[[float], float], q_in: int, q_out: int, origin: str = "") -> Curve:
+        """The curve with its table made from the function."""
+        samples = (Constant(f"{name}[{i}]", function(i / 256), q_out, origin) for i in range(257))
+        return cls(name, function, q_in, q_out, tuple(samples))
 
 
 @dataclass(slots=True)
@@ -108,6 +112,24 @@ class Arithmetic(ABC, Generic[T]):
 
     def __init__(self) -> None:
         self.counters = Counters()
+        #: Takes every noted quantity in order, when somebody watches.
+        self.noted: list[T] | None = None
+
+    def note(self, name: str, a: T, q: int, unit: str = "") -> T:
+        """Name ``a`` (in Q ``q``) as a quantity of the law; returns it unchanged.
+
+        Names, formats and order of the notes are the same in every step. They are what telemetry, the audit and the
+        exported C call the quantity.
+        """
+        if self.noted is not None:
+            self.noted.append(a)
+        return a
+
+    def note_all(self, name: str, values: Sequence[T], q: int, unit: str = "") -> tuple[T, ...]:
+        """:meth:`note` for each of several: ``name[0]``, ``name[1]``, ..."""
+        if self.noted is not None:
+            self.noted.extend(values)
+        return tuple(values)
 
     @abstractmethod
     def const(self, constant: Constant) -> T:
@@ -174,6 +196,10 @@ class Arithmetic(ABC, Generic[T]):
         """``_IQ<q>div``: quotient of two numbers of one format, in Q ``q``; rounded, saturating."""
 
     @abstractmethod
+    def sqrt(self, a: T, q: int) -> T:
+        """``_IQ<q>sqrt``: root of a number in Q ``q``, in Q ``q``; rounded, 0 for a <= 0."""
+
+    @abstractmethod
     def sat(self, a: T, upper: T, lower: T) -> T:
         """``_IQsat`` as a format limit: counted when it acts."""
 
@@ -202,8 +228,16 @@ class Arithmetic(ABC, Generic[T]):
         """``curve`` at ``a`` (in Q ``curve.q_in``, inside 0..1), result in Q ``curve.q_out``."""
 
     @abstractmethod
-    def table(self, constants: Sequence[Constant]) -> Any:
-        """Constants as a table: ``table[index]`` is an operand, for an index from :meth:`locate` or an ``int``."""
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
+        """Constants of one format as a table for :meth:`at` and :meth:`locate`."""
+
+    @abstractmethod
+    def at(self, table: Any, index: Any, offset: int = 0) -> T:
+        """Entry ``index + offset`` of a table; the index comes from :meth:`locate` or :meth:`index`."""
+
+    @abstractmethod
+    def index(self, k: Any, last: int) -> Any:
+        """Index of a table from a whole number: ``k`` inside 0..``last``."""
 
     @abstractmethod
     def locate(self, table: Any, a: T) -> Any:

@@ -68,6 +68,9 @@ class _Double(Arithmetic[T]):
     def gt(self, a: Any, b: Any) -> Condition:
         return a > b
 
+    def at(self, table: Any, index: Any, offset: int = 0) -> T:
+        return table[index + offset]  # type: ignore[no-any-return]
+
     def sat(self, a: T, upper: T, lower: T) -> T:
         return self.clip(a, upper, lower)
 
@@ -99,8 +102,14 @@ class Float64(_Double[float]):
     def curve(self, curve: Curve, a: float) -> float:
         return curve.function(a)
 
-    def table(self, constants: Sequence[Constant]) -> Any:
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return tuple(constant.value for constant in constants)
+
+    def sqrt(self, a: float, q: int) -> float:
+        return math.sqrt(a) if a > 0 else 0.0
+
+    def index(self, k: Any, last: int) -> Any:
+        return min(max(k, 0), last)
 
     def locate(self, table: Any, a: float) -> Any:
         return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
@@ -134,8 +143,14 @@ class Float64Batch(_Double[Floats]):
         flat = np.asarray(a, dtype=np.float64)
         return np.array([curve.function(x) for x in flat.ravel().tolist()]).reshape(flat.shape)
 
-    def table(self, constants: Sequence[Constant]) -> Any:
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return np.array([constant.value for constant in constants])
+
+    def sqrt(self, a: Floats, q: int) -> Floats:
+        return np.asarray(np.sqrt(np.maximum(a, 0.0)))
+
+    def index(self, k: Any, last: int) -> Any:
+        return np.clip(k, 0, last)
 
     def locate(self, table: Any, a: Floats) -> Any:
         return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)

@@ -151,8 +151,18 @@ class Iq(Arithmetic[int]):
         left, right = curve.samples[index].raw, curve.samples[index + 1].raw
         return left + (((right - left) * (a - (index << cell_bits))) >> cell_bits)
 
-    def table(self, constants: Sequence[Constant]) -> Any:
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return tuple(constant.raw for constant in constants)
+
+    def sqrt(self, a: int, q: int) -> int:
+        # Root of 4 a 2^q is twice the result: the last bit rounds.
+        return (math.isqrt(a << (q + 2)) + 1) >> 1 if a > 0 else 0
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> int:
+        return table[index + offset]  # type: ignore[no-any-return]
+
+    def index(self, k: Any, last: int) -> Any:
+        return min(max(k, 0), last)
 
     def locate(self, table: Any, a: int) -> Any:
         return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
@@ -268,13 +278,24 @@ class IqBatch(Arithmetic[Ints]):
 
     def curve(self, curve: Curve, a: Ints) -> Any:
         cell_bits = curve.q_in - 8
-        samples = np.array([sample.raw for sample in curve.samples])
+        samples = np.array([sample.raw for sample in curve.samples], dtype=np.int64)
         index = np.minimum(np.asarray(a) >> cell_bits, 255)
         left, right = samples[index], samples[index + 1]
         return left + (((right - left) * (a - (index << cell_bits))) >> cell_bits)
 
-    def table(self, constants: Sequence[Constant]) -> Any:
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
         return np.array([constant.raw for constant in constants], dtype=np.int64)
+
+    def sqrt(self, a: Ints, q: int) -> Any:
+        flat = np.asarray(a, dtype=np.int64)
+        roots = [(math.isqrt(x << (q + 2)) + 1) >> 1 if x > 0 else 0 for x in flat.ravel().tolist()]
+        return np.array(roots, dtype=np.int64).reshape(flat.shape)
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> Ints:
+        return table[index + offset]  # type: ignore[no-any-return]
+
+    def index(self, k: Any, last: int) -> Any:
+        return np.clip(k, 0, last)
 
     def locate(self, table: Any, a: Ints) -> Any:
         return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)

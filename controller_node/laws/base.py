@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from typing import ClassVar, Generic, NamedTuple, TypeVar
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
 
@@ -43,7 +43,7 @@ class LawOutputs(NamedTuple, Generic[T]):
 
     ``notch_raw`` in Q ``NOTCH_RAW_Q`` before clipping and quantising, ``notch`` in Q ``NOTCH_Q`` as to be sent,
     ``basis`` the basis functions in use (bit field, a plain number), ``softening`` Q ``SOFTENING_Q``,
-    ``satisfaction`` Q ``SATISFACTION_Q``, ``trace`` the law's own intermediates for tests and plots.
+    ``satisfaction`` Q ``SATISFACTION_Q``. Everything in between is named by :meth:`Arithmetic.note`.
     """
 
     notch_raw: T
@@ -51,7 +51,6 @@ class LawOutputs(NamedTuple, Generic[T]):
     basis: T
     softening: T
     satisfaction: T
-    trace: Any
 
 
 class Law(ABC, Generic[T, State]):

@@ -14,8 +14,6 @@ from typing import ClassVar, Generic, NamedTuple
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
 from controller_node.laws.base import (
-    BASIS_STEP,
-    BASIS_WAVELET,
     NOTCH_Q,
     NOTCH_RAW_Q,
     SATISFACTION_Q,
@@ -49,24 +47,6 @@ class IpfcState(NamedTuple, Generic[T]):
     tracking_error: T
 
 
-class IpfcTrace(NamedTuple, Generic[T]):
-    """Intermediates of one step, in the order in which they are computed.
-
-    ``y_m`` (16), ``t_s`` (23), ``mu_ts`` (24), ``mu_y`` min over the horizon of (25), ``mu`` (26), ``alpha`` (27),
-    ``c`` and ``e`` the polynomial coefficients n = 1, 2, ..., ``d`` (18) at the fitting points.
-    """
-
-    y_m: T
-    t_s: T
-    mu_ts: T
-    mu_y: T
-    mu: T
-    alpha: T
-    c: tuple[T, ...]
-    e: tuple[T, ...]
-    d: tuple[T, ...]
-
-
 class Ipfc(Law[T, IpfcState[T]]):
     """The IPFC law on one arithmetic.
 
@@ -87,7 +67,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         self._curve = softening_curve(parameters)
         self._ar = ar = arithmetic
         self._fit_points = parameters.fit_points
-        self._orders = range(1, max(parameters.set_point_order, parameters.error_order) + 1)
+        self._orders = parameters.orders
         self._model = tuple(ar.load(row) for row in table.model)
         self._free = tuple(ar.load(row) for row in table.free)
         self._step_response = ar.load(table.step_response)
@@ -107,14 +87,9 @@ class Ipfc(Law[T, IpfcState[T]]):
         self._notch_max = ar.const(table.notch_max)
         self._notch_min = ar.neg(self._notch_max)
         self._deviation_min = ar.neg(self._deviation_max)
-        self._zero = ar.const(Constant("zero", 0.0, SPEED_Q))
-        self._basis_step = ar.const(Constant("basis_step", float(BASIS_STEP), 0))
-        self._basis_wavelet = ar.const(Constant("basis_wavelet", float(BASIS_WAVELET), 0))
-        self._point_powers = {
-            (point, n): ar.const(Constant(f"h^n[{point},{n}]", float(point**n), 0))
-            for point in parameters.fit_points
-            for n in self._orders
-        }
+        self._zero = ar.const(table.zero)
+        self._basis_step, self._basis_wavelet = ar.load(table.basis)
+        self._point_powers = tuple(ar.load(row) for row in table.point_powers)
 
     @property
     def horizon(self) -> int:
@@ -122,7 +97,7 @@ class Ipfc(Law[T, IpfcState[T]]):
 
     @property
     def constants(self) -> tuple[Constant, ...]:
-        return self.table.entries() + self._curve.samples
+        return self.table.entries()
 
     def start(self, inputs: LawInputs[T]) -> IpfcState[T]:
         """Model at rest; earlier errors are taken to equal the first ones."""
@@ -136,32 +111,36 @@ class Ipfc(Law[T, IpfcState[T]]):
     def step(self, state: IpfcState[T], inputs: LawInputs[T]) -> tuple[IpfcState[T], LawOutputs[T]]:
         ar = self._ar
         drive = (*state.model, state.notch)
-        model = (ar.dot(self._model[0], drive, _GAIN_TO_GAIN), ar.dot(self._model[1], drive, _GAIN_TO_GAIN))
-        y_m = ar.convert(model[0], GAIN_Q, SPEED_Q)
-        model_errors = (*state.model_errors[1:], ar.sub(inputs.speed, y_m))
-        tracking_error = ar.sub(inputs.set_point, inputs.speed)
-        free = tuple(ar.dot(row, model, _GAIN_TO_SPEED) for row in self._free)
+        model = (
+            ar.note("model[0]", ar.dot(self._model[0], drive, _GAIN_TO_GAIN), GAIN_Q, "km/h"),
+            ar.note("model[1]", ar.dot(self._model[1], drive, _GAIN_TO_GAIN), GAIN_Q, "km/h/s"),
+        )
+        y_m = ar.note("y_m", ar.convert(model[0], GAIN_Q, SPEED_Q), SPEED_Q, "km/h")
+        model_error = ar.note("model_error", ar.sub(inputs.speed, y_m), SPEED_Q, "km/h")
+        model_errors = (*state.model_errors[1:], model_error)
+        tracking_error = ar.note("tracking_error", ar.sub(inputs.set_point, inputs.speed), SPEED_Q, "km/h")
+        free = ar.note_all("free", [ar.dot(row, model, _GAIN_TO_SPEED) for row in self._free], SPEED_Q, "km/h")
 
-        t_s = self._rise_time(tracking_error, state.tracking_error)
-        mu_ts = self.rise_satisfaction(t_s)
-        mu_y = self._prediction_satisfaction(inputs, free, state.notch)
-        mu = ar.minimum(mu_ts, mu_y)
-        alpha = self.softening(mu)
+        t_s = ar.note("t_s", self._rise_time(tracking_error, state.tracking_error), SPEED_Q, "s")
+        mu_ts = ar.note("mu_ts", self.rise_satisfaction(t_s), SATISFACTION_Q)
+        mu_y = ar.note("mu_y", self._prediction_satisfaction(inputs, free, state.notch), SATISFACTION_Q)
+        mu = ar.note("mu", ar.minimum(mu_ts, mu_y), SATISFACTION_Q)
+        alpha = ar.note("alpha", self.softening(mu), SOFTENING_Q)
 
         c = self._set_point_polynomial(inputs)
         e = self._error_polynomial(model_errors)
         d = self._deviations(tracking_error, alpha, c, e, free)
 
-        change = ar.abs(ar.sub(inputs.preview[-1], inputs.set_point))
+        change = ar.note("change", ar.abs(ar.sub(inputs.preview[-1], inputs.set_point)), SPEED_Q, "km/h")
         steep = ar.gt(change, self._wavelet_change)
         gains = [ar.where(steep, w, s) for w, s in zip(self._gains_wavelet, self._gains_step, strict=True)]
-        notch_raw = ar.dot(gains, d, _SPEED_TO_NOTCH)
-        notch = ar.quantise(ar.clip(notch_raw, self._notch_max, self._notch_min), NOTCH_RAW_Q, NOTCH_Q)
+        notch_raw = ar.note("notch_raw", ar.dot(gains, d, _SPEED_TO_NOTCH), NOTCH_RAW_Q, "notch")
+        clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
+        notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         basis = ar.where(steep, self._basis_wavelet, self._basis_step)
 
         new_state = IpfcState(model, ar.convert(notch, NOTCH_Q, GAIN_Q), model_errors, tracking_error)
-        trace = IpfcTrace(y_m, t_s, mu_ts, mu_y, mu, alpha, c, e, d)
-        return new_state, LawOutputs(notch_raw, notch, basis, alpha, mu, trace)
+        return new_state, LawOutputs(notch_raw, notch, basis, alpha, mu)
 
     def _rise_time(self, error: T, error_before: T) -> T:
         """Eq. (23) on the size of the error, s (Q20)."""
@@ -214,13 +193,15 @@ class Ipfc(Law[T, IpfcState[T]]):
         low = high = misses[0]
         for miss in misses[1:]:
             low, high = ar.minimum(low, miss), ar.maximum(high, miss)
+        low = ar.note("miss_low", low, SPEED_Q, "km/h")
+        high = ar.note("miss_high", high, SPEED_Q, "km/h")
         return self.speed_satisfaction(low, high)
 
     def _set_point_polynomial(self, inputs: LawInputs[T]) -> tuple[T, ...]:
         """Coefficients c_n of the set-points ahead (Q24)."""
         ar = self._ar
         rises = [ar.sub(target, inputs.set_point) for target in inputs.preview]
-        return tuple(ar.dot(row, rises, _SPEED_TO_GAIN) for row in self._set_point_fit)
+        return ar.note_all("c", [ar.dot(row, rises, _SPEED_TO_GAIN) for row in self._set_point_fit], GAIN_Q)
 
     def _error_polynomial(self, model_errors: tuple[T, ...]) -> tuple[T, ...]:
         """Coefficients e_n of eq. (15) (Q24)."""
@@ -229,7 +210,8 @@ class Ipfc(Law[T, IpfcState[T]]):
         past = [ar.sub(error, newest) for error in model_errors[:-1]]
         if not ar.wide:
             past = [ar.sat(error, self._deviation_max, self._deviation_min) for error in past]
-        return tuple(ar.dot(row, past, _SPEED_TO_GAIN) for row in self._error_fit)
+        past = list(ar.note_all("error_rise", past, SPEED_Q, "km/h"))
+        return ar.note_all("e", [ar.dot(row, past, _SPEED_TO_GAIN) for row in self._error_fit], GAIN_Q)
 
     def _deviations(
         self, tracking_error: T, alpha: T, c: tuple[T, ...], e: tuple[T, ...], free: tuple[T, ...]
@@ -241,13 +223,13 @@ class Ipfc(Law[T, IpfcState[T]]):
             powers.append(ar.rmpy(powers[-1], alpha, SOFTENING_Q))
         slopes = [self._slope(c, e, n) for n in self._orders]
         deviations = []
-        for point in self._fit_points:
+        for point, count_powers in zip(self._fit_points, self._point_powers, strict=True):
             d = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, SOFTENING_Q)
-            for n, slope in zip(self._orders, slopes, strict=True):
-                d = ar.add(d, ar.rmpy(slope, self._point_powers[point, n], _GAIN_BY_COUNT_TO_SPEED))
+            for slope, count in zip(slopes, count_powers, strict=True):
+                d = ar.add(d, ar.rmpy(slope, count, _GAIN_BY_COUNT_TO_SPEED))
             d = ar.sub(d, free[point - 1])
             deviations.append(d if ar.wide else ar.sat(d, self._deviation_max, self._deviation_min))
-        return tuple(deviations)
+        return ar.note_all("d", deviations, SPEED_Q, "km/h")
 
     def _slope(self, c: tuple[T, ...], e: tuple[T, ...], n: int) -> T:
         """c_n - e_n, where a coefficient beyond the order of its polynomial is zero."""

@@ -10,7 +10,14 @@ from functools import lru_cache
 import numpy as np
 
 from controller_node.arithmetic.base import Constant, Curve
-from controller_node.laws.base import NOTCH_RAW_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
+from controller_node.laws.base import (
+    BASIS_STEP,
+    BASIS_WAVELET,
+    NOTCH_RAW_Q,
+    SATISFACTION_Q,
+    SOFTENING_Q,
+    SPEED_Q,
+)
 from controller_node.laws.pfc_model import InternalModel, Matrix, morlet, polynomial_fit
 
 #: Model state (km/h), model matrices, fit matrices, gains, polynomial coefficients.
@@ -68,6 +75,11 @@ class IpfcParameters:
     #: The "large number M" of eq. (23), s.
     rise_time_never_s: float = 1e6
 
+    @property
+    def orders(self) -> range:
+        """Powers n of the set-point and error polynomials together."""
+        return range(1, max(self.set_point_order, self.error_order) + 1)
+
 
 Row = tuple[Constant, ...]
 
@@ -102,6 +114,13 @@ class IpfcConstants:
     one_satisfaction: Constant
     one_softening: Constant
     notch_max: Constant
+    zero: Constant
+    #: Codes of the step and of the wavelet basis.
+    basis: Row
+    #: h^n at the fitting points h (rows), n = 1, 2, ...
+    point_powers: tuple[Row, ...]
+    #: Samples of the softening curve, eq. (27).
+    softening: Row
 
     def entries(self) -> tuple[Constant, ...]:
         """All constants, in the order of the fields."""
@@ -149,7 +168,7 @@ def softening_curve(parameters: IpfcParameters) -> Curve:
     def alpha(mu: float) -> float:
         return parameters.softening_max * math.exp(mu**parameters.softening_exponent * slope)
 
-    return Curve("softening", alpha, SATISFACTION_Q, SOFTENING_Q)
+    return Curve.sampled("softening", alpha, SATISFACTION_Q, SOFTENING_Q)
 
 
 @lru_cache(maxsize=8)
@@ -190,4 +209,8 @@ def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float
         one_satisfaction=Constant("one_satisfaction", 1.0, SATISFACTION_Q),
         one_softening=Constant("one_softening", 1.0, SOFTENING_Q),
         notch_max=Constant("notch_max", notch_max, NOTCH_RAW_Q),
+        zero=Constant("zero", 0.0, SPEED_Q),
+        basis=_row("basis", (BASIS_STEP, BASIS_WAVELET), 0),
+        point_powers=_rows("point_powers", ([h**n for n in p.orders] for h in p.fit_points), 0),
+        softening=softening_curve(p).samples,
     )

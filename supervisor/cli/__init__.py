@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from importlib.metadata import version
 
 from bus.exitcodes import guarded
 from bus.usage import OneLineParser, parse
 from dbc import wire_contract
-from supervisor.cli import bus, doctor, node, plot, ports, run, scenarios, score
+from supervisor.cli import bus, doctor, outside, plot, ports, run, scenarios, score
 from supervisor.cli.output import accept_any_text, flush_output
 
-_MODULES = (run, score, plot, scenarios, ports, doctor, node, bus)
+_MODULES = (run, score, plot, scenarios, ports, doctor, outside, bus)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -32,6 +33,7 @@ def main() -> int:
 
     def work() -> int:
         accept_any_text()
+        outside.become_program(sys.argv[1:])
         namespace = parse(parser())
         # A DBC that is not the one of the port table must be noticed by every command, also by those that never
         # look at a telegram.

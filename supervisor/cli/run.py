@@ -15,6 +15,7 @@ from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
 from bus.exitcodes import USAGE
+from bus.ident import ARITHMETICS
 from bus.select import BusChoice, choose_bus
 from bus.usage import add_run_arguments
 from scenarios.errors import InputError, Words
@@ -35,7 +36,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
     add_run_arguments(parser)
     parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
-    parser.add_argument("--arithmetic", choices=("iq", "float64"), default="iq")
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")

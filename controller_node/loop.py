@@ -1,0 +1,45 @@
+"""A law with its set-points and its state on one arithmetic: wire values in, the law's answer out."""
+
+from __future__ import annotations
+
+from typing import Any, Generic
+
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+from controller_node.laws import load
+from controller_node.laws.base import SPEED_Q, Law, LawInputs, LawOutputs
+from controller_node.setpoint import SetPoints
+from scenarios.model import Scenario
+
+#: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
+_KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
+
+
+class ControlLoop(Generic[T]):
+    """Law, set-points and state on one arithmetic; operands are those of the arithmetic."""
+
+    def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[T], indexing: str) -> None:
+        period_s = scenario.timing.control_period_ns / 1e9
+        self.arithmetic = arithmetic
+        self.law: Law[T, Any] = load(law)(arithmetic, period_s, scenario.train.notch_max)
+        self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
+        self._kmh = arithmetic.const(_KMH_PER_01MMPS)
+        self.state: Any = None
+
+    def inputs(self, k: Any, speed_01mmps: T, position_01mm: T) -> LawInputs[T]:
+        """Wire values and set-points as the law takes them."""
+        ar = self.arithmetic
+        speed = ar.note("speed", ar.mpy(speed_01mmps, self._kmh, _KMH_PER_01MMPS.q - SPEED_Q), SPEED_Q, "km/h")
+        set_point, preview = self.set_points.at(k, position_01mm)
+        return LawInputs(speed, ar.note("set_point", set_point, SPEED_Q, "km/h"), preview)
+
+    def step(self, k: Any, speed_01mmps: T, position_01mm: T) -> tuple[LawInputs[T], LawOutputs[T]]:
+        """One control period; the first one also makes the law's state."""
+        inputs = self.inputs(k, speed_01mmps, position_01mm)
+        if self.state is None:
+            self.state = self.law.start(inputs)
+        self.state, outputs = self.law.step(self.state, inputs)
+        return inputs, outputs
+
+    def sent(self, notch: T) -> None:
+        """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
+        self.state = self.law.with_sent(self.state, notch)

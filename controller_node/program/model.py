@@ -1,0 +1,114 @@
+"""A law as a list of operations: what the tracer writes down, and what cycles, telemetry and C export read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+from enum import Enum
+
+from controller_node.arithmetic.base import Constant, Curve
+
+
+class Kind(Enum):
+    """What a value is on the target."""
+
+    NUMBER = "number"
+    CONDITION = "condition"
+    INDEX = "index"
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """An operand: the result of an operation or an input (``number`` >= 0), or a constant.
+
+    ``q`` is the format, None where the value is no fixed-point number or fits every format (the constant 0).
+    """
+
+    number: int
+    q: int | None
+    kind: Kind = Kind.NUMBER
+    constant: Constant | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Constants of one format, looked up by index."""
+
+    name: str
+    constants: tuple[Constant, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Operation:
+    """``result = op(arguments)``, named after the method of :class:`~controller_node.arithmetic.base.Arithmetic`.
+
+    ``parameters`` are the numbers of the call that are no operands: formats, shift counts, the offset into a table,
+    the last index. ``dot`` has its coefficients first, then as many values.
+    """
+
+    op: str
+    result: Value
+    arguments: tuple[Value, ...]
+    parameters: tuple[int, ...] = ()
+    table: Table | None = None
+    curve: Curve | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A named quantity of a law: its format, its unit and the value that carries it."""
+
+    name: str
+    q: int
+    unit: str
+    value: Value
+
+
+@dataclass(slots=True)
+class Program:
+    """One function of a law, straight-line: inputs and outputs by name, operations in order."""
+
+    name: str
+    inputs: list[tuple[str, Value]] = field(default_factory=list)
+    operations: list[Operation] = field(default_factory=list)
+    outputs: list[tuple[str, Value]] = field(default_factory=list)
+    quantities: list[Quantity] = field(default_factory=list)
+
+    def counts(self) -> Counter[str]:
+        """Elementary operations of one call: a ``dot`` of n terms is n ``rmpy`` and n - 1 ``add``."""
+        counts: Counter[str] = Counter()
+        for operation in self.operations:
+            if operation.op == "dot":
+                terms = len(operation.arguments) // 2
+                counts["rmpy"] += terms
+                counts["add"] += terms - 1
+            elif operation.op == "locate":
+                assert operation.table is not None
+                counts["locate_step"] += len(operation.table.constants).bit_length()
+            else:
+                counts[operation.op] += 1
+        return counts
+
+
+@dataclass(frozen=True, slots=True)
+class LawProgram:
+    """All functions of a control loop: wire values to law inputs, first state, one control period, notch really sent.
+
+    ``inputs``: control period k, speed in 0.1 mm/s, position in 0.1 mm -> speed, set-point, preview. ``start``:
+    those -> state. ``step``: state and those -> state and outputs. ``sent``: state and notch -> state.
+    """
+
+    law: str
+    inputs: Program
+    start: Program
+    step: Program
+    sent: Program
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Named quantities in the order in which one control period notes them."""
+        return (*self.inputs.quantities, *self.step.quantities)
+
+    def step_counts(self) -> Counter[str]:
+        """Operations of one control period, set-points included: the same in every period."""
+        return self.inputs.counts() + self.step.counts()

@@ -1,0 +1,96 @@
+"""From a control loop to its programs: one call of every function of the law under the tracer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from controller_node.laws.base import NOTCH_Q
+from controller_node.loop import ControlLoop
+from controller_node.program.model import Kind, LawProgram, Program, Value
+from controller_node.program.tracer import FormatError, Tracer
+from scenarios.model import Scenario
+
+
+def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Named leaves of nested (named) tuples and lists: ``state.model[0]``, ``state.notch``, ..."""
+    if hasattr(value, "_fields"):
+        for name in value._fields:
+            yield from leaves(getattr(value, name), f"{prefix}.{name}" if prefix else name)
+    elif isinstance(value, tuple | list):
+        for i, item in enumerate(value):
+            yield from leaves(item, f"{prefix}[{i}]")
+    else:
+        yield prefix, value
+
+
+def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> Any:
+    """A structure of the same shape (lists become tuples) with other leaves, made from name and old leaf."""
+    if hasattr(template, "_fields"):
+        return type(template)(
+            *(like(getattr(template, name), make, f"{prefix}.{name}" if prefix else name) for name in template._fields)
+        )
+    if isinstance(template, tuple | list):
+        return tuple(like(item, make, f"{prefix}[{i}]") for i, item in enumerate(template))
+    return make(prefix, template)
+
+
+def record(scenario: Scenario, law: str, indexing: str = "time", *, wide: bool = False) -> LawProgram:
+    """Programs of a law on a scenario.
+
+    :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
+    :raises scenarios.errors.InputError: an unknown law or indexing.
+    :raises FormatError: the law mixes formats, or its state changes its formats.
+    """
+    tracer = Tracer(wide)
+    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing)
+
+    def fresh(name: str, old: Value) -> Value:
+        return tracer.input(name, old.q)
+
+    inputs = tracer.begin("inputs")
+    k = tracer.input("k", None, Kind.INDEX)
+    given = loop.inputs(k, tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0))
+    inputs.outputs = list(leaves(given, "in"))
+
+    start = tracer.begin("start")
+    first_state = loop.law.start(like(given, fresh, "in"))
+    start.outputs = list(leaves(first_state, "state"))
+    formats = _formats(tracer, loop, first_state, given)
+
+    def state_input(name: str, old: Value) -> Value:
+        return tracer.input(name, formats[name])
+
+    step = tracer.begin("step")
+    state = like(first_state, state_input, "state")
+    new_state, outputs = loop.law.step(state, like(given, fresh, "in"))
+    step.outputs = [*leaves(new_state, "state"), *leaves(outputs, "out")]
+    sent = tracer.begin("sent")
+    told = loop.law.with_sent(like(first_state, state_input, "state"), tracer.input("notch", NOTCH_Q))
+    sent.outputs = list(leaves(told, "state"))
+    if not wide:
+        _check(step, formats)
+        _check(sent, formats)
+    return LawProgram(law, inputs, start, step, sent)
+
+
+def _formats(tracer: Tracer, loop: ControlLoop[Value], first_state: Any, given: Any) -> dict[str, int | None]:
+    """Format of every leaf of the state: from its start, else (a start at the constant 0) from a first step."""
+
+    def fresh(name: str, old: Value) -> Value:
+        return tracer.input(name, old.q)
+
+    formats = {name: value.q for name, value in leaves(first_state, "state")}
+    tracer.begin("first step")
+    after, _ = loop.law.step(like(first_state, fresh, "state"), like(given, fresh, "in"))
+    for name, value in leaves(after, "state"):
+        if formats[name] is None:
+            formats[name] = value.q
+    return formats
+
+
+def _check(program: Program, formats: dict[str, int | None]) -> None:
+    for name, value in program.outputs:
+        expected = formats.get(name)
+        if expected is not None and value.q is not None and value.q != expected:
+            raise FormatError(f"{program.name}: state {name} is Q{expected} before and Q{value.q} after")

@@ -1,0 +1,198 @@
+"""An arithmetic that computes nothing: it writes down the operations and checks their formats.
+
+The operands are :class:`~controller_node.program.model.Value`. Formats follow from the inputs and the constants, so a
+law that adds a Q20 to a Q24, or names a quantity with another format than it has, is refused here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+from controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve
+from controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+
+
+class FormatError(Exception):
+    """Two operands of one operation have different formats, or a result has another one than the law says."""
+
+
+class Tracer(Arithmetic[Value]):
+    """Records into the program of the last :meth:`begin`.
+
+    :param wide: trace the law as an arithmetic without formats sees it; nothing is checked then.
+    """
+
+    name: ClassVar[str] = "tracer"
+
+    def __init__(self, wide: bool = False) -> None:
+        super().__init__()
+        self.wide = wide  # type: ignore[misc]
+        self.program: Program | None = None
+        self._number = 0
+
+    def begin(self, name: str) -> Program:
+        """Start a new program."""
+        self.program = Program(name)
+        self._number = 0
+        return self.program
+
+    def input(self, name: str, q: int | None, kind: Kind = Kind.NUMBER) -> Value:
+        """A new input of the program."""
+        value = self._new(q, kind)
+        self._into().inputs.append((name, value))
+        return value
+
+    def _into(self) -> Program:
+        if self.program is None:
+            raise FormatError("an operation outside of a law's functions: only constants may be negated there")
+        return self.program
+
+    def _new(self, q: int | None, kind: Kind = Kind.NUMBER) -> Value:
+        self._number += 1
+        return Value(self._number - 1, q, kind)
+
+    def _emit(
+        self,
+        op: str,
+        arguments: Sequence[Value],
+        q: int | None,
+        parameters: tuple[int, ...] = (),
+        kind: Kind = Kind.NUMBER,
+        table: Table | None = None,
+        curve: Curve | None = None,
+    ) -> Value:
+        into = self._into()
+        result = self._new(q, kind)
+        into.operations.append(Operation(op, result, tuple(arguments), parameters, table, curve))
+        return result
+
+    def _refuse(self, what: str) -> None:
+        if not self.wide:
+            raise FormatError(f"{self.program.name if self.program else 'law'}: {what}")
+
+    def _same(self, op: str, values: Sequence[Value]) -> int | None:
+        """The one format of several operands."""
+        formats = sorted({value.q for value in values if value.q is not None})
+        if len(formats) > 1:
+            self._refuse(f"{op} of {' and '.join(f'Q{q}' for q in formats)}")
+        return formats[0] if formats else None
+
+    def _expect(self, op: str, a: Value, q: int) -> None:
+        if a.q is not None and a.q != q:
+            self._refuse(f"{op} of a Q{a.q} as if it were Q{q}")
+
+    def _product(self, a: Value, b: Value, q: int) -> int | None:
+        return None if a.q is None or b.q is None else a.q + b.q - q
+
+    def const(self, constant: Constant) -> Value:
+        return Value(-1, constant.q if constant.raw else None, constant=constant)
+
+    def raw(self, a: Value, q: int) -> Value:
+        self._expect("raw", a, q)
+        return a
+
+    def from_raw(self, raw: Any, q: int) -> Value:
+        self._expect("from_raw", raw, q)
+        value: Value = raw
+        return value
+
+    def note(self, name: str, a: Value, q: int, unit: str = "") -> Value:
+        self._expect(f"note {name}", a, q)
+        into = self._into()
+        if any(quantity.name == name for quantity in into.quantities):
+            raise FormatError(f"{into.name}: two quantities are called {name}")
+        into.quantities.append(Quantity(name, q, unit, a))
+        return a
+
+    def note_all(self, name: str, values: Sequence[Value], q: int, unit: str = "") -> tuple[Value, ...]:
+        return tuple(self.note(f"{name}[{i}]", value, q, unit) for i, value in enumerate(values))
+
+    def convert(self, a: Value, q_from: int, q_to: int) -> Value:
+        self._expect("convert", a, q_from)
+        return self._emit("convert", [a], q_to, (q_from, q_to))
+
+    def quantise(self, a: Value, q_from: int, q_to: int) -> Value:
+        self._expect("quantise", a, q_from)
+        return self._emit("quantise", [a], q_to, (q_from, q_to))
+
+    def add(self, a: Value, b: Value) -> Value:
+        return self._emit("add", [a, b], self._same("add", [a, b]))
+
+    def sub(self, a: Value, b: Value) -> Value:
+        return self._emit("sub", [a, b], self._same("sub", [a, b]))
+
+    def neg(self, a: Value) -> Value:
+        if a.constant is not None:
+            constant = a.constant
+            return self.const(Constant(f"-{constant.name}", -constant.value, constant.q, constant.origin))
+        return self._emit("neg", [a], a.q)
+
+    def abs(self, a: Value) -> Value:
+        return self._emit("abs", [a], a.q)
+
+    def mpy(self, a: Value, b: Value, q: int) -> Value:
+        return self._emit("mpy", [a, b], self._product(a, b, q), (q,))
+
+    def rmpy(self, a: Value, b: Value, q: int) -> Value:
+        return self._emit("rmpy", [a, b], self._product(a, b, q), (q,))
+
+    def rsmpy(self, a: Value, b: Value, q: int) -> Value:
+        return self._emit("rsmpy", [a, b], self._product(a, b, q), (q,))
+
+    def mpy_iqx(self, a: Value, q_a: int, b: Value, q_b: int, q: int) -> Value:
+        self._expect("mpy_iqx", a, q_a)
+        self._expect("mpy_iqx", b, q_b)
+        return self._emit("mpy_iqx", [a, b], q, (q_a, q_b, q))
+
+    def dot(self, coefficients: Sequence[Value], values: Sequence[Value], q: int) -> Value:
+        if len(coefficients) != len(values):
+            raise FormatError(f"dot of {len(coefficients)} coefficients and {len(values)} values")
+        first, second = self._same("dot", coefficients), self._same("dot", values)
+        result = None if first is None or second is None else first + second - q
+        return self._emit("dot", [*coefficients, *values], result, (q,))
+
+    def div(self, a: Value, b: Value, q: int) -> Value:
+        self._same("div", [a, b])
+        return self._emit("div", [a, b], q, (q,))
+
+    def sqrt(self, a: Value, q: int) -> Value:
+        self._expect("sqrt", a, q)
+        return self._emit("sqrt", [a], q, (q,))
+
+    def sat(self, a: Value, upper: Value, lower: Value) -> Value:
+        return self._emit("sat", [a, upper, lower], self._same("sat", [a, upper, lower]))
+
+    def clip(self, a: Value, upper: Value, lower: Value) -> Value:
+        return self._emit("clip", [a, upper, lower], self._same("clip", [a, upper, lower]))
+
+    def minimum(self, a: Value, b: Value) -> Value:
+        return self._emit("minimum", [a, b], self._same("minimum", [a, b]))
+
+    def maximum(self, a: Value, b: Value) -> Value:
+        return self._emit("maximum", [a, b], self._same("maximum", [a, b]))
+
+    def gt(self, a: Value, b: Value) -> Condition:
+        self._same("gt", [a, b])
+        return self._emit("gt", [a, b], None, kind=Kind.CONDITION)
+
+    def where(self, condition: Condition, a: Value, b: Value) -> Value:
+        return self._emit("where", [condition, a, b], self._same("where", [a, b]))
+
+    def curve(self, curve: Curve, a: Value) -> Value:
+        self._expect(f"curve {curve.name}", a, curve.q_in)
+        return self._emit("curve", [a], curve.q_out, curve=curve)
+
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
+        self._same(f"table {name}", [self.const(constant) for constant in constants])
+        return Table(name, tuple(constants))
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> Value:
+        return self._emit("at", [index], table.constants[0].q, (offset,), table=table)
+
+    def index(self, k: Any, last: int) -> Any:
+        return self._emit("index", [k], None, (last,), Kind.INDEX)
+
+    def locate(self, table: Any, a: Value) -> Any:
+        self._expect(f"locate in {table.name}", a, table.constants[0].q)
+        return self._emit("locate", [a], None, (), Kind.INDEX, table)

@@ -1,0 +1,43 @@
+"""Commands whose code the supervisor must not import (nodes meet on the bus): the process becomes that program.
+
+``railhil node plant|controller`` is one node by itself, for a bench of several machines or a real adapter.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+_NODES = {"plant": "plant_sim", "controller": "controller_node"}
+#: Command -> module that is run, and its line in the help.
+_PROGRAMS = {
+    "audit": (
+        "hil_tests.audit",
+        "a law's fixed point: ranges, quantisation, cycles, effect on the scores",
+    ),
+    "export-c": ("controller_node.export", "write a control law as C99 for the target"),
+}
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommands."""
+    node = commands.add_parser("node", help="run one node by itself")
+    node.add_argument("role", choices=sorted(_NODES))
+    node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
+    node.set_defaults(work=lambda namespace: _become(_NODES[namespace.role], namespace.arguments))
+    for name, (_, words) in _PROGRAMS.items():
+        # For the list of commands; the program reads its command line and has a help of its own.
+        commands.add_parser(name, help=words, add_help=False)
+
+
+def become_program(arguments: list[str]) -> None:
+    """Become the program that the command line asks for, if it asks for one."""
+    if arguments and arguments[0] in _PROGRAMS:
+        _become(_PROGRAMS[arguments[0]][0], arguments[1:])
+
+
+def _become(module: str, arguments: list[str]) -> int:
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execv(sys.executable, [sys.executable, "-m", module, *arguments])
