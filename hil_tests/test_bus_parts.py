@@ -28,6 +28,7 @@ from bus.lifesign import Life, LifeSign
 from bus.load import bus_load, longest_frame_bits, telegram_bits
 from bus.local import LocalBus
 from dbc import ContractError, wire_contract
+from dbc.contract import WIRE_VERSION
 from scenarios.errors import InputError
 
 SHA_A, SHA_B = "0123456789abcdef" * 4, "fedcba9876543210" * 4
