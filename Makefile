@@ -6,7 +6,7 @@ BIN    := $(VENV)/bin
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
 
-.PHONY: run test test-fast lint bench dbc install clean
+.PHONY: run test test-fast lint bench dbc tables install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -31,6 +31,10 @@ bench: $(VENV)/.installed-dev
 
 dbc: $(VENV)/.installed
 	$(BIN)/python -m dbc.generate
+
+# Constant tables of the control laws.
+tables: $(VENV)/.installed
+	$(BIN)/python -m controller_node.laws.generate
 
 install: $(VENV)/.installed
 

@@ -3,40 +3,55 @@
 from __future__ import annotations
 
 import time
+from typing import Any
 
 import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
+from controller_node.arithmetic import make
 from controller_node.controller import BatchController, Controller
-from controller_node.program.cycles import CPU_MHZ, estimated_cycles
-from controller_node.program.record import record as record_law
+from controller_node.laws.base import NOTCH_Q
+from controller_node.loop import ControlLoop
+from controller_node.program.cycles import CPU_MHZ
 from scenarios.model import Scenario
 
 TITLE = "controller step"
 METHOD = (
-    "Controller.step of law ipfc on the speeds and positions of a nominal run, every step timed by itself on the wall "
-    "clock. Batch: BatchController with speeds spread by +-0.5 m/s around them. C28x cycles: counted operations of one "
-    "step times the cycles of the IQmath guide (program in RAM); an estimate, not measured on the chip."
+    "Controller.step of law ipfc on the speeds and positions of a nominal run, telemetry included, every step timed by "
+    "itself on the wall clock. Without telemetry: law and set-points alone (ControlLoop.step), in turns with it. "
+    "Batch: BatchController with speeds spread by +-0.5 m/s around them. C28x cycles: counted operations of one step "
+    "times the cycles of TI's guides (program in RAM); an estimate, not measured on the chip."
 )
-_ARITHMETICS = ("iq", "float64")
+_ARITHMETICS = ("iq", "iq-portable", "float32", "float64")
+#: What the chip has.
+_ON_CHIP = ("iq", "float32")
 _TRAINS = 1000
 _SPREAD_01MMPS = 5000
 
 
-def _scalar_us(scenario: Scenario, arithmetic: str, recording: Recording, passes: int) -> list[float]:
-    taken_us = []
+def _scalar_us(
+    scenario: Scenario, arithmetic: str, recording: Recording, passes: int
+) -> tuple[list[float], list[float]]:
+    """Time of each step with telemetry, and of the law and its set-points alone."""
+    taken_us: list[float] = []
+    bare_us: list[float] = []
     for _ in range(passes):
         controller = Controller(scenario, arithmetic=arithmetic)
-        codes = []
+        number = make(arithmetic)
+        loop: ControlLoop[Any] = ControlLoop(scenario, "ipfc", number, "time")
         for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):
             start_ns = time.perf_counter_ns()
             output = controller.step(k, speed, position)
             taken_us.append((time.perf_counter_ns() - start_ns) / 1000)
-            codes.append(output.notch_code)
-        if arithmetic == "iq" and codes != recording.notch_codes:
-            raise MeasurementError("controller step: the notches are not those of the recorded run")
-    return taken_us
+            start_ns = time.perf_counter_ns()
+            _, outputs = loop.step(k, speed, position)
+            bare_us.append((time.perf_counter_ns() - start_ns) / 1000)
+            if arithmetic == "iq" and output.notch_code != recording.notch_codes[k]:
+                raise MeasurementError("controller step: the notches are not those of the recorded run")
+            if number.raw(outputs.notch, NOTCH_Q) != output.notch_code:
+                raise MeasurementError(f"controller step: telemetry changes a notch in {arithmetic}")
+    return taken_us, bare_us
 
 
 def _batch_us(scenario: Scenario, arithmetic: str, recording: Recording) -> list[float]:
@@ -53,21 +68,29 @@ def _batch_us(scenario: Scenario, arithmetic: str, recording: Recording) -> list
 
 
 def measure(setting: Setting) -> list[Figure]:
-    """Figures of both arithmetics, then the cycles.
+    """Figures of every arithmetic, then the cycles.
 
-    :raises MeasurementError: the steps measured do not give the notches of the recorded run.
+    :raises MeasurementError: the steps measured do not give the notches of the recorded run, or not the same without
+        telemetry.
     """
     scenario = setting.scenario
     recording = record(scenario)
     period_us = scenario.timing.control_period_ns / 1000
     figures: list[Figure] = []
     for arithmetic in _ARITHMETICS:
-        single_us = _scalar_us(scenario, arithmetic, recording, setting.count(5, 1))
+        single_us, bare_us = _scalar_us(scenario, arithmetic, recording, setting.count(5, 1))
         train_us = median(_batch_us(scenario, arithmetic, recording))
         single = median(single_us)
         figures += [
             Figure(f"{arithmetic}: step, median", single, "us", period_us / single, "control period to step"),
             Figure(f"{arithmetic}: step, p99", p99(single_us), "us"),
+            Figure(
+                f"{arithmetic}: step without telemetry, median",
+                median(bare_us),
+                "us",
+                single / median(bare_us),
+                "with to without",
+            ),
             Figure(
                 f"{arithmetic}: step of {_TRAINS} trains, per train, median",
                 train_us,
@@ -76,12 +99,16 @@ def measure(setting: Setting) -> list[Figure]:
                 "single step to batch step per train",
             ),
         ]
-    cycles = estimated_cycles(record_law(scenario, "ipfc").step_counts())
-    chip_us = cycles / CPU_MHZ
-    return [
-        *figures,
-        Figure("iq: estimated C28x cycles per step", cycles, "cycles"),
-        Figure(
-            f"iq: the same at {CPU_MHZ} MHz", chip_us, "us", period_us / chip_us, "control period to estimated step"
-        ),
-    ]
+    for arithmetic in _ON_CHIP:
+        cost = Controller(scenario, arithmetic=arithmetic).cost
+        figures += [
+            Figure(f"{arithmetic}: estimated C28x cycles per step", cost.cycles, "cycles"),
+            Figure(
+                f"{arithmetic}: the same at {CPU_MHZ} MHz",
+                cost.ram_us,
+                "us",
+                period_us / cost.ram_us,
+                "control period to estimated step",
+            ),
+        ]
+    return figures

@@ -89,12 +89,12 @@ def p99(samples: Sequence[float]) -> float:
     return float(np.percentile(samples, 99))
 
 
-def cpu_ns(setting: Setting, *functions: Callable[[], object]) -> list[float]:
-    """CPU time of a call of each function in ns, best of 60 blocks of 500 calls.
+def cpu_ns(setting: Setting, *functions: Callable[[], object], calls: int = 500, blocks: int = 60) -> list[float]:
+    """CPU time of a call of each function in ns, best of ``blocks`` blocks of ``calls`` calls.
 
     The best, because what disturbs a block only ever adds to it; in turns, so that a busy spell meets all functions.
     """
     timers = [timeit.Timer(function, timer=process_time) for function in functions]
-    number = setting.count(500, 20)
-    blocks_s = [[timer.timeit(number) for timer in timers] for _ in range(setting.count(60, 3))]
+    number = setting.count(calls, min(calls, 20))
+    blocks_s = [[timer.timeit(number) for timer in timers] for _ in range(setting.count(blocks, 3))]
     return [min(taken_s) / number * 1e9 for taken_s in zip(*blocks_s, strict=True)]

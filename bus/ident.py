@@ -22,6 +22,14 @@ class Role(IntEnum):
 
 #: Codes of ``arithmetic`` and ``indexing`` in the handshake.
 ARITHMETICS = ("none", "float64", "float32", "iq", "iq-portable", "float32-truncated")
+#: What each arithmetic is faithful to: the IQmath library, or the rounding of the floating-point unit.
+PROFILES = {
+    "float64": "ieee754",
+    "float32": "nearest",
+    "iq": "c28",
+    "iq-portable": "portable",
+    "float32-truncated": "truncated",
+}
 INDEXINGS = ("none", "time", "distance")
 
 

@@ -68,7 +68,12 @@ class Responder:
             return self._answer(data)
         if can_id in self._clock_ids:
             self.clock.feed(frame)
-        committed = self.store.feed(frame, self.clock.now_ns)
+        self.deliver(frame, self.clock.now_ns)
+        return []
+
+    def deliver(self, frame: Frame, received_ns: int) -> None:
+        """Hand a frame that arrived at ``received_ns`` to the store, and tell of the telegram that it completes."""
+        committed = self.store.feed(frame, received_ns)
         if committed is not None:
             if committed == TimeSync.PORT:
                 telegram, _ = self.store.read(TimeSync, self.clock.now_ns)
@@ -76,7 +81,6 @@ class Responder:
                     self.clock.synchronise(telegram)
             if self._on_commit is not None:
                 self._on_commit(committed)
-        return []
 
     def _answer(self, data: bytes) -> list[Frame]:
         asked = parse_master_frame(data)

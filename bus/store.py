@@ -48,6 +48,7 @@ class _Sink:
     fd_bytes: int
     blocks: list[bytes | None]
     first_ns: int = 0
+    last_ns: int = 0
     data: bytes = b""
     committed_ns: int = -1
     accepted: int = 0
@@ -110,8 +111,11 @@ class TrafficStore:
             return self._reject("wrong_length")
         if part == -1:
             return self._commit_blocks(sink, data, now_ns)
-        if all(block is None for block in sink.blocks):
-            sink.first_ns = now_ns
+        if not any(sink.blocks):
+            sink.first_ns = sink.last_ns = now_ns
+        else:
+            # Blocks that waited in a mailbox are handed over in the order of the blocks, not of their arrival.
+            sink.first_ns, sink.last_ns = min(sink.first_ns, now_ns), max(sink.last_ns, now_ns)
         sink.blocks[part] = data
         return None
 
@@ -133,7 +137,7 @@ class TrafficStore:
             return self._commit_single(sink, data, now_ns)
         size = sink.port.data_bytes
         sink.blocks[:] = [data[k : k + 8] for k in range(0, size, 8)]
-        sink.first_ns = now_ns
+        sink.first_ns = sink.last_ns = now_ns
         return self._commit_blocks(sink, data[size : size + 8], now_ns)
 
     def _commit_blocks(self, sink: _Sink, trailer: bytes, now_ns: int) -> str | None:
@@ -141,7 +145,7 @@ class TrafficStore:
         sink.blocks[:] = [None] * count
         if None in blocks:
             return self._reject("missing_block")
-        if now_ns - sink.first_ns > self._assembly_ns:
+        if max(sink.last_ns, now_ns) - min(sink.first_ns, now_ns) > self._assembly_ns:
             return self._reject("assembly_timeout")
         if trailer[4] & 0xF != count:
             return self._reject("wrong_block_count")

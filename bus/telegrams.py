@@ -8,10 +8,14 @@ Fields are raw integers as they stand on the wire; a field's name ends in its un
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import ClassVar
 
 from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
+
+#: CTL_STAT: no quantity is shown; the quantity has used no bit, or has no bits.
+NO_QUANTITY = 255
+HEADROOM_UNUSED = 31
 
 
 class SupCommand(IntEnum):
@@ -65,6 +69,15 @@ class Event(IntEnum):
     def ends_run(self) -> bool:
         """True for the events after which nothing more comes."""
         return self >= Event.ENDED_COMPLETE
+
+
+class ControllerFlag(IntFlag):
+    """OverflowFlags of CTL_STAT: what has happened in the controller since its start."""
+
+    WRAP = 1
+    SATURATION = 2
+    DIVISION_BY_ZERO = 4
+    MESSAGE_LOST = 8
 
 
 @dataclass(slots=True)
@@ -239,10 +252,13 @@ class CtlStat(Telegram):
         +-----------+---------+----------+----------+---------+
         |basis level|overflow | alpha    | mu_min   | steps   |   alpha, mu_min UNIPOLAR2.16
         +-----------+---------+----------+----------+---------+
-          8    9    10   11   12   13     14       15
-        +--------------+--------------+---------+----------------+
-        |    cycles    |  cycles max  |overruns | chk ready life |
-        +--------------+--------------+---------+----------------+
+          8    9    10   11     12         13         14       15
+        +---------+---------+-------+--------------+---------+----------------+
+        | cycles  |  max    | index |headroom w s z|overruns | chk ready life |
+        +---------+---------+-------+--------------+---------+----------------+
+
+    Cycles above 65535 stand as 65535. ``index`` is one quantity of the law, the next one in each telegram (255: none);
+    headroom (5 bit, 31: unused) and the flags wrapped, saturated, divided by zero are about this quantity.
     """
 
     PORT: ClassVar[str] = "CTL_STAT"
@@ -254,6 +270,11 @@ class CtlStat(Telegram):
     step_count: int = signal("StepCount")
     step_cycles: int = signal("StepCycles")
     step_cycles_max: int = signal("StepCyclesMax")
+    telemetry_index: int = signal("TelemetryIndex", NO_QUANTITY)
+    telemetry_headroom_bits: int = signal("TelemetryHeadroom", HEADROOM_UNUSED)
+    telemetry_wrapped: int = signal("TelemetryWrapped")
+    telemetry_saturated: int = signal("TelemetrySaturated")
+    telemetry_zero_division: int = signal("TelemetryZeroDivision")
     overruns: int = signal("OverrunCount")
     check: int = signal("CtlChk", CHECK_CORRECT)
     ready: int = signal("CtlReady", FLAG_TRUE)

@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 #: Seeds travel as 32 bit in the handshake.
@@ -14,6 +14,7 @@ SEED_MAX = 0xFFFF_FFFF
 #: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
 RATE_MIN, RATE_MAX = 0.01, 1000.0
 APPEAR_MAX_S = 3600.0
+TASK_PERIOD_MAX_MS = 10_000
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -52,10 +53,15 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
     return namespace
 
 
-def _seed(text: str) -> int:
-    if not (text.isascii() and text.isdigit()) or int(text) > SEED_MAX:
-        raise argparse.ArgumentTypeError(f"found {text}, allowed 0..{SEED_MAX}")
-    return int(text)
+def whole_number(low: int, high: int) -> Callable[[str], int]:
+    """An option's type: a whole number from ``low`` (0 or more) to ``high``, in ASCII digits."""
+
+    def number(text: str) -> int:
+        if not (text.isascii() and text.isdigit()) or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {low}..{high}")
+        return int(text)
+
+    return number
 
 
 def _rate(text: str) -> float:
@@ -78,10 +84,21 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def add_task_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of the controller that the run command hands on to it."""
+    parser.add_argument(
+        "--task-period-ms",
+        type=whole_number(0, TASK_PERIOD_MAX_MS),
+        default=0,
+        metavar="N",
+        help="the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
+    )
+
+
 def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     """Options that say which run it is: the same for the plant node and for the supervisor."""
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    parser.add_argument("--seed", type=_seed, default=0, help="random seed of the run (default 0)")
+    parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
     parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
     parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
     parser.add_argument(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import gc
 import sys
+from pathlib import Path
 
 from can.cli import add_bus_arguments
 
@@ -12,9 +13,10 @@ from bus.exitcodes import guarded
 from bus.ident import ARITHMETICS
 from bus.link import open_link
 from bus.select import choose_bus
-from bus.usage import OneLineParser, parse
+from bus.usage import OneLineParser, add_task_argument, parse
 from controller_node.laws import names
 from controller_node.node import ControllerNode, ControllerOptions, run_controller
+from controller_node.telemetry_file import check_writable, write_telemetry
 from scenarios.load import load
 
 
@@ -25,6 +27,8 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
+    add_task_argument(parser)
     add_bus_arguments(parser)
     return parser
 
@@ -32,15 +36,29 @@ def arguments() -> argparse.ArgumentParser:
 def main() -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments())
+    if namespace.telemetry is not None:
+        check_writable(namespace.telemetry)
     scenario = load(namespace.scenario)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
-    options = ControllerOptions(namespace.controller, namespace.arithmetic, namespace.indexing, choice.fd)
+    options = ControllerOptions(
+        namespace.controller,
+        namespace.arithmetic,
+        namespace.indexing,
+        choice.fd,
+        task_period_ms=namespace.task_period_ms,
+        bit_rate=getattr(namespace, "bitrate", None),
+    )
     node = ControllerNode(scenario, options)
     link = open_link(choice.config)
     gc.freeze()
     gc.disable()
-    return run_controller(node, link)
+    try:
+        return run_controller(node, link)
+    finally:
+        # Also when the run ended early: what was measured until then is evidence.
+        if namespace.telemetry is not None:
+            write_telemetry(node, namespace.telemetry)
 
 
 if __name__ == "__main__":

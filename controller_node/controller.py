@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from controller_node.arithmetic import make
+from controller_node.arithmetic.base import Arithmetic, Counters
+from controller_node.cost import Cost, cost_of
 from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
 from controller_node.loop import ControlLoop
-from controller_node.program.cycles import estimated_cycles
 from controller_node.program.record import record
+from controller_node.telemetry import Telemetry
 from scenarios.model import Scenario
 
 #: UNIPOLAR2.16 of CTL_STAT: 1/16384.
@@ -26,7 +28,8 @@ class ControlOutput:
     ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet. ``softening_raw`` and
     ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h in Q20.
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
-    ``cycles``, ``cycles_max``: estimated C28x cycles of this step and of the dearest so far, 0 for other arithmetics.
+    ``cycles``, ``cycles_max``: estimated C28x cycles of this step and of the dearest so far, program in RAM, 0 for
+    float64.
     """
 
     notch_code: int
@@ -51,23 +54,34 @@ class BatchOutput:
     overflow_flags: int
 
 
+def _watched(
+    scenario: Scenario, law: str, arithmetic: Arithmetic[Any], indexing: str
+) -> tuple[ControlLoop[Any], Telemetry, Cost]:
+    """A control loop whose arithmetic notes its quantities, what takes them, and what a step costs."""
+    loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing)
+    program = record(scenario, law, indexing, wide=arithmetic.wide)
+    # From here on: the constants of the law are made by now.
+    arithmetic.noted = []
+    return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)
+
+
 class Controller:
     """Controller of one train.
 
+    ``telemetry`` is up to date after each :meth:`step`; ``cost`` is that of every control period.
+
     :param law: name of a law (entry point group ``railhil.laws``).
     :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
-        ``float64``.
+        another of :func:`~controller_node.arithmetic.names`.
     :param indexing: set-points by ``time`` or by ``distance``.
     :raises scenarios.errors.InputError: one of the names is unknown.
     """
 
     def __init__(self, scenario: Scenario, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time") -> None:
         number = make(arithmetic)
-        self._loop: ControlLoop[Any] = ControlLoop(scenario, law, number, indexing)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing)
         self._number = number
         self._code: int | None = None
-        # The law is straight-line: the cost of one step is the cost of every step.
-        self._cycles = 0 if number.wide else estimated_cycles(record(scenario, law, indexing).step_counts())
 
     def step(self, k: int, speed_01mmps: int, position_01mm: int) -> ControlOutput:
         """One control period.
@@ -80,16 +94,23 @@ class Controller:
         inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
         self._code = code = number.raw(outputs.notch, NOTCH_Q)
         error = number.sub(inputs.set_point, inputs.speed)
+        self.telemetry.take(number)
         return ControlOutput(
             notch_code=code,
             basis=number.raw(outputs.basis, 0),
             softening_raw=number.raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q),
             satisfaction_raw=number.raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q),
             overflow_flags=number.counters.flags,
-            cycles=self._cycles,
-            cycles_max=self._cycles,
+            # The law is straight-line: the cost of one step is the cost of every step.
+            cycles=self.cost.cycles,
+            cycles_max=self.cost.cycles,
             error_raw=number.raw(error, SPEED_Q),
         )
+
+    @property
+    def counters(self) -> Counters:
+        """Wraps, saturations and divisions by zero since the controller was made."""
+        return self._number.counters
 
     def sent(self, notch_code: int) -> None:
         """Tell the law the notch (1/256) really sent, when it is not the one that :meth:`step` answered.
@@ -100,19 +121,20 @@ class Controller:
         if self._code is not None and notch_code != self._code:
             self._code = notch_code
             self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+            self.telemetry.take(self._number)
 
 
 class BatchController:
     """Controllers of N trains on the same scenario, stepped together; same law, same results as N controllers.
 
-    Parameters and errors as :class:`Controller`, plus ``trains``, the number N.
+    Parameters, attributes and errors as :class:`Controller`, plus ``trains``, the number N.
     """
 
     def __init__(
         self, scenario: Scenario, trains: int, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
     ) -> None:
         self._number = make(arithmetic, batch=True)
-        self._loop: ControlLoop[Any] = ControlLoop(scenario, law, self._number, indexing)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number, indexing)
         self._trains = trains
 
     def step(self, k: int, speed_01mmps: NDArray[np.int64], position_01mm: NDArray[np.int64]) -> BatchOutput:
@@ -121,18 +143,21 @@ class BatchController:
         inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
         softening = self._raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q)
         satisfaction = self._raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q)
+        error = number.sub(inputs.set_point, inputs.speed)
+        self.telemetry.take(number)
         return BatchOutput(
             notch_code=self._raw(outputs.notch, NOTCH_Q),
             basis=self._raw(outputs.basis, 0),
             softening_raw=softening,
             satisfaction_raw=satisfaction,
-            error_raw=self._raw(number.sub(inputs.set_point, inputs.speed), SPEED_Q),
+            error_raw=self._raw(error, SPEED_Q),
             overflow_flags=number.counters.flags,
         )
 
     def sent(self, notch_code: NDArray[np.int64]) -> None:
         """As :meth:`Controller.sent`, for all trains, after the first step."""
         self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+        self.telemetry.take(self._number)
 
     def _raw(self, value: Any, q: int) -> NDArray[np.int64]:
         return np.broadcast_to(np.asarray(self._number.raw(value, q), dtype=np.int64), (self._trains,))

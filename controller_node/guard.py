@@ -7,7 +7,9 @@ from collections import Counter
 from bus.layout import CHECK_CORRECT
 from bus.lifesign import Life, LifeSign
 from bus.telegrams import TrkInfo, TrnSpeed
+from controller_node.ecan import BitCounter, MessageAge
 from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from dbc import wire_contract
 from scenarios.model import Scenario
 
 #: Raw speeds beyond this are no speeds of a train on this bench (0.1 mm/s, 150 m/s).
@@ -18,18 +20,21 @@ _NS_PER_MS = 1_000_000
 class Guard:
     """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
 
+    :param counter: what stamped the messages; default: one at the bit rate of the port table.
+
     ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``)
     and ``gap`` for accepted ones after lost ones.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, counter: BitCounter | None = None) -> None:
         self.counters: Counter[str] = Counter()
         #: Speed of the last accepted telegram, None before the first.
         self.speed_01mmps: int | None = None
         self._ladder = Ladder.of(scenario)
         self._state = WatchState()
         self._life = LifeSign()
-        self._accepted_ns = 0
+        self._counter = counter or BitCounter(wire_contract().bit_rate)
+        self._age = MessageAge(self._counter)
         self._sent_ns = 0
         self._limit_01mmps: int | None = None
 
@@ -43,8 +48,11 @@ class Guard:
         if track.limit_check == CHECK_CORRECT:
             self._limit_01mmps = track.speed_limit_4mmps * 40
 
-    def speed(self, telegram: TrnSpeed, now_ns: int) -> None:
-        """Take a TRN_SPEED telegram that passed the traffic store."""
+    def speed(self, telegram: TrnSpeed, now_ns: int, stamp: int | None = None) -> None:
+        """Take a TRN_SPEED telegram that passed the traffic store.
+
+        :param stamp: when the mailbox received it, in bit times; default: now.
+        """
         life = self._life.judge(telegram.life)
         if not life.fresh:
             # A repeated or old telegram is no news: the age goes on growing.
@@ -62,7 +70,7 @@ class Guard:
             self._observe(Telegram.BAD, now_ns)
         else:
             self.speed_01mmps = telegram.speed_01mmps
-            self._accepted_ns = now_ns
+            self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
             self._observe(Telegram.GOOD, now_ns)
 
     def _observe(self, telegram: Telegram, now_ns: int) -> None:
@@ -72,7 +80,7 @@ class Guard:
             self._ladder,
             self._state,
             Seen(
-                age_ms=(now_ns - self._accepted_ns) // _NS_PER_MS,
+                age_ms=self._age.ns(now_ns) // _NS_PER_MS,
                 telegram=telegram,
                 standstill=speed == 0,
                 overspeed=speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit),

@@ -13,9 +13,13 @@ from scenarios.model import Scenario
 #: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
 
+#: Positions are limited to this before the law sees them (0.1 mm, 200 km: the wire's own limit), so that they and
+#: their differences fit into 32 bits.
+POSITION_MAX_01MM = 2_000_000_000
+
 
 class ControlLoop(Generic[T]):
-    """Law, set-points and state on one arithmetic; operands are those of the arithmetic."""
+    """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers."""
 
     def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[T], indexing: str) -> None:
         period_s = scenario.timing.control_period_ns / 1e9
@@ -25,14 +29,15 @@ class ControlLoop(Generic[T]):
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
         self.state: Any = None
 
-    def inputs(self, k: Any, speed_01mmps: T, position_01mm: T) -> LawInputs[T]:
-        """Wire values and set-points as the law takes them."""
+    def inputs(self, k: Any, speed_01mmps: Any, position_01mm: Any) -> LawInputs[T]:
+        """Wire values (whole numbers) and set-points as the law takes them."""
         ar = self.arithmetic
-        speed = ar.note("speed", ar.mpy(speed_01mmps, self._kmh, _KMH_PER_01MMPS.q - SPEED_Q), SPEED_Q, "km/h")
-        set_point, preview = self.set_points.at(k, position_01mm)
+        product = ar.mpy(ar.from_raw(speed_01mmps, 0), self._kmh, _KMH_PER_01MMPS.q - SPEED_Q)
+        speed = ar.note("speed", product, SPEED_Q, "km/h")
+        set_point, preview = self.set_points.at(k, ar.from_raw(position_01mm, 0))
         return LawInputs(speed, ar.note("set_point", set_point, SPEED_Q, "km/h"), preview)
 
-    def step(self, k: Any, speed_01mmps: T, position_01mm: T) -> tuple[LawInputs[T], LawOutputs[T]]:
+    def step(self, k: Any, speed_01mmps: Any, position_01mm: Any) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
         inputs = self.inputs(k, speed_01mmps, position_01mm)
         if self.state is None:

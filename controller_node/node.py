@@ -6,14 +6,16 @@ import time
 from dataclasses import dataclass
 
 from bus.errors import PeerSilent
-from bus.frame import Frame
 from bus.ident import CtlIdent, Ident, Role, make_ident
 from bus.layout import Telegram, flag
 from bus.link import Endpoint
 from bus.responder import Responder
 from bus.schedule import Schedule
 from bus.telegrams import (
+    HEADROOM_UNUSED,
+    NO_QUANTITY,
     BalisePassed,
+    ControllerFlag,
     CtlMode,
     CtlStat,
     Event,
@@ -26,9 +28,12 @@ from bus.telegrams import (
     TrnSpeed,
 )
 from controller_node.controller import Controller, ControlOutput
+from controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
 from controller_node.guard import Guard
+from controller_node.loop import POSITION_MAX_01MM
 from controller_node.watch import Level
 from dbc import wire_contract
+from scenarios.errors import InputError
 from scenarios.model import Scenario
 
 _MODES = {
@@ -40,6 +45,10 @@ _MODES = {
 }
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
+#: Ports with transmit mailboxes.
+ANSWERS = (NotchCmd, CtlStat, CtlIdent)
+_NS_PER_MS = 1_000_000
+_UINT16_MAX = 0xFFFF
 #: A controller that hears nothing at all for this long on the wall clock ends.
 SILENCE_S = 3.0
 #: Before the first frame it waits longer: the other nodes may be started by hand.
@@ -48,22 +57,48 @@ FIRST_FRAME_S = 60.0
 
 @dataclass(frozen=True, slots=True)
 class ControllerOptions:
-    """What the command line says about the controller."""
+    """What the command line says about the controller.
+
+    ``task_period_ms``: the mailboxes are read by a task with this period of simulation time; 0: each at once, by
+    interrupt. ``bit_rate``: of the bus in bit/s, clocks the time stamps; None: that of the port table.
+    """
 
     controller: str = "ipfc"
     arithmetic: str = "iq"
     indexing: str = "time"
     fd: bool = False
+    task_period_ms: int = 0
+    bit_rate: int | None = None
+
+
+def mailboxes() -> tuple[Mailbox, ...]:
+    """The controller's eCAN mailboxes, made from the port table.
+
+    :raises ContractError: the ports do not fit into the chip.
+    """
+    contract = wire_contract()
+    received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
+    return mailbox_table(contract, received, sent)
 
 
 class ControllerNode:
-    """Reacts to frames; holds no socket, so it runs in a process or in memory alike."""
+    """Reacts to frames; holds no socket, so it runs in a process or in memory alike.
+
+    :raises InputError: an option that the chip cannot have.
+    """
 
     def __init__(self, scenario: Scenario, options: ControllerOptions) -> None:
         contract = wire_contract()
         self.controller = Controller(scenario, options.controller, options.arithmetic, options.indexing)
+        self.options = options
         self.ended: Event | None = None
-        self.guard = Guard(scenario)
+        bit_rate = contract.bit_rate if options.bit_rate is None else options.bit_rate
+        if bit_rate <= 0:
+            raise InputError("command line", "--bitrate", bit_rate, "above 0")
+        if options.fd and options.task_period_ms:
+            raise InputError("command line", "--task-period-ms", options.task_period_ms, "0 with CAN FD")
+        counter = BitCounter(bit_rate)
+        self.guard = Guard(scenario, counter)
         self._control_ns = scenario.timing.control_period_ns
         self._ident = make_ident(
             Role.CONTROLLER,
@@ -78,6 +113,8 @@ class ControllerNode:
         self._overruns = 0
         self._notch_life = 0
         self._stat_life = 0
+        # The quantity of the law that the next CTL_STAT is about.
+        self._shown = 0
         self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
@@ -88,16 +125,32 @@ class ControllerNode:
         )
         self._clock = self.responder.clock
         self._store = self.responder.store
+        table = None if options.fd else mailboxes()
+        self.receiver = Receiver(self.responder, table, counter, options.task_period_ms * _NS_PER_MS)
+        #: Takes one frame in bus order; returns the answer to a poll of the controller.
+        self.handle = self.receiver.handle
 
-    def handle(self, frame: Frame) -> list[Frame]:
-        """Take one frame in bus order; returns the answer to a poll of the controller."""
-        return self.responder.handle(frame)
+    @property
+    def lost_messages(self) -> int:
+        """Frames overwritten in their mailbox before they were read."""
+        return self.receiver.lost_messages
+
+    @property
+    def lost_by_mailbox(self) -> dict[str, int]:
+        """Frames lost in each receive mailbox, by its name; none with CAN FD."""
+        ecan = self.receiver.ecan
+        return {} if ecan is None else {box.name: ecan.lost[box.number] for box in mailboxes() if not box.transmit}
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """What was refused or lost, by cause."""
+        return {**self._store.counters, **self.guard.counters, **self.receiver.counters}
 
     def _committed(self, port: str) -> None:
         if port == TrnSpeed.PORT:
             speed, _ = self._store.read(TrnSpeed, self._clock.now_ns)
             if speed is not None:
-                self.guard.speed(speed, self._clock.now_ns)
+                self.guard.speed(speed, self._clock.now_ns, self.receiver.stamp)
         elif port == TrkInfo.PORT:
             track, _ = self._store.read(TrkInfo, self._clock.now_ns)
             if track is not None:
@@ -118,6 +171,7 @@ class ControllerNode:
             return
         position, _ = self._store.read(TrnPos, now_ns)
         odometer_01mm = position.odometer_mm * 10 if position is not None else 0
+        odometer_01mm = min(max(odometer_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM)
         if k > self._last_k + 1 and self._last_k >= 0:
             self._overruns += 1
         self._output = self.controller.step(k, speed_01mmps, odometer_01mm)
@@ -125,6 +179,8 @@ class ControllerNode:
         self._steps += 1
 
     def _notch(self) -> Telegram:
+        # The poll itself may have opened the tick, when the clock's own frame is missing.
+        self.receiver.read_when_due()
         self._control()
         self._notch_life = (self._notch_life + 1) & 0xF
         if self._output is None:
@@ -137,19 +193,30 @@ class ControllerNode:
         self._stat_life = (self._stat_life + 1) & 0xF
         output = self._output
         if output is None:
-            return CtlStat(ready=flag(False), life=self._stat_life)
+            return CtlStat(overflow_flags=self._lost_flag(), ready=flag(False), life=self._stat_life)
+        index, telemetry = self._shown, self.controller.telemetry
+        self._shown = (index + 1) % min(len(telemetry.quantities), NO_QUANTITY)
+        quantity = telemetry.row(index)
         return CtlStat(
             basis=output.basis,
             ladder_level=self.guard.level,
-            overflow_flags=output.overflow_flags,
+            overflow_flags=output.overflow_flags | self._lost_flag(),
             softening_unipolar2=output.softening_raw,
             satisfaction_unipolar2=output.satisfaction_raw,
             step_count=self._steps & 0xFFFF,
-            step_cycles=output.cycles,
-            step_cycles_max=output.cycles_max,
+            step_cycles=min(output.cycles, _UINT16_MAX),
+            step_cycles_max=min(output.cycles_max, _UINT16_MAX),
+            telemetry_index=index,
+            telemetry_headroom_bits=HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits,
+            telemetry_wrapped=int(quantity.wraps > 0),
+            telemetry_saturated=int(quantity.saturations > 0),
+            telemetry_zero_division=int(quantity.zero_divisions > 0),
             overruns=min(self._overruns, 255),
             life=self._stat_life,
         )
+
+    def _lost_flag(self) -> int:
+        return ControllerFlag.MESSAGE_LOST if self.lost_messages else 0
 
     def _own_ident(self) -> Ident:
         return self._ident

@@ -102,6 +102,7 @@ class _DistanceTable(Generic[T]):
         self._speed = arithmetic.table("v_of_x", _speed_constants("v_of_x", target, all_times_s))
         self._offsets = [i * _PER_PERIOD for i in range(horizon + 1)]
         self._zero = arithmetic.const(Constant("zero", 0.0, 0))
+        self._one = arithmetic.const(Constant("one", 1.0, _FRACTION_Q))
         self._one_01mm = arithmetic.const(Constant("one_01mm", 1.0, 0))
         #: Where the distance indexing begins, 0.1 mm.
         self.from_01mm = arithmetic.const(Constant("from", DISTANCE_FROM_M * _01MM, 0))
@@ -113,6 +114,8 @@ class _DistanceTable(Generic[T]):
         # Next to the stop neighbours can share a tenth of a millimetre.
         length = ar.maximum(ar.sub(ar.at(self._position, index, 1), begin), self._one_01mm)
         fraction = ar.div(ar.clip(ar.sub(position_01mm, begin), length, self._zero), length, _FRACTION_Q)
+        # At most 1 already; said again for whoever bounds the product below without knowing that.
+        fraction = ar.minimum(fraction, self._one)
         points = []
         for offset in self._offsets:
             left, right = ar.at(self._speed, index, offset), ar.at(self._speed, index, offset + 1)

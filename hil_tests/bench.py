@@ -9,12 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from bus.frame import Frame
+from bus.ident import CtlIdent, Role, make_ident
 from bus.local import LocalBus
 from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth
 from controller_node.controller import Controller
 from controller_node.node import ControllerNode, ControllerOptions
+from controller_node.telemetry_file import telemetry_document
 from plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
 from plant_sim.plant import Plant
 from plant_sim.telegrams import TrainTelegrams
@@ -36,6 +39,8 @@ class BenchRun:
     frames_sha256: str = ""
     ended: Event | None = None
     counters: dict[str, dict[str, int]] = field(default_factory=dict)
+    #: What the controller's process would write into ``telemetry.json``.
+    telemetry: dict[str, Any] = field(default_factory=dict)
 
     @property
     def notches(self) -> list[int]:
@@ -48,7 +53,7 @@ class BenchRun:
         found: dict[str, int] = {}
         for node, counters in self.counters.items():
             for cause, count in counters.items():
-                if cause not in ("unknown_id", "accepted", "polls") and count:
+                if cause not in ("unknown_id", "no_mailbox", "accepted", "polls") and count:
                     found[f"{node}.{cause}"] = count
         return found
 
@@ -64,9 +69,11 @@ def local_run(
     indexing: str = "time",
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
+    task_period_ms: int = 0,
 ) -> BenchRun:
     """One run through codec and stores.
 
+    :param task_period_ms: as the controller's option.
     :param drawn: draw the scenario's perturbations with the seed.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
     """
@@ -81,7 +88,7 @@ def local_run(
         indexing=indexing,
         fd=fd,
     )
-    node = ControllerNode(scenario, ControllerOptions(controller, arithmetic, indexing, fd))
+    node = ControllerNode(scenario, ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms))
 
     def to_controller(frame: Frame) -> list[Frame]:
         frames = [frame] if wire is None else wire(frame)
@@ -102,9 +109,10 @@ def local_run(
         {
             "plant": dict(plant.counters),
             "gate": dict(plant.gate.counters),
-            "controller": {**node.responder.store.counters, **node.guard.counters},
+            "controller": node.counters,
             "supervisor": session.counters,
         },
+        telemetry_document(node),
     )
 
 
@@ -118,11 +126,29 @@ def direct_run(
     indexing: str = "time",
 ) -> BenchRun:
     """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
+    law = Controller(scenario, controller, arithmetic, indexing)
+    return coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
+
+
+def coupled_run(
+    scenario: Scenario,
+    law: Callable[[int, int, int], int],
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    indexing: str = "time",
+) -> BenchRun:
+    """One run of the plant under any law.
+
+    :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm -> notch code (1/256).
+    :param indexing: what the law follows, for the score.
+    """
     actual = perturbed(scenario, seed) if drawn else scenario
     plant = Plant(actual, seed)
-    law = Controller(scenario, controller, arithmetic, indexing)
     telegrams = TrainTelegrams(actual, plant, 0.0)
     trace = Trace()
+    ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
+    trace.add(CtlIdent.PORT, 0, ident.encode())
     tick_ns = scenario.timing.base_tick_ns
     control_ticks = scenario.timing.control_period_ns // tick_ns
     poll_ticks = NotchCmd.port().period_ns // tick_ns
@@ -145,7 +171,7 @@ def direct_run(
             assert telegram is not None
             trace.add(SimTruth.PORT, now_ns, telegram.encode())
             if tick % control_ticks == 0:
-                code = law.step(tick // control_ticks, plant.speed_01mmps, plant.odometer_mm * 10).notch_code
+                code = law(tick // control_ticks, plant.speed_01mmps, plant.odometer_mm * 10)
             plant.command(code, False)
             trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
         if stop_tick is not None and tick >= stop_tick + after_stop:

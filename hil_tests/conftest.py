@@ -29,6 +29,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         missing["needs_socketcan"] = "MISSING CAPABILITY kernel SocketCAN with vcan0 (make test brings it up as root)"
     if shutil.which("docker") is None or not os.environ.get("DOCKER_HOST"):
         missing["needs_docker"] = "MISSING CAPABILITY Docker engine (make test brings it up as root)"
+    if not os.environ.get("RAILHIL_REQUIRE_ALL") and not all(shutil.which(name) for name in ("gcc", "clang")):
+        missing["needs_compiler"] = "MISSING CAPABILITY C compilers gcc and clang (make test installs them as root)"
     for item in items:
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:

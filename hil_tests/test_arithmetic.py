@@ -1,4 +1,4 @@
-"""Properties of the arithmetics: one train and many give equal bits, counters count, constants are rounded."""
+"""Properties of the arithmetics: one train and many give equal bits, constants are rounded, names are known."""
 
 from __future__ import annotations
 
@@ -9,47 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bus.ident import ARITHMETICS
 from controller_node.arithmetic import make, names
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Constant, Counters, Curve
+from controller_node.arithmetic.base import Constant, Curve
 from controller_node.arithmetic.float64 import Float64, Float64Batch
-from controller_node.arithmetic.iq import Iq, IqBatch
+from controller_node.arithmetic.iq import C28, C28Batch
 from scenarios.errors import InputError
 
-INT32 = st.one_of(st.integers(-(2**31), 2**31 - 1), st.sampled_from([-(2**31), -1, 0, 1, 2**31 - 1]))
-PAIRS = st.lists(st.tuples(INT32, INT32), min_size=1, max_size=20)
-SHIFT = st.integers(1, 30)
 REAL = st.floats(-1e6, 1e6)
 
 CURVE = Curve.sampled("decay", lambda x: math.exp(-x), 24, 30)
-
-
-@settings(deadline=None, max_examples=150)
-@given(PAIRS, SHIFT)
-def test_iq_scalar_equals_array(pairs: list[tuple[int, int]], q: int) -> None:
-    one, many = Iq(), IqBatch()
-    a, b = (np.array(column) for column in zip(*pairs, strict=True))
-    for operation in ("add", "sub", "minimum", "maximum", "gt"):
-        expected = [getattr(one, operation)(x, y) for x, y in pairs]
-        np.testing.assert_array_equal(getattr(many, operation)(a, b), expected)
-    for operation in ("mpy", "rmpy", "rsmpy", "div"):
-        expected = [getattr(one, operation)(x, y, q) for x, y in pairs]
-        np.testing.assert_array_equal(getattr(many, operation)(a, b, q), expected)
-    for operation in ("neg", "abs"):
-        np.testing.assert_array_equal(getattr(many, operation)(a), [getattr(one, operation)(x) for x, _ in pairs])
-    np.testing.assert_array_equal(many.where(many.gt(a, b), a, b), [one.where(x > y, x, y) for x, y in pairs])
-    np.testing.assert_array_equal(many.dot([a, b], [b, b], q), [one.dot([x, y], [y, y], q) for x, y in pairs])
-    np.testing.assert_array_equal(many.convert(a, q, 31 - q), [one.convert(x, q, 31 - q) for x, _ in pairs])
-    np.testing.assert_array_equal(many.quantise(a, q, 0), [one.quantise(x, q, 0) for x, _ in pairs])
-    np.testing.assert_array_equal(
-        many.mpy_iqx(a, q, b, 31 - q, 20), [one.mpy_iqx(x, q, y, 31 - q, 20) for x, y in pairs]
-    )
-    upper = np.maximum(a, b)
-    for operation in ("sat", "clip"):
-        expected = [getattr(one, operation)(q * 1000, max(x, y), min(x, y)) for x, y in pairs]
-        np.testing.assert_array_equal(
-            getattr(many, operation)(np.full_like(a, q * 1000), upper, np.minimum(a, b)), expected
-        )
-    assert one.counters == many.counters
 
 
 @settings(deadline=None, max_examples=100)
@@ -75,22 +44,22 @@ def test_float64_scalar_equals_array(pairs: list[tuple[float, float]]) -> None:
 
 @given(st.lists(st.integers(0, 2**24), min_size=1, max_size=30))
 def test_curve_table_scalar_equals_array_and_is_close(arguments: list[int]) -> None:
-    one = [Iq().curve(CURVE, a) for a in arguments]
-    np.testing.assert_array_equal(IqBatch().curve(CURVE, np.array(arguments)), one)
+    one = [C28().curve(CURVE, a) for a in arguments]
+    np.testing.assert_array_equal(C28Batch().curve(CURVE, np.array(arguments)), one)
     exact = np.exp(-np.array(arguments) / 2**24)
     # Linear interpolation over 1/256: at most f''/8/256^2, plus rounding.
     assert np.max(abs(np.array(one) / 2**30 - exact)) < 1 / 8 / 256**2 + 2**-28
 
 
 def test_curve_ends_are_samples() -> None:
-    assert Iq().curve(CURVE, 0) == 2**30
-    assert Iq().curve(CURVE, 2**24) == CURVE.samples[-1].raw
+    assert C28().curve(CURVE, 0) == 2**30
+    assert C28().curve(CURVE, 2**24) == CURVE.samples[-1].raw
 
 
 @given(st.lists(st.integers(-5, 120), min_size=1, max_size=20))
 def test_locate_scalar_equals_array(arguments: list[int]) -> None:
     constants = [Constant(f"x[{i}]", float(x), 0) for i, x in enumerate((0, 3, 4, 50, 50, 100))]
-    for one, many in ((Iq(), IqBatch()), (Float64(), Float64Batch())):
+    for one, many in ((C28(), C28Batch()), (Float64(), Float64Batch())):
         table = one.table("t", constants)
         expected = [one.locate(table, a) for a in arguments]
         np.testing.assert_array_equal(many.locate(many.table("t", constants), np.array(arguments)), expected)
@@ -98,28 +67,12 @@ def test_locate_scalar_equals_array(arguments: list[int]) -> None:
         assert all(table[i] <= a for i, a in zip(expected, arguments, strict=True) if a >= 0)
 
 
-def test_counters_and_flags() -> None:
-    for arithmetic in (Iq(), IqBatch()):
-        arithmetic.add(2**30, -(2**30))
-        assert arithmetic.counters == Counters()
-        assert arithmetic.add(2**31 - 1, 1) == -(2**31)
-        assert arithmetic.counters.flags == WRAP
-        assert arithmetic.rsmpy(2**31 - 1, 2**31 - 1, 1) == 2**31 - 1
-        assert arithmetic.counters.flags == WRAP | SATURATION
-        assert arithmetic.div(-5, 0, 20) == 2**31 - 1
-        assert arithmetic.counters.flags == WRAP | SATURATION | DIVISION_BY_ZERO
-        assert arithmetic.clip(9, 5, 0) == 5
-        assert arithmetic.neg(-(2**31)) == -(2**31)
-        assert arithmetic.abs(-(2**31)) == -(2**31)
-        assert arithmetic.counters == Counters(wraps=3, saturations=1, zero_divisions=1)
-
-
 def test_constants_are_rounded_to_nearest() -> None:
     constant = Constant("k", 0.7, 24)
     assert constant.raw == 11744051
     assert abs(constant.rounding_error) <= 2**-25
     assert constant.relative_error == abs(constant.rounding_error) / 0.7
-    assert Iq().const(constant) == 11744051
+    assert C28().const(constant) == 11744051
     assert Float64().const(constant) == 0.7
     assert Constant("zero", 0.0, 24).relative_error == 0.0
 
@@ -131,6 +84,7 @@ def test_constant_outside_its_format_is_refused(value: float) -> None:
 
 
 def test_unknown_arithmetic_is_one_line() -> None:
-    assert names() == ["float64", "iq"]
-    with pytest.raises(InputError, match=r"^arithmetic: name: found 'float16', allowed one of float64, iq$"):
+    allowed = ", ".join(sorted(ARITHMETICS[1:]))
+    assert ", ".join(names()) == allowed, "those that the wire can name"
+    with pytest.raises(InputError, match=rf"^arithmetic: name: found 'float16', allowed one of {allowed}$"):
         make("float16")

@@ -1,155 +1,124 @@
-"""C28x fixed point against vectors made with TI's IQmath library, one by one and as arrays."""
+"""IQ fixed point against vectors made with TI's IQmath library: both profiles, one by one and as arrays."""
 
 from __future__ import annotations
 
 import gzip
 import json
-import struct
-from collections.abc import Callable
-from functools import lru_cache
+import shutil
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from controller_node.arithmetic.iq import Iq, IqBatch, iq_macro
+from hil_tests import iq_vectors
+from hil_tests.iq_vectors import FUNCTIONS, PROFILES, TOLERANCES, as_arrays, check, judge, one_by_one, read_rows
 
 DATA = Path(__file__).parent / "data" / "iq"
-
-#: Function of the vectors -> file, number of cases, call on an arithmetic: (arithmetic, q, inputs) -> result.
-Call = Callable[[Any, int, Any], Any]
-FUNCTIONS: dict[str, tuple[str, int, Call]] = {
-    "mpy": ("mul", 1204, lambda ar, q, i: ar.mpy(i[0], i[1], q)),
-    "rmpy": ("mul", 1171, lambda ar, q, i: ar.rmpy(i[0], i[1], q)),
-    "rsmpy": ("mul", 1204, lambda ar, q, i: ar.rsmpy(i[0], i[1], q)),
-    "add": ("basic", 332, lambda ar, q, i: ar.add(i[0], i[1])),
-    "sub": ("basic", 315, lambda ar, q, i: ar.sub(i[0], i[1])),
-    "sat": ("basic", 437, lambda ar, q, i: ar.sat(i[0], i[1], i[2])),
-    "abs": ("basic", 298, lambda ar, q, i: ar.abs(i[0])),
-    "div": ("div", 1461, lambda ar, q, i: ar.div(i[0], i[1], q)),
-}
-#: Functions whose format or count is an input: they are called row by row on both classes.
-BY_ROW: dict[str, tuple[str, int, Call]] = {
-    "mpyIQX": ("mul", 599, lambda ar, q, i: ar.mpy_iqx(i[0], int(i[1]), i[2], int(i[3]), q)),
-    "shr": ("basic", 285, lambda ar, q, i: ar.shr(i[0], int(i[1]))),
-    "shl": ("basic", 289, lambda ar, q, i: ar.shl(i[0], int(i[1]))),
-}
-EVERY = FUNCTIONS | BY_ROW
+ROWS = read_rows(DATA)
+#: Functions of the vectors that no profile has.
+NOT_OFFERED = {"asin", "acos", "atan2", "atan2PU"}
+#: Rows that a profile is not judged by: text functions of the C28x, faults of the portable library.
+UNJUDGED = {"c28": {"atoIQ": 242, "toa": 200}, "portable": {"toF": 7, "div": 6}}
+#: Rows per function; a folder that lost some would otherwise pass.
+COUNTS = """
+mpy 1204, rmpy 1171, rsmpy 1204, mpyIQX 599, mpyI32 461, mpyI32int 454, mpyI32frac 421, div 1461,
+add 332, sub 315, sadd 342, ssub 313, sat 437, abs 298, shr 285, shl 289, int 298, frac 289,
+sqrt 991, isqrt 585, mag 545, exp 639, log 975, sin 822, cos 880, sinPU 423, cosPU 429,
+toF 610, IQf 503, IQd 462, atoIQ 242, toa 200
+"""
 
 
-@lru_cache
-def rows(file: str) -> list[dict[str, Any]]:
-    with gzip.open(DATA / f"{file}.jsonl.gz", "rt") as lines:
-        return [json.loads(line) for line in lines]
+def test_all_vectors_are_there() -> None:
+    assert set(ROWS) - set(FUNCTIONS) == NOT_OFFERED
+    expected = {name: int(count) for name, count in map(str.split, COUNTS.split(","))}
+    assert {function: len(ROWS[function]) for function in FUNCTIONS} == expected
 
 
-def cases(function: str) -> list[dict[str, Any]]:
-    return [row for row in rows(EVERY[function][0]) if row["f"] == function]
-
-
-def expected(row: dict[str, Any]) -> int:
-    """Result on the C28x: where it is determined, else the exact one rounded, else that of the C library."""
-    return int(row.get("c", row.get("r", row["o"])))
-
-
-def mismatches(arithmetic: Any, function: str) -> int:
-    call = EVERY[function][2]
-    return sum(int(call(arithmetic, row["q"], row["i"])) != expected(row) for row in cases(function))
-
-
-@pytest.mark.parametrize("function", EVERY)
-def test_every_vector_is_met_exactly(function: str) -> None:
-    assert len(cases(function)) == EVERY[function][1]
-    assert mismatches(Iq(), function) == 0
-
-
+@pytest.mark.parametrize("profile", PROFILES)
 @pytest.mark.parametrize("function", FUNCTIONS)
-def test_arrays_give_the_same_results_and_counts(function: str) -> None:
-    call, one, many = FUNCTIONS[function][2], Iq(), IqBatch()
-    for q in sorted({row["q"] for row in cases(function)}):
-        group = [row for row in cases(function) if row["q"] == q]
-        inputs = [np.array(column) for column in zip(*(row["i"] for row in group), strict=True)]
-        result = call(many, q, inputs)
-        assert result.dtype == np.int64
-        np.testing.assert_array_equal(result, [call(one, q, row["i"]) for row in group])
+def test_every_vector_is_met(profile: str, function: str) -> None:
+    report = check(profile, function, ROWS[function])
+    assert report.wrong == 0
+    assert report.unjudged == UNJUDGED[profile].get(function, 0)
+    # Exp of the C28x limits its argument: above the range it gives the value of the largest argument.
+    assert report.worst_lsb == 0 or (profile, function) == ("c28", "exp")
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_arrays_give_the_same_results_and_counts(profile: str, function: str) -> None:
+    one, many = (make() for make in PROFILES[profile])
+    results = as_arrays(many, function, ROWS[function])
+    assert results == one_by_one(one, function, ROWS[function])
+    assert judge(profile, function, ROWS[function], results).wrong == 0
     assert one.counters == many.counters
 
 
-@pytest.mark.parametrize("function", BY_ROW)
-def test_arrays_of_one_give_the_same_results_and_counts(function: str) -> None:
-    call, one, many = BY_ROW[function][2], Iq(), IqBatch()
-    for row in cases(function):
-        inputs = [np.array([value]) for value in row["i"]]
-        assert call(many, row["q"], [inputs[0], row["i"][1], *inputs[2:3], *row["i"][3:]])[0] == expected(row)
-        call(one, row["q"], row["i"])
-    assert one.counters == many.counters
+def test_the_profiles_differ_where_the_libraries_do() -> None:
+    different = {
+        function for function in FUNCTIONS if check("portable", function, ROWS[function], PROFILES["c28"][0]()).wrong
+    }
+    assert different == {
+        *("div", "sqrt", "isqrt", "mag", "int", "frac", "mpyI32int", "mpyI32frac", "toF", "exp", "log"),
+        *("sin", "cos", "sinPU", "cosPU", "atoIQ", "toa"),
+    }
 
 
-@pytest.mark.parametrize(("function", "layout", "integer"), [("IQd", "<d", "<Q"), ("IQf", "<f", "<I")])
-def test_macro_truncates_toward_zero(function: str, layout: str, integer: str) -> None:
-    group = [row for row in rows("conv") if row["f"] == function]
-    assert len(group) > 400
-    for row in group:
-        value = struct.unpack(layout, struct.pack(integer, row["i"][0]))[0]
-        assert iq_macro(value, row["q"]) == expected(row)
+class _Off:
+    """The C28x profile with one function off by some LSB."""
+
+    def __init__(self, method: str, lsb: int) -> None:
+        self._exact = getattr(PROFILES["c28"][0](), method)
+        self._lsb = lsb
+        setattr(self, method, self._off)
+
+    def _off(self, *arguments: int) -> int:
+        return int(self._exact(*arguments)) + self._lsb
 
 
-@pytest.mark.parametrize("value", [128.0, -128.1, float("nan"), float("inf")])
-def test_macro_refuses_what_is_undefined_on_the_target(value: float) -> None:
-    with pytest.raises(ValueError, match="outside int32"):
-        iq_macro(value, 24)
+@pytest.mark.parametrize("function", TOLERANCES)
+def test_a_difference_inside_the_librarys_own_accuracy_is_told_from_one_outside(function: str) -> None:
+    rows = [row for row in ROWS[function] if "c" not in row and 0 < row["r"] < 2**30 and row["q"] == 24]
+    assert len(rows) > 20
+    allowed = {iq_vectors.tolerance(function, row) for row in rows}
+    method = FUNCTIONS[function].method
+    inside = check("c28", function, rows, _Off(method, -min(allowed)))
+    assert (inside.mismatches, inside.unrounded) == (0, len(rows))
+    outside = check("c28", function, rows, _Off(method, -max(allowed) - 1))
+    assert (outside.mismatches, outside.unrounded) == (len(rows), 0)
 
 
-class RoundedMpy(Iq):
-    def mpy(self, a: int, b: int, q: int) -> int:
-        return self.rmpy(a, b, q)
+def test_exp_falls_short_only_above_its_range() -> None:
+    largest = {q: iq_vectors.exp_range(q)[1] for q in range(1, 31)}
+    row: dict[str, Any] = {"f": "exp", "q": 16, "i": [largest[16]], "r": 2**31 - 1}
+    assert iq_vectors.shortfall("exp", row) == 0
+    row["i"] = [largest[16] + 1]
+    # One LSB of the argument is 2^-16 of the result.
+    assert 2**15 - 1 <= iq_vectors.shortfall("exp", row) <= 2**15
+    assert iq_vectors.shortfall("log", row) == 0
 
 
-class FlooredRmpy(Iq):
-    def rmpy(self, a: int, b: int, q: int) -> int:
-        return self.mpy(a, b, q)
+def test_command_prints_and_fails_with_a_mismatch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copy(DATA / "div.jsonl.gz", tmp_path)
+    for profile in PROFILES:
+        assert iq_vectors.main([str(tmp_path), "--profile", profile]) == 0
+        assert iq_vectors.main([str(tmp_path), "--profile", profile, "--arrays"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split() == ["div", "1461", "0", "0", "0", "0"]
+    (tmp_path / "more.jsonl").write_text(
+        '{"f":"mpy","q":24,"i":[3,5],"o":1,"c":1}\n{"f":"asin","q":24,"i":[0],"o":0}\n'
+    )
+    assert iq_vectors.main([str(tmp_path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[2].split() == ["mpy", "1", "1", "0", "1", "0"]
+    assert lines[3].split() == ["asin", "1", "not", "offered"]
 
 
-class WrappingRsmpy(Iq):
-    def rsmpy(self, a: int, b: int, q: int) -> int:
-        return self.rmpy(a, b, q)
-
-
-class TruncatedDiv(Iq):
-    def div(self, a: int, b: int, q: int) -> int:
-        if b == 0:
-            return super().div(a, b, q)
-        size = (abs(a) << q) // abs(b)
-        return self.sat(size if (a < 0) == (b < 0) else -size, 2**31 - 1, -(2**31))
-
-
-class OffByOneQ(Iq):
-    def mpy(self, a: int, b: int, q: int) -> int:
-        return super().mpy(a, b, q - 1)
-
-
-class SaturatingAdd(Iq):
-    def add(self, a: int, b: int) -> int:
-        return self.sat(a + b, 2**31 - 1, -(2**31))
-
-
-class LogicalShift(Iq):
-    def shr(self, a: int, count: int) -> int:
-        return (a & 0xFFFFFFFF) >> count
-
-
-@pytest.mark.parametrize(
-    ("mutant", "function"),
-    [
-        (RoundedMpy, "mpy"),
-        (FlooredRmpy, "rmpy"),
-        (WrappingRsmpy, "rsmpy"),
-        (TruncatedDiv, "div"),
-        (OffByOneQ, "mpy"),
-        (SaturatingAdd, "add"),
-        (LogicalShift, "shr"),
-    ],
-)
-def test_vectors_tell_wrong_semantics_apart(mutant: type[Iq], function: str) -> None:
-    assert mismatches(mutant(), function) > 20
+def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert iq_vectors.main([str(tmp_path)]) == 2
+    assert "no rows" in capsys.readouterr().err
+    with gzip.open(tmp_path / "x.jsonl.gz", "wt") as lines:
+        lines.write(json.dumps({"f": "mpy", "q": 24, "i": [1, 2], "o": 0}) + '\n{"f":"mpy","q":"24"}\n')
+    assert iq_vectors.main([str(tmp_path)]) == 2
+    message = capsys.readouterr().err
+    assert "line 2" in message
+    assert message.count("\n") == 1

@@ -12,18 +12,21 @@ from pathlib import Path
 import psutil
 import pytest
 
+from benchmarks import arithmetic
 from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.machine import Machine, cpu_model
 from benchmarks.memory import peak_mb
 from benchmarks.processes import RunCommand
+from controller_node.arithmetic import make
 
-UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "cycles", "MB"}
+UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB"}
 #: A figure that must be there, and the number of figures, so that none is dropped without notice.
 EXPECTED = {
     "lockstep": (6, "iq: command to first frame, median"),
     "round_trip": (16, "pinned: hub, TCP loopback, p99"),
-    "controller_step": (8, "float64: step of 1000 trains, per train, median"),
+    "arithmetic": (58, "rsmpy, 100,000 at once: apytypes"),
+    "controller_step": (20, "float32: step of 1000 trains, per train, median"),
     "plant": (4, "direct run with iq, per core"),
     "codec": (14, "SIM_TRUTH (3 frames): receive, all checks and decode"),
     "memory": (4, "controller: peak resident set"),
@@ -86,6 +89,23 @@ def test_table_names_every_figure_and_its_unit():
     assert "load average" in done.stdout
     row = next(line for line in done.stdout.splitlines() if "estimated C28x cycles" in line)
     assert "cycles" in row.split("│")[3]
+
+
+def test_a_wrong_product_is_no_measurement(monkeypatch, tmp_path):
+    class Floored(type(make("iq", batch=True))):
+        def rmpy(self, a, b, q):
+            return self.mpy(a, b, q)
+
+    monkeypatch.setattr(arithmetic, "make", lambda name, batch=False: Floored() if batch else make(name))
+    with pytest.raises(MeasurementError, match="rmpy does not give"):
+        arithmetic.measure(Setting.make(True, tmp_path))
+
+
+def test_operations_wrap_and_saturate_as_the_chip_does():
+    wanted = {operation.name: operation.wanted(2**30, -(2**30) - 1) for operation in arithmetic.OPERATIONS}
+    assert wanted == {"mpy": -64, "rmpy": -64, "rsmpy": -(2**31), "div": -(2**24), "add": -1}
+    half = {operation.name: operation.wanted(-1, 1 << 23) for operation in arithmetic.OPERATIONS}
+    assert half == {"mpy": -1, "rmpy": 0, "rsmpy": 0, "div": -2, "add": (1 << 23) - 1}
 
 
 def test_unknown_benchmark_is_one_line():

@@ -6,6 +6,7 @@ As in :mod:`hil_tests.test_gate_sweeps` each sweep takes the module to judge.
 from __future__ import annotations
 
 import random
+from itertools import product
 from types import ModuleType
 from typing import Any
 
@@ -173,8 +174,18 @@ def sweep_store_assembly(module: ModuleType) -> None:
                 result = traffic.feed(trailer, 1000 + allowed_ns + over_ns)
                 assert result == (None if over_ns else port.name)
                 assert traffic.counters == ({"assembly_timeout": 1} if over_ns else {})
+        # Frames that waited in mailboxes come in block order, whatever the order in which they had arrived; the first
+        # frame of all decides nothing about those of the next telegram.
+        for times_ns in product((0, 5 * MS, 5 * MS + 1), repeat=len(frames)):
+            traffic = module.TrafficStore([port])
+            assert fed(traffic, frames, 20 * MS) == port.name
+            results = [traffic.feed(frame, time_ns) for frame, time_ns in zip(frames, times_ns, strict=True)]
+            too_long = max(times_ns) - min(times_ns) > 5 * MS
+            assert results[-1] == (None if too_long else port.name)
+            assert traffic.counters == ({"assembly_timeout": 1} if too_long else {})
         traffic = module.TrafficStore([port])
         assert fed(traffic, telegram_of(port, True)[1], 10**12) == port.name
+        assert fed(traffic, telegram_of(port, True)[1], 0) == port.name
         assert traffic.raw(port.name) == data
 
 

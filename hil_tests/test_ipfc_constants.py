@@ -8,9 +8,18 @@ import numpy as np
 import pytest
 
 from controller_node.arithmetic import make
+from controller_node.arithmetic.float32 import rounding_error
 from controller_node.laws.ipfc import Ipfc
-from controller_node.laws.ipfc_constants import IpfcParameters, Wavelet, bases, internal_model, make_constants
+from controller_node.laws.ipfc_constants import (
+    IpfcParameters,
+    Wavelet,
+    bases,
+    compute_constants,
+    internal_model,
+    make_constants,
+)
 from controller_node.laws.pfc_model import InternalModel, polynomial_fit
+from controller_node.laws.table import coarse
 
 PAPER = IpfcParameters()
 
@@ -27,7 +36,7 @@ def test_basis_functions_at_zero() -> None:
 
 
 def test_gains_are_those_of_the_reading() -> None:
-    table = make_constants(PAPER, 0.5, 7.0)
+    table = compute_constants(PAPER, 0.5, 7.0)
     np.testing.assert_allclose(values(table.gains_step), [0.061112, 0.148285, 0.312669, 0.371784], atol=5e-7)
     np.testing.assert_allclose(values(table.gains_wavelet), [9.768280, 5.632148, -4.685656, 0.807362], atol=5e-7)
 
@@ -71,14 +80,29 @@ def test_polynomial_fit_returns_the_coefficients_of_a_polynomial() -> None:
 
 
 def test_fixed_point_holds_every_constant_to_1e_4() -> None:
-    coarse = [c for c in Ipfc(make("iq"), 0.5, 7.0).constants if c.relative_error > 1e-4]
-    assert coarse == []
+    assert coarse(Ipfc(make("iq"), 0.5, 7.0).constants) == ()
     assert all(abs(c.rounding_error) <= 2.0 ** -(c.q + 1) for c in Ipfc(make("iq"), 0.5, 7.0).constants)
 
 
 def test_names_of_constants_are_unique() -> None:
     names = [constant.name for constant in Ipfc(make("iq"), 0.5, 7.0).constants]
     assert len(names) == len(set(names)) > 300
+
+
+def test_single_precision_holds_every_constant_to_half_a_step() -> None:
+    for constant in Ipfc(make("float32"), 0.5, 7.0).constants:
+        assert abs(rounding_error(constant)) <= abs(constant.value) * 2.0**-24
+    assert any(rounding_error(constant) for constant in Ipfc(make("float32"), 0.5, 7.0).constants)
+
+
+@pytest.mark.parametrize("period_s", [0.5, 0.4])
+def test_softening_curve_is_sampled_in_the_table(period_s: float) -> None:
+    """Fixed point takes eq. (27) from the table, loaded or computed, not from the function of this machine."""
+    law = Ipfc(make("iq"), period_s, 7.0)
+    assert law._curve.samples is law.table.softening
+    assert len(law.table.softening) == 257
+    for i, sample in enumerate(law.table.softening):
+        assert sample.value == pytest.approx(0.85 * (0.77 / 0.85) ** ((i / 256) ** 0.94), abs=1e-14)
 
 
 @pytest.mark.parametrize("period_s", [0.2, 0.4, 0.5, 1.0])

@@ -9,7 +9,7 @@ import pytest
 
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Constant
-from controller_node.arithmetic.iq import Iq
+from controller_node.arithmetic.iq import C28
 from controller_node.controller import BatchController, Controller
 from controller_node.loop import ControlLoop
 from plant_sim.plant import Plant
@@ -51,7 +51,7 @@ for _name in (*_BINARY, *(f"r{name}" for name in _BINARY), "lt", "le", "gt", "ge
     setattr(NoFloat, f"__{_name}__", _poisoned(f"__{_name}__"))
 
 
-class PoisonedIq(Iq):
+class PoisonedC28(C28):
     """Fixed point whose constants and tables refuse floats."""
 
     def const(self, constant: Constant) -> int:
@@ -67,7 +67,7 @@ def flat(value: Any) -> list[Any]:
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_no_float_between_sensor_and_notch(indexing: str) -> None:
-    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", PoisonedIq(), indexing)
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", PoisonedC28(), indexing)
     plain = Controller(SCENARIO, "ipfc", "iq", indexing)
     speed = 0
     for k in range(0, 400, 3):
@@ -89,7 +89,7 @@ def test_the_poison_works() -> None:
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "float32", "float32-truncated", "iq"])
 def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
     """100 random steps of 4 trains, two of them at speeds and leaps that no train has."""
     generator = np.random.Generator(np.random.PCG64(20210825))
@@ -117,7 +117,7 @@ def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
     assert batch.step(200, speed, position).overflow_flags == expected_flags
 
 
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "float32", "float32-truncated", "iq"])
 def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     """Errors that shrink to next to nothing within one period, the notch held at 0 meanwhile."""
     trains = 60
@@ -174,7 +174,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(seed: int) -> None:
     assert max(abs(iq.error_raw - double.error_raw) for iq, double in answers) <= 2
 
 
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "float32", "float32-truncated", "iq"])
 def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
     """Nominal and five perturbed runs; the medians over 200 runs in the reading are 0.26 m and 0.078 s."""
     time_errors_s, stop_errors_m = [], []
@@ -186,7 +186,7 @@ def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
         stop_errors_m.append(abs(stopped.position_01mm / 1e4 - 2940))
     assert 0.04 < np.median(time_errors_s) < 0.12
     assert 0.16 < np.median(stop_errors_m) < 0.36
-    assert max(stop_errors_m) < 0.6
+    assert max(stop_errors_m) < 0.8
 
 
 def test_softening_is_that_of_the_worst_satisfaction_in_a_run() -> None:

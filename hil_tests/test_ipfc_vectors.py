@@ -16,7 +16,7 @@ from controller_node.arithmetic.float64 import Float64
 from controller_node.laws import load, names
 from controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q, LawInputs
 from controller_node.laws.ipfc import Ipfc, IpfcState
-from controller_node.laws.ipfc_constants import GAIN_Q, IpfcParameters
+from controller_node.laws.ipfc_constants import GAIN_Q, RISE_Q, IpfcParameters
 from scenarios.errors import InputError
 
 VECTORS = json.loads((Path(__file__).parent / "data" / "ipfc" / "ipfc_step_vectors.json").read_text())
@@ -116,8 +116,8 @@ def test_fixed_point_is_within_2e_4_notch(name: str) -> None:
 def test_satisfaction_with_the_rise_time(row: dict[str, float]) -> None:
     assert Ipfc(Float64(), 0.5, 7.0).rise_satisfaction(row["t_s"]) == pytest.approx(row["mu"], abs=1e-9)
     law: Ipfc[int] = Ipfc(make("iq"), 0.5, 7.0)
-    # 1 us is one LSB of t_s: on a flank of 6 ms it moves the satisfaction by 1/6000.
-    assert law.rise_satisfaction(raw(row["t_s"], SPEED_Q)) / 2**24 == pytest.approx(row["mu"], abs=2e-4)
+    # 0.06 us is one LSB of t_s: on a flank of 6 ms it moves the satisfaction by 1e-5.
+    assert law.rise_satisfaction(raw(row["t_s"], RISE_Q)) / 2**24 == pytest.approx(row["mu"], abs=2e-5)
 
 
 @pytest.mark.parametrize("row", VECTORS["mu_y"])

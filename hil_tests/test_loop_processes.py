@@ -43,14 +43,15 @@ def certificate(folder: Path) -> dict:
 
 def test_run_folder_is_complete(hub_run):
     names = {path.name for path in hub_run.iterdir()}
-    assert {"frames.log", "frames.blf", "signals.csv", "score.json", "certificate.json", "junit.xml"} <= names
+    documents = {"score.json", "certificate.json", "junit.xml", "telemetry.json"}
+    assert {"frames.log", "frames.blf", "signals.csv"} | documents <= names
     assert certificate(hub_run)["frames_sha256"] == sha256_of(hub_run / "frames.log")
     document = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))
     assert set(document["scores"]) == {"itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"}
     assert set(document["signed"]) == {"time_error_s", "stop_error_m"}
     assert set(document["run"]) >= _RUN_KEYS
     suite = ET.parse(hub_run / "junit.xml").getroot()
-    assert int(suite.get("tests", "0")) == len(suite.findall("testcase")) == 6
+    assert int(suite.get("tests", "0")) == len(suite.findall("testcase")) == 7
 
 
 def test_bench_health(hub_run):

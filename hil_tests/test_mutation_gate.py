@@ -23,6 +23,8 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     store: {
         ("first_ns: int = 0", "0 -> 1"): "written with the first block, before it is read",
         ("first_ns: int = 0", "0 -> -1"): "written with the first block, before it is read",
+        ("last_ns: int = 0", "0 -> 1"): "written with the first block, before it is read",
+        ("last_ns: int = 0", "0 -> -1"): "written with the first block, before it is read",
         ("committed_ns: int = -1", "1 -> 2"): "any negative number says 'never'",
         # The CAN FD length of F4, the only one that needs padding: 40 bytes rounded up, however, are 48.
         ("else -(-(port.data_bytes + 8) // 16) * 16", "8 -> 9"): "41 is rounded up to 48 like 40",

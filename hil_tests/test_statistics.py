@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from math import sqrt
 from statistics import median, stdev
 
 import pytest
 
-from hil_tests.bench import direct_run
+from hil_tests.perturbed_runs import jobs, scores
 from scenarios.load import load
 
 RUNS = 200
@@ -22,26 +21,17 @@ BANDS = {
 }
 
 
-def scores(job: tuple[int, str]) -> dict[str, float | None]:
-    """The five scores of one perturbed run, and how it ended."""
-    seed, arithmetic = job
-    found = direct_run(load("lvshun_tieshan"), seed=seed, drawn=True, arithmetic=arithmetic).score
-    return {name: getattr(found, name) for name in BANDS} | {"overspeed_mps": found.overspeed_mps}
-
-
 @pytest.mark.timeout(600)
-@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+@pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
 def test_medians_of_200_perturbed_runs(arithmetic):
-    jobs = [(seed, arithmetic) for seed in range(1000, 1000 + RUNS)]
-    with multiprocessing.get_context("spawn").Pool() as pool:
-        found = pool.map(scores, jobs, chunksize=10)
-    assert all(run["stop_error_m"] is not None for run in found), "every run stops"
-    assert max(run["overspeed_mps"] or 0.0 for run in found) == 0.0
-    medians = {name: median(run[name] for run in found) for name in BANDS}
+    found = list(scores(jobs(load("lvshun_tieshan"), RUNS, arithmetic=arithmetic)))
+    assert all(run.stop_error_m is not None for run in found), "every run stops"
+    assert max(run.overspeed_mps for run in found) == 0.0
+    medians = {name: median(getattr(run, name) for run in found) for name in BANDS}
     print({name: round(value, 4) for name, value in medians.items()})
     for name, (centre, tolerance) in BANDS.items():
         if name == "energy_kj":
             # Mass alone spreads the energy by 10 %: the median of 200 draws is itself uncertain by 0.7 % (one standard
             # error, sqrt(pi/2) sigma/sqrt(n)), as much as the band is wide. Two of them are added.
-            tolerance += 2 * 1.2533 * stdev(run[name] for run in found) / sqrt(RUNS)
+            tolerance += 2 * 1.2533 * stdev(run.energy_kj for run in found) / sqrt(RUNS)
         assert abs(medians[name] - centre) <= tolerance, f"{name}: median {medians[name]}, band {centre} +- {tolerance}"

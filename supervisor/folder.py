@@ -16,12 +16,15 @@ from typing import Any
 import numpy as np
 
 from bus.exitcodes import TOOL_ERROR
+from bus.ident import PROFILES
 from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from dbc import wire_contract
 from scenarios.errors import InputError
 from scenarios.model import Scenario
 from supervisor.framelog import write_blf
 from supervisor.run import RunOptions, RunResult
+from supervisor.score import WRAP_FAILURE
+from supervisor.telemetry import FILE_NAME as TELEMETRY
 from supervisor.trace import FloatArray, Trace
 
 _PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
@@ -44,8 +47,9 @@ _COLUMNS = (
 )
 
 
-#: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
-_DERIVED = ("signals.csv", "frames.blf", "score.json", "junit.xml", "certificate.json")
+#: What is computed from ``frames.log`` when the run is over, and what the controller says of it; removed again unless
+#: all of it could be written.
+_DERIVED = ("signals.csv", "frames.blf", "score.json", "junit.xml", "certificate.json", TELEMETRY)
 
 
 class RecordFailed(Exception):
@@ -105,12 +109,12 @@ def discard_folder(folder: Path, made: bool) -> None:
 
 
 def code_sha256() -> str:
-    """Hash over the source of the bench (paths and contents, in path order)."""
+    """Hash over the source of the bench and its tables (paths and contents, in path order)."""
     root = Path(__file__).resolve().parent.parent
     digest = hashlib.sha256()
     for package in _PACKAGES:
         for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".toml", ".dbc"):
+            if path.suffix in (".py", ".toml", ".dbc", ".csv"):
                 digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
@@ -121,6 +125,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
     words += ["--perturbed"] * options.perturbed
+    words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     return shlex.join(words + bus_arguments)
 
 
@@ -145,6 +150,7 @@ def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
         "perturbed": options.perturbed,
         "counters": result.counters,
     }
+    document["telemetry"] = None if result.telemetry is None else result.telemetry.as_json()
     if result.jitter is not None:
         jitter = result.jitter
         document["jitter"] = {
@@ -170,6 +176,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "perturbed": options.perturbed,
         "controller": options.controller,
         "arithmetic": options.arithmetic,
+        "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
         "pace": options.pace,
         "transport": result.transport,
@@ -195,6 +202,7 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
             ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
             ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
             ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
+            ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
         ]
     suite = ET.Element(
         "testsuite",
@@ -260,15 +268,20 @@ def write_folder(
         junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
         write_json(folder / "certificate.json", certificate(scenario, options, result, bus_arguments))
     except BaseException as error:
-        for name in _DERIVED:
-            (folder / name).unlink(missing_ok=True)
-            (folder / name).with_suffix(".part").unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error
+        _discard_results(folder)
         raise
 
 
+def _discard_results(folder: Path) -> None:
+    for name in _DERIVED:
+        (folder / name).unlink(missing_ok=True)
+        (folder / name).with_suffix(".part").unlink(missing_ok=True)
+
+
 def record_failed(folder: Path, error: OSError) -> RecordFailed:
-    """The one line for a folder that cannot be written."""
+    """The one line for a folder that cannot be written; what looks like a result goes."""
+    _discard_results(folder)
     reason = (error.strerror or str(error)).lower()
     return RecordFailed(f"run folder {folder} cannot be written: {reason}; frames.log is kept as far as it got")

@@ -23,6 +23,8 @@ from supervisor.framelog import FrameLog, read_log
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
+from supervisor.telemetry import FILE_NAME as TELEMETRY
+from supervisor.telemetry import TelemetrySummary, read_summary
 from supervisor.timing import Jitter, jitter_of, write_wall_times
 from supervisor.trace import Trace, trace_of
 
@@ -51,6 +53,8 @@ class RunOptions:
     rate: float = 1.0
     seed: int = 0
     perturbed: bool = False
+    #: Simulation time between two readings of the controller's mailboxes; 0: each frame at once.
+    task_period_ms: int = 0
     #: Attach to nodes that are running already instead of starting them.
     attach: bool = False
     #: Wall time for all nodes to appear.
@@ -72,6 +76,8 @@ class RunResult:
     first_frame_s: float
     transport: str
     jitter: Jitter | None
+    #: What the controller has said about its arithmetic; None when it was started elsewhere or left nothing.
+    telemetry: TelemetrySummary | None = None
     counters: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -161,7 +167,9 @@ class Run:
         plant += ["--appear-timeout", str(options.appear_s)]
         nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
         law = ["--controller", options.controller, "--arithmetic", options.arithmetic, "--indexing", options.indexing]
-        nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
+        task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
+        telemetry = ["--telemetry", str(self.folder / TELEMETRY)]
+        nodes.start("controller", "controller_node", [options.scenario, *law, *task, *telemetry, *bus])
 
     def _open(self, nodes: Nodes) -> Link:
         try:
@@ -276,6 +284,8 @@ class Run:
             first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
             transport=self.choice.transport,
             jitter=jitter,
+            # All nodes have ended by now.
+            telemetry=read_summary(self.folder),
             counters=counters,
         )
 

@@ -13,12 +13,14 @@ import numpy as np
 
 from bus.ident import INDEXINGS, CtlIdent
 from bus.schedule import Schedule
-from bus.telegrams import Event, RunEvent, SimTruth
+from bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
 from scenarios.model import Profile, Scenario
 from scenarios.target import Target
 from supervisor.trace import FloatArray, Trace
 
 _KMH = 3.6
+#: How the failure of a run begins in which the controller's fixed point has wrapped.
+WRAP_FAILURE = "fixed-point wrap in the controller"
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +127,12 @@ def _events(trace: Trace) -> dict[Event, tuple[float, float]]:
     return found
 
 
+def _wrap(trace: Trace) -> str:
+    """The failure of a controller that says its arithmetic has wrapped: a notch after that means nothing."""
+    wrapped = np.flatnonzero(trace.raw(CtlStat.PORT, "OverflowFlags") & ControllerFlag.WRAP)
+    return f"{WRAP_FAILURE}, reported at {trace.times_s(CtlStat.PORT)[wrapped[0]]:.2f} s" if len(wrapped) else ""
+
+
 def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
@@ -171,6 +179,8 @@ def score(scenario: Scenario, trace: Trace) -> Score:
         failures.append(f"overspeed {overspeed_mps * _KMH:.2f} km/h, allowed 0")
     if Event.EMERGENCY in events:
         failures.append(f"emergency brake at {events[Event.EMERGENCY][0]:.2f} s")
+    if wrap := _wrap(trace):
+        failures.append(wrap)
     return Score(
         verdict="FAIL" if failures else "PASS",
         itae=_itae(scenario, Target(scenario.target), indexing, time_s, truth),

@@ -5,12 +5,26 @@ from __future__ import annotations
 from typing import Any
 
 from controller_node.arithmetic.base import Arithmetic
+from controller_node.arithmetic.float32 import Float32, Float32Truncated
+from controller_node.arithmetic.float32_batch import Float32Batch, Float32TruncatedBatch
 from controller_node.arithmetic.float64 import Float64, Float64Batch
-from controller_node.arithmetic.iq import Iq, IqBatch
+from controller_node.arithmetic.iq import C28, C28Batch, Portable, PortableBatch
 from scenarios.errors import InputError
 
-_ONE_TRAIN: dict[str, type[Arithmetic[Any]]] = {"iq": Iq, "float64": Float64}
-_MANY_TRAINS: dict[str, type[Arithmetic[Any]]] = {"iq": IqBatch, "float64": Float64Batch}
+_ONE_TRAIN: dict[str, type[Arithmetic[Any]]] = {
+    "iq": C28,
+    "iq-portable": Portable,
+    "float64": Float64,
+    "float32": Float32,
+    "float32-truncated": Float32Truncated,
+}
+_MANY_TRAINS: dict[str, type[Arithmetic[Any]]] = {
+    "iq": C28Batch,
+    "iq-portable": PortableBatch,
+    "float64": Float64Batch,
+    "float32": Float32Batch,
+    "float32-truncated": Float32TruncatedBatch,
+}
 
 
 def names() -> list[str]:

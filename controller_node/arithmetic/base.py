@@ -114,6 +114,9 @@ class Arithmetic(ABC, Generic[T]):
         self.counters = Counters()
         #: Takes every noted quantity in order, when somebody watches.
         self.noted: list[T] | None = None
+        #: While ``noted`` is a list, each wrap, saturation or division by zero: quantities noted so far, kind, count.
+        #: It belongs to the quantity that is noted next.
+        self.events: list[tuple[int, int, int]] = []
 
     def note(self, name: str, a: T, q: int, unit: str = "") -> T:
         """Name ``a`` (in Q ``q``) as a quantity of the law; returns it unchanged.

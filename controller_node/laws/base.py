@@ -77,6 +77,13 @@ class Law(ABC, Generic[T, State]):
     def constants(self) -> tuple[Constant, ...]:
         """Every constant of the law, for reports and export."""
 
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        """Bounds of state variables that the law's own reasoning gives, in units, by name (``model[0]``).
+
+        For the interval analysis: a variable that feeds back into itself has no bound that intervals alone can find.
+        """
+        return {}
+
     @abstractmethod
     def start(self, inputs: LawInputs[T]) -> State:
         """State before the first step, given what that step will be given."""

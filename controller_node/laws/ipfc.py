@@ -23,15 +23,26 @@ from controller_node.laws.base import (
     LawInputs,
     LawOutputs,
 )
-from controller_node.laws.ipfc_constants import GAIN_Q, RATE_Q, IpfcParameters, make_constants, softening_curve
+from controller_node.laws.ipfc_constants import (
+    DEVIATION_SUM_Q,
+    GAIN_Q,
+    POLYNOMIAL_Q,
+    RATE_Q,
+    RISE_Q,
+    IpfcParameters,
+    make_constants,
+    softening_curve,
+)
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _GAIN_TO_GAIN = GAIN_Q
 _GAIN_TO_SPEED = GAIN_Q + GAIN_Q - SPEED_Q
-_SPEED_TO_GAIN = SPEED_Q + GAIN_Q - GAIN_Q
-_GAIN_BY_COUNT_TO_SPEED = GAIN_Q - SPEED_Q
+_SPEED_TO_POLYNOMIAL = SPEED_Q + GAIN_Q - POLYNOMIAL_Q
+_POLYNOMIAL_BY_COUNT_TO_SUM = POLYNOMIAL_Q - DEVIATION_SUM_Q
+_SOFTENED_TO_SUM = SOFTENING_Q + SPEED_Q - DEVIATION_SUM_Q
 _SPEED_TO_NOTCH = SPEED_Q + GAIN_Q - NOTCH_RAW_Q
 _SPEED_TO_SATISFACTION = SPEED_Q + RATE_Q - SATISFACTION_Q
+_RISE_TO_SATISFACTION = RISE_Q + RATE_Q - SATISFACTION_Q
 
 
 class IpfcState(NamedTuple, Generic[T]):
@@ -64,7 +75,7 @@ class Ipfc(Law[T, IpfcState[T]]):
     ) -> None:
         self.parameters = parameters = parameters or IpfcParameters()
         self.table = table = make_constants(parameters, control_period_s, notch_max)
-        self._curve = softening_curve(parameters)
+        self._curve = softening_curve(parameters, table)
         self._ar = ar = arithmetic
         self._fit_points = parameters.fit_points
         self._orders = parameters.orders
@@ -78,6 +89,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         self._per_period = ar.const(table.per_period)
         self._wavelet_change = ar.const(table.wavelet_change)
         self._deviation_max = ar.const(table.deviation_max)
+        self._rise_max = ar.const(table.rise_max)
         self._rise_never = ar.const(table.rise_never if ar.wide else table.rise_never_narrow)
         self._rise = (ar.load(table.rise_window), ar.load(table.rise_widths), ar.load(table.rise_slopes))
         self._speed = (ar.load(table.speed_window), ar.load(table.speed_widths), ar.load(table.speed_slopes))
@@ -87,6 +99,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         self._notch_max = ar.const(table.notch_max)
         self._notch_min = ar.neg(self._notch_max)
         self._deviation_min = ar.neg(self._deviation_max)
+        self._rise_min = ar.neg(self._rise_max)
         self._zero = ar.const(table.zero)
         self._basis_step, self._basis_wavelet = ar.load(table.basis)
         self._point_powers = tuple(ar.load(row) for row in table.point_powers)
@@ -98,6 +111,24 @@ class Ipfc(Law[T, IpfcState[T]]):
     @property
     def constants(self) -> tuple[Constant, ...]:
         return self.table.entries()
+
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        """The internal model's output and its slope under any notch inside the range (L1 norm of its pulse response).
+
+        A millionth is added for the rounding of the model's matrices and products.
+        """
+        notch_max = self.table.notch_max.value
+        sizes = [notch_max * norm * (1 + 1e-6) + 1e-6 for norm in self._model_norms()]
+        return {f"model[{i}]": (-size, size) for i, size in enumerate(sizes)}
+
+    def _model_norms(self) -> tuple[float, float]:
+        (a, b, gain), (c, d, gain_slope) = ([entry.value for entry in row] for row in self.table.model)
+        y, slope, norms = gain, gain_slope, [0.0, 0.0]
+        # The model forgets: after 2000 periods nothing is left of a pulse.
+        for _ in range(2000):
+            norms = [norms[0] + abs(y), norms[1] + abs(slope)]
+            y, slope = a * y + b * slope, c * y + d * slope
+        return norms[0], norms[1]
 
     def start(self, inputs: LawInputs[T]) -> IpfcState[T]:
         """Model at rest; earlier errors are taken to equal the first ones."""
@@ -121,7 +152,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         tracking_error = ar.note("tracking_error", ar.sub(inputs.set_point, inputs.speed), SPEED_Q, "km/h")
         free = ar.note_all("free", [ar.dot(row, model, _GAIN_TO_SPEED) for row in self._free], SPEED_Q, "km/h")
 
-        t_s = ar.note("t_s", self._rise_time(tracking_error, state.tracking_error), SPEED_Q, "s")
+        t_s = ar.note("t_s", self._rise_time(tracking_error, state.tracking_error), RISE_Q, "s")
         mu_ts = ar.note("mu_ts", self.rise_satisfaction(t_s), SATISFACTION_Q)
         mu_y = ar.note("mu_y", self._prediction_satisfaction(inputs, free, state.notch), SATISFACTION_Q)
         mu = ar.note("mu", ar.minimum(mu_ts, mu_y), SATISFACTION_Q)
@@ -143,7 +174,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         return new_state, LawOutputs(notch_raw, notch, basis, alpha, mu)
 
     def _rise_time(self, error: T, error_before: T) -> T:
-        """Eq. (23) on the size of the error, s (Q20)."""
+        """Eq. (23) on the size of the error, s (Q24)."""
         ar = self._ar
         size = ar.abs(error)
         closed = ar.sub(ar.abs(error_before), size)
@@ -152,12 +183,12 @@ class Ipfc(Law[T, IpfcState[T]]):
         if not ar.wide:
             # Keeps the quotient at or below 1 s.
             rate = ar.maximum(rate, size)
-        ratio = ar.div(size, rate, SPEED_Q)
+        ratio = ar.div(size, rate, RISE_Q)
         return ar.where(closing, ratio, ar.where(ar.gt(size, self._zero), self._rise_never, self._zero))
 
     def rise_satisfaction(self, t_s: T) -> T:
-        """Eq. (24): satisfaction (Q24) with a rise time in s (Q20); its cases in printed order, so 0 s gives 1."""
-        inside = self._membership(t_s, t_s, *self._rise)
+        """Eq. (24): satisfaction (Q24) with a rise time in s (Q24); its cases in printed order, so 0 s gives 1."""
+        inside = self._membership(t_s, t_s, _RISE_TO_SATISFACTION, *self._rise)
         return self._ar.where(self._ar.gt(t_s, self._zero), inside, self._one_mu)
 
     def speed_satisfaction(self, low: T, high: T) -> T:
@@ -165,13 +196,15 @@ class Ipfc(Law[T, IpfcState[T]]):
 
         The membership is monotone on each flank, so the extremes over the horizon suffice.
         """
-        return self._membership(low, high, *self._speed)
+        return self._membership(low, high, _SPEED_TO_SATISFACTION, *self._speed)
 
     def softening(self, mu: T) -> T:
         """Eq. (27): softening factor alpha (Q30) of a satisfaction (Q24)."""
         return self._ar.curve(self._curve, mu)
 
-    def _membership(self, low: T, high: T, window: tuple[T, ...], widths: tuple[T, ...], slopes: tuple[T, ...]) -> T:
+    def _membership(
+        self, low: T, high: T, shift: int, window: tuple[T, ...], widths: tuple[T, ...], slopes: tuple[T, ...]
+    ) -> T:
         """Trapezoid of eqs. (24) and (25), the smaller of that of ``low`` and of ``high`` where low <= high (Q24).
 
         Left and right flank are cut to their widths before the product, which therefore cannot overflow.
@@ -179,8 +212,8 @@ class Ipfc(Law[T, IpfcState[T]]):
         ar = self._ar
         below = ar.clip(ar.sub(low, window[0]), self._zero, ar.neg(widths[0]))
         above = ar.clip(ar.sub(high, window[1]), widths[1], self._zero)
-        left = ar.add(self._one_mu, ar.rmpy(below, slopes[0], _SPEED_TO_SATISFACTION))
-        right = ar.sub(self._one_mu, ar.rmpy(above, slopes[1], _SPEED_TO_SATISFACTION))
+        left = ar.add(self._one_mu, ar.rmpy(below, slopes[0], shift))
+        right = ar.sub(self._one_mu, ar.rmpy(above, slopes[1], shift))
         return ar.clip(ar.minimum(left, right), self._one_mu, self._zero)
 
     def _prediction_satisfaction(self, inputs: LawInputs[T], free: tuple[T, ...], notch: T) -> T:
@@ -197,21 +230,25 @@ class Ipfc(Law[T, IpfcState[T]]):
         high = ar.note("miss_high", high, SPEED_Q, "km/h")
         return self.speed_satisfaction(low, high)
 
+    def _limited(self, rises: list[T]) -> list[T]:
+        """Rises (km/h, Q20) inside what the polynomials' formats hold."""
+        if self._ar.wide:
+            return rises
+        return [self._ar.sat(rise, self._rise_max, self._rise_min) for rise in rises]
+
     def _set_point_polynomial(self, inputs: LawInputs[T]) -> tuple[T, ...]:
-        """Coefficients c_n of the set-points ahead (Q24)."""
+        """Coefficients c_n of the set-points ahead (Q23)."""
         ar = self._ar
-        rises = [ar.sub(target, inputs.set_point) for target in inputs.preview]
-        return ar.note_all("c", [ar.dot(row, rises, _SPEED_TO_GAIN) for row in self._set_point_fit], GAIN_Q)
+        rises = self._limited([ar.sub(target, inputs.set_point) for target in inputs.preview])
+        return ar.note_all("c", [ar.dot(row, rises, _SPEED_TO_POLYNOMIAL) for row in self._set_point_fit], POLYNOMIAL_Q)
 
     def _error_polynomial(self, model_errors: tuple[T, ...]) -> tuple[T, ...]:
-        """Coefficients e_n of eq. (15) (Q24)."""
+        """Coefficients e_n of eq. (15) (Q23)."""
         ar = self._ar
         newest = model_errors[-1]
-        past = [ar.sub(error, newest) for error in model_errors[:-1]]
-        if not ar.wide:
-            past = [ar.sat(error, self._deviation_max, self._deviation_min) for error in past]
+        past = self._limited([ar.sub(error, newest) for error in model_errors[:-1]])
         past = list(ar.note_all("error_rise", past, SPEED_Q, "km/h"))
-        return ar.note_all("e", [ar.dot(row, past, _SPEED_TO_GAIN) for row in self._error_fit], GAIN_Q)
+        return ar.note_all("e", [ar.dot(row, past, _SPEED_TO_POLYNOMIAL) for row in self._error_fit], POLYNOMIAL_Q)
 
     def _deviations(
         self, tracking_error: T, alpha: T, c: tuple[T, ...], e: tuple[T, ...], free: tuple[T, ...]
@@ -224,11 +261,14 @@ class Ipfc(Law[T, IpfcState[T]]):
         slopes = [self._slope(c, e, n) for n in self._orders]
         deviations = []
         for point, count_powers in zip(self._fit_points, self._point_powers, strict=True):
-            d = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, SOFTENING_Q)
+            d = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, _SOFTENED_TO_SUM)
             for slope, count in zip(slopes, count_powers, strict=True):
-                d = ar.add(d, ar.rmpy(slope, count, _GAIN_BY_COUNT_TO_SPEED))
-            d = ar.sub(d, free[point - 1])
-            deviations.append(d if ar.wide else ar.sat(d, self._deviation_max, self._deviation_min))
+                d = ar.add(d, ar.rmpy(slope, count, _POLYNOMIAL_BY_COUNT_TO_SUM))
+            d = ar.sub(d, ar.convert(free[point - 1], SPEED_Q, DEVIATION_SUM_Q))
+            if not ar.wide:
+                # The sum is wide enough for every input; a limit behind a sum that has wrapped would be none.
+                d = ar.sat(d, self._deviation_max, self._deviation_min)
+            deviations.append(ar.convert(d, DEVIATION_SUM_Q, SPEED_Q))
         return ar.note_all("d", deviations, SPEED_Q, "km/h")
 
     def _slope(self, c: tuple[T, ...], e: tuple[T, ...], n: int) -> T:

@@ -1,10 +1,13 @@
-"""Parameters of the IPFC law (defaults: the paper's) and the table of constants made from them."""
+"""Parameters of the IPFC law (defaults: the paper's) and the table of constants made from them.
+
+Equation and section numbers are those of the paper (see ``ipfc``).
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
@@ -18,14 +21,22 @@ from controller_node.laws.base import (
     SOFTENING_Q,
     SPEED_Q,
 )
-from controller_node.laws.pfc_model import InternalModel, Matrix, morlet, polynomial_fit
+from controller_node.laws.pfc_model import InternalModel, Matrix, morlet, on_grid, polynomial_fit
+from controller_node.laws.table import LawTable, build, flatten, held
 
-#: Model state (km/h), model matrices, fit matrices, gains, polynomial coefficients.
+#: Model state (km/h), model matrices, fit matrices, gains.
 GAIN_Q = 24
+#: Coefficients of the set-point and error polynomials: their difference reaches 215 when inputs jump.
+POLYNOMIAL_Q = 23
 #: Reciprocals of the fuzzy widths and of the control period.
 RATE_Q = 20
+#: Rise times: in Q20 the fuzzy width of 6 ms would be off by 7e-5, and no rise time would be quite unsatisfying.
+RISE_Q = 24
+#: Sum of a deviation's terms before it is limited, km/h: inputs that jump reach 3400.
+DEVIATION_SUM_Q = 19
 
-#: Fixed-point limit of deviations, km/h: they exceed it only when a speed suddenly reads wrong.
+#: Fixed-point limit of deviations, of the set-point's rise ahead and of the model error's past rise, km/h: they exceed
+#: it only when a speed suddenly reads wrong.
 DEVIATION_MAX_KMH = 100.0
 #: Fixed-point limit of the estimated rise time, s; every larger value has satisfaction 0 as well.
 RISE_TIME_MAX_S = 1.0
@@ -88,59 +99,41 @@ Row = tuple[Constant, ...]
 class IpfcConstants:
     """Constant table of the law. A ``Row`` is one vector, a tuple of rows a matrix."""
 
-    #: Model (eq. 16): row n is (A_n1, A_n2, B_n).
-    model: tuple[Row, ...]
-    #: C (A^i - I) and step response at i = 1..P.
-    free: tuple[Row, ...]
-    step_response: Row
-    #: Polynomial fits: row n - 1 gives coefficient n.
-    set_point_fit: tuple[Row, ...]
-    error_fit: tuple[Row, ...]
-    #: U of eq. (19) for the two bases.
-    gains_step: Row
-    gains_wavelet: Row
-    per_period: Constant
-    wavelet_change: Constant
-    deviation_max: Constant
-    rise_never: Constant
-    rise_never_narrow: Constant
-    rise_window: Row
-    rise_widths: Row
-    rise_slopes: Row
-    speed_window: Row
-    speed_widths: Row
-    speed_slopes: Row
-    one_speed: Constant
-    one_satisfaction: Constant
-    one_softening: Constant
-    notch_max: Constant
-    zero: Constant
-    #: Codes of the step and of the wavelet basis.
-    basis: Row
-    #: h^n at the fitting points h (rows), n = 1, 2, ...
-    point_powers: tuple[Row, ...]
-    #: Samples of the softening curve, eq. (27).
-    softening: Row
+    #: Row n is (A_n1, A_n2, B_n).
+    model: tuple[Row, ...] = field(metadata=held(GAIN_Q, "eq. (16), model of eq. (2) sampled with a zero-order hold"))
+    #: i = 1..P.
+    free: tuple[Row, ...] = field(metadata=held(GAIN_Q, "C (A^i - I), free response in eq. (18)"))
+    step_response: Row = field(metadata=held(GAIN_Q, "C (A^(i-1) + ... + I) B, eq. (16)"))
+    #: Row n - 1 gives coefficient n.
+    set_point_fit: tuple[Row, ...] = field(metadata=held(GAIN_Q, "least squares fit of eq. (11)"))
+    error_fit: tuple[Row, ...] = field(metadata=held(GAIN_Q, "least squares fit of eq. (15)"))
+    gains_step: Row = field(metadata=held(GAIN_Q, "U of eq. (19), step basis"))
+    gains_wavelet: Row = field(metadata=held(GAIN_Q, "U of eq. (19), wavelets of eqs. (20) and (21)"))
+    per_period: Constant = field(metadata=held(RATE_Q, "1 / control period"))
+    wavelet_change: Constant = field(metadata=held(SPEED_Q, "eq. (22): threshold times the horizon"))
+    deviation_max: Constant = field(metadata=held(DEVIATION_SUM_Q, "limit of this implementation"))
+    rise_max: Constant = field(metadata=held(SPEED_Q, "limit of this implementation"))
+    rise_never: Constant = field(metadata=held(0, "M of eq. (23)"))
+    rise_never_narrow: Constant = field(metadata=held(RISE_Q, "M of eq. (23) as far as fixed point needs it"))
+    rise_window: Row = field(metadata=held(RISE_Q, "window of eq. (24), section 4.4"))
+    rise_widths: Row = field(metadata=held(RISE_Q, "fuzzy widths of eq. (24), section 4.4"))
+    rise_slopes: Row = field(metadata=held(RATE_Q, "1 / fuzzy widths of eq. (24)"))
+    speed_window: Row = field(metadata=held(SPEED_Q, "window of eq. (25), section 4.4"))
+    speed_widths: Row = field(metadata=held(SPEED_Q, "fuzzy widths of eq. (25), section 4.4"))
+    speed_slopes: Row = field(metadata=held(RATE_Q, "1 / fuzzy widths of eq. (25)"))
+    one_speed: Constant = field(metadata=held(SPEED_Q, "1"))
+    one_satisfaction: Constant = field(metadata=held(SATISFACTION_Q, "1"))
+    one_softening: Constant = field(metadata=held(SOFTENING_Q, "1"))
+    notch_max: Constant = field(metadata=held(NOTCH_RAW_Q, "notch range of the train"))
+    zero: Constant = field(metadata=held(SPEED_Q, "0"))
+    basis: Row = field(metadata=held(0, "codes of CTL_STAT: step, wavelet basis"))
+    #: Rows h, columns n = 1, 2, ...
+    point_powers: tuple[Row, ...] = field(metadata=held(0, "h^n at the fitting points of eq. (18), section 4.4"))
+    softening: Row = field(metadata=held(SOFTENING_Q, "eq. (27) at mu = i/256"))
 
     def entries(self) -> tuple[Constant, ...]:
         """All constants, in the order of the fields."""
-        return tuple(constant for item in fields(self) for constant in _flat(getattr(self, item.name)))
-
-
-def _flat(value: Constant | tuple[object, ...]) -> Iterable[Constant]:
-    if isinstance(value, Constant):
-        yield value
-        return
-    for item in value:
-        yield from _flat(item)  # type: ignore[arg-type]
-
-
-def _row(name: str, values: Iterable[float], q: int) -> Row:
-    return tuple(Constant(f"{name}[{i}]", float(value), q) for i, value in enumerate(values))
-
-
-def _rows(name: str, values: Iterable[Iterable[float]], q: int) -> tuple[Row, ...]:
-    return tuple(_row(f"{name}[{i}]", row, q) for i, row in enumerate(values))
+        return flatten(self)
 
 
 def internal_model(parameters: IpfcParameters, period_s: float) -> InternalModel:
@@ -161,18 +154,22 @@ def bases(parameters: IpfcParameters, period_s: float) -> tuple[Matrix, Matrix]:
 
 
 @lru_cache(maxsize=8)
-def softening_curve(parameters: IpfcParameters) -> Curve:
+def softening_function(parameters: IpfcParameters) -> Callable[[float], float]:
     """Eq. (27): alpha over the satisfaction mu."""
     slope = math.log(parameters.softening_min / parameters.softening_max)
 
     def alpha(mu: float) -> float:
         return parameters.softening_max * math.exp(mu**parameters.softening_exponent * slope)
 
-    return Curve.sampled("softening", alpha, SATISFACTION_Q, SOFTENING_Q)
+    return alpha
 
 
-@lru_cache(maxsize=8)
-def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
+def softening_curve(parameters: IpfcParameters, table: IpfcConstants) -> Curve:
+    """Eq. (27) with its samples in the table."""
+    return Curve("softening", softening_function(parameters), SATISFACTION_Q, SOFTENING_Q, table.softening)
+
+
+def compute_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
     """The constant table at a control period (s) and a notch range (notches).
 
     Raises ``ValueError`` when a constant does not fit its format, or fitting points or orders do not fit each other.
@@ -186,31 +183,47 @@ def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float
         raise ValueError("polynomial orders are too high for their windows")
     model = internal_model(p, period_s)
     step, wavelets = bases(p, period_s)
-    return IpfcConstants(
-        model=_rows("model", np.column_stack([model.a, model.b]), GAIN_Q),
-        free=_rows("free", model.free_rows(p.horizon), GAIN_Q),
-        step_response=_row("step_response", model.step_response(p.horizon), GAIN_Q),
-        set_point_fit=_rows("set_point_fit", polynomial_fit(range(1, p.horizon + 1), p.set_point_order), GAIN_Q),
-        error_fit=_rows("error_fit", polynomial_fit(range(1 - p.error_window, 0), p.error_order), GAIN_Q),
-        gains_step=_row("gains_step", model.gains(step, p.fit_points), GAIN_Q),
-        gains_wavelet=_row("gains_wavelet", model.gains(wavelets, p.fit_points), GAIN_Q),
-        per_period=Constant("per_period", 1 / period_s, RATE_Q),
-        wavelet_change=Constant("wavelet_change", p.wavelet_slope_kmh_per_s * p.horizon * period_s, SPEED_Q),
-        deviation_max=Constant("deviation_max", DEVIATION_MAX_KMH, SPEED_Q),
-        rise_never=Constant("rise_never", p.rise_time_never_s, 0),
-        rise_never_narrow=Constant("rise_never_narrow", RISE_TIME_MAX_S, SPEED_Q),
-        rise_window=_row("rise_window", (p.rise_time_min_s, p.rise_time_max_s), SPEED_Q),
-        rise_widths=_row("rise_widths", (p.rise_width_below_s, p.rise_width_above_s), SPEED_Q),
-        rise_slopes=_row("rise_slopes", (1 / p.rise_width_below_s, 1 / p.rise_width_above_s), RATE_Q),
-        speed_window=_row("speed_window", (-p.speed_below_kmh, p.speed_above_kmh), SPEED_Q),
-        speed_widths=_row("speed_widths", (p.speed_width_below_kmh, p.speed_width_above_kmh), SPEED_Q),
-        speed_slopes=_row("speed_slopes", (1 / p.speed_width_below_kmh, 1 / p.speed_width_above_kmh), RATE_Q),
-        one_speed=Constant("one_speed", 1.0, SPEED_Q),
-        one_satisfaction=Constant("one_satisfaction", 1.0, SATISFACTION_Q),
-        one_softening=Constant("one_softening", 1.0, SOFTENING_Q),
-        notch_max=Constant("notch_max", notch_max, NOTCH_RAW_Q),
-        zero=Constant("zero", 0.0, SPEED_Q),
-        basis=_row("basis", (BASIS_STEP, BASIS_WAVELET), 0),
-        point_powers=_rows("point_powers", ([h**n for n in p.orders] for h in p.fit_points), 0),
-        softening=softening_curve(p).samples,
-    )
+    alpha = softening_function(p)
+    values = {
+        "model": np.column_stack([model.a, model.b]),
+        "free": model.free_rows(p.horizon),
+        "step_response": model.step_response(p.horizon),
+        "set_point_fit": polynomial_fit(range(1, p.horizon + 1), p.set_point_order),
+        "error_fit": polynomial_fit(range(1 - p.error_window, 0), p.error_order),
+        "gains_step": model.gains(step, p.fit_points),
+        "gains_wavelet": model.gains(wavelets, p.fit_points),
+        "per_period": 1 / period_s,
+        "wavelet_change": p.wavelet_slope_kmh_per_s * p.horizon * period_s,
+        "deviation_max": DEVIATION_MAX_KMH,
+        "rise_max": DEVIATION_MAX_KMH,
+        "rise_never": p.rise_time_never_s,
+        "rise_never_narrow": RISE_TIME_MAX_S,
+        "rise_window": (p.rise_time_min_s, p.rise_time_max_s),
+        "rise_widths": (p.rise_width_below_s, p.rise_width_above_s),
+        "rise_slopes": (1 / p.rise_width_below_s, 1 / p.rise_width_above_s),
+        "speed_window": (-p.speed_below_kmh, p.speed_above_kmh),
+        "speed_widths": (p.speed_width_below_kmh, p.speed_width_above_kmh),
+        "speed_slopes": (1 / p.speed_width_below_kmh, 1 / p.speed_width_above_kmh),
+        "one_speed": 1.0,
+        "one_satisfaction": 1.0,
+        "one_softening": 1.0,
+        "notch_max": notch_max,
+        "zero": 0.0,
+        "basis": (BASIS_STEP, BASIS_WAVELET),
+        "point_powers": ([h**n for n in p.orders] for h in p.fit_points),
+        "softening": on_grid([alpha(i / 256) for i in range(257)], bits=48),
+    }
+    return build(IpfcConstants, values)
+
+
+#: The checked-in table: the paper's parameters at 0.5 s and 7 notches.
+TABLE = LawTable("ipfc", IpfcConstants, IpfcParameters(), 0.5, 7.0, compute_constants)
+
+
+@lru_cache(maxsize=8)
+def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
+    """As :func:`compute_constants`, but from the checked-in table at its operating point.
+
+    Raises also :class:`~scenarios.errors.InputError` (one line) when that table is not as it was generated.
+    """
+    return TABLE.make(parameters, period_s, notch_max)

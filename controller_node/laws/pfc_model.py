@@ -11,18 +11,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import expm
+from numpy.typing import ArrayLike, NDArray
 
 Matrix = NDArray[np.float64]
 
-#: Results are rounded to 2^-40, far below what a law can feel, so that they do not depend on how a linear algebra
-#: library orders its sums.
-_GRID = 2.0**40
 
+def on_grid(values: ArrayLike, bits: int = 40) -> Matrix:
+    """Values to the nearest multiple of 2^-bits.
 
-def _on_grid(values: Matrix) -> Matrix:
-    return np.round(values * _GRID) / _GRID
+    Far below what a law can feel, so that a constant does not depend on how a linear algebra library orders its sums
+    or a mathematical library rounds its last bit.
+    """
+    return np.round(np.asarray(values, dtype=np.float64) * 2.0**bits) / 2.0**bits
 
 
 @dataclass(frozen=True)
@@ -38,11 +38,14 @@ class InternalModel:
     @classmethod
     def sampled(cls, gain: float, damping_per_s: float, stiffness_per_s2: float, period_s: float) -> InternalModel:
         """Model of ``gain / (s^2 + damping s + stiffness)`` at a sampling period in seconds."""
+        # Here, because most runs load their constants, and this import takes longer than all others together.
+        from scipy.linalg import expm
+
         block = np.zeros((3, 3))
         block[0, 1] = 1.0
         block[1] = [-stiffness_per_s2, -damping_per_s, gain]
         step = expm(block * period_s)
-        return cls(_on_grid(step[:2, :2]), _on_grid(step[:2, 2]))
+        return cls(on_grid(step[:2, :2]), on_grid(step[:2, 2]))
 
     def free_rows(self, horizon: int) -> Matrix:
         """Rows C (A^i - I), i = 1..horizon: what the output changes by without any input; shape (horizon, 2)."""
@@ -50,7 +53,7 @@ class InternalModel:
         for _ in range(horizon):
             power = self.a @ power
             rows.append(power[0] - np.array([1.0, 0.0]))
-        return _on_grid(np.array(rows))
+        return on_grid(np.array(rows))
 
     def responses(self, inputs: Matrix) -> Matrix:
         """Outputs at i = 1..horizon from rest under input sequences of shape (N, horizon); shape (N, horizon)."""
@@ -63,7 +66,7 @@ class InternalModel:
 
     def step_response(self, horizon: int) -> Matrix:
         """Output at i = 1..horizon after a unit step of the input, shape (horizon,)."""
-        return _on_grid(self.responses(np.ones((1, horizon)))[0])
+        return on_grid(self.responses(np.ones((1, horizon)))[0])
 
     def gains(self, basis: Matrix, fit_points: Sequence[int]) -> Matrix:
         """U = f(0)^T (g g^T)^-1 g (eqs. 17 to 19), so that u(k) = U . d.
@@ -74,7 +77,7 @@ class InternalModel:
         """
         at_points = self.responses(basis)[:, [point - 1 for point in fit_points]]
         combination = np.linalg.solve(at_points @ at_points.T, at_points)
-        return _on_grid(basis[:, 0] @ combination)
+        return on_grid(basis[:, 0] @ combination)
 
 
 def morlet(scale: float, shift_s: float, bandwidth: float, time_s: Matrix) -> Matrix:
@@ -89,4 +92,4 @@ def polynomial_fit(points: Sequence[int], order: int) -> Matrix:
     The polynomial passes through zero at i = 0: the values are differences from the newest one.
     """
     powers = np.array([[float(point) ** n for n in range(1, order + 1)] for point in points])
-    return _on_grid(np.linalg.pinv(powers))
+    return on_grid(np.linalg.pinv(powers))

@@ -9,6 +9,10 @@ from enum import Enum
 from controller_node.arithmetic.base import Constant, Curve
 
 
+class BranchError(Exception):
+    """A law asks in Python whether one of its values is true: the recorded operations would hold one branch only."""
+
+
 class Kind(Enum):
     """What a value is on the target."""
 
@@ -28,6 +32,9 @@ class Value:
     q: int | None
     kind: Kind = Kind.NUMBER
     constant: Constant | None = None
+
+    def __bool__(self) -> bool:
+        raise BranchError("a branch in Python on a value of the law: Arithmetic.where chooses between values")
 
 
 @dataclass(frozen=True, slots=True)

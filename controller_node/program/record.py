@@ -75,18 +75,19 @@ def record(scenario: Scenario, law: str, indexing: str = "time", *, wide: bool =
 
 
 def _formats(tracer: Tracer, loop: ControlLoop[Value], first_state: Any, given: Any) -> dict[str, int | None]:
-    """Format of every leaf of the state: from its start, else (a start at the constant 0) from a first step."""
-
-    def fresh(name: str, old: Value) -> Value:
-        return tracer.input(name, old.q)
-
+    """Format of every leaf of the state: from its start; of a start at the constant 0, from what steps make of it."""
     formats = {name: value.q for name, value in leaves(first_state, "state")}
-    tracer.begin("first step")
-    after, _ = loop.law.step(like(first_state, fresh, "state"), like(given, fresh, "in"))
-    for name, value in leaves(after, "state"):
-        if formats[name] is None:
-            formats[name] = value.q
-    return formats
+
+    def known(name: str, old: Value) -> Value:
+        return tracer.input(name, formats.get(name, old.q))
+
+    while True:
+        tracer.begin("first step")
+        after, _ = loop.law.step(like(first_state, known, "state"), like(given, known, "in"))
+        found = {name: value.q for name, value in leaves(after, "state") if formats[name] is None}
+        if all(q is None for q in found.values()):
+            return formats
+        formats |= found
 
 
 def _check(program: Program, formats: dict[str, int | None]) -> None:

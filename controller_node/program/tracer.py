@@ -6,10 +6,11 @@ law that adds a Q20 to a Q24, or names a quantity with another format than it ha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve
+from controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve
 from controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
 
@@ -125,7 +126,9 @@ class Tracer(Arithmetic[Value]):
     def neg(self, a: Value) -> Value:
         if a.constant is not None:
             constant = a.constant
-            return self.const(Constant(f"-{constant.name}", -constant.value, constant.q, constant.origin))
+            # From the integer, as the fixed point does it: a value between two integers would be rounded anew.
+            raw = constant.raw if constant.raw == INT32_MIN else -constant.raw
+            return self.const(Constant(f"-{constant.name}", math.ldexp(raw, -constant.q), constant.q, constant.origin))
         return self._emit("neg", [a], a.q)
 
     def abs(self, a: Value) -> Value:

@@ -146,6 +146,18 @@ def install_commands(packages: Mapping[str, str], purpose: str) -> None:
     with_package_lists(lambda: run_tool(install), purpose)
 
 
+def install_compilers() -> None:
+    """Have gcc, clang and make, with the C library's headers, for the exported C.
+
+    Raises:
+        CapabilityError: they are missing and cannot be had.
+    """
+    packages = {"gcc": "build-essential", "make": "build-essential", "clang": "clang"}
+    if not all(find_command(command) for command in packages):
+        require_debian_root("exported C")
+        install_commands(packages, "exported C")
+
+
 def download_package(package: str, folder: Path, purpose: str) -> Path:
     """Fetch a Debian package without installing it.
 

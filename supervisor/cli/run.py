@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 from bus.exitcodes import USAGE
 from bus.ident import ARITHMETICS
 from bus.select import BusChoice, choose_bus
-from bus.usage import add_run_arguments
+from bus.usage import add_run_arguments, add_task_argument
 from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.model import Scenario
@@ -38,6 +38,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    add_task_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
@@ -55,6 +56,8 @@ def law_names() -> list[str]:
 def _options(namespace: argparse.Namespace) -> RunOptions:
     if namespace.controller not in law_names():
         raise InputError("command line", "--controller", namespace.controller, ", ".join(law_names()))
+    if namespace.attach and namespace.task_period_ms:
+        raise InputError("command line", "--task-period-ms", namespace.task_period_ms, "0 with --attach")
     scenario = namespace.scenario
     return RunOptions(
         scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
@@ -65,6 +68,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
         rate=namespace.rate,
         seed=namespace.seed,
         perturbed=namespace.perturbed,
+        task_period_ms=namespace.task_period_ms,
         attach=namespace.attach,
         appear_s=namespace.appear_timeout,
     )

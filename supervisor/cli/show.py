@@ -76,6 +76,8 @@ def print_result(console: Output, scenario: Scenario, result: RunResult, options
             f"lateness of {jitter.cycles} cycles: p50 {jitter.p50_ms:.3f} ms, p99 {jitter.p99_ms:.3f} ms, "
             f"p99.9 {jitter.p999_ms:.3f} ms, max {jitter.max_ms:.3f} ms"
         )
+    if result.telemetry is not None:
+        console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     console.say(f"run folder {folder}")
     print_verdict(console, verdict, result.line)

@@ -1,0 +1,227 @@
+"""Single precision of the C28x floating-point unit (FPU32): its facts, what follows from them, and one train.
+
+Facts from TI's FPU guide SPRUEO2 and workshop notes, in own words: IEEE 754 single format; a denormal is zero, -0 is
++0, NaN is infinity; rounding to nearest even, or toward zero while the mode bit STF.RNDF32 is clear (``float32`` and
+``float32-truncated``); products and sums are rounded each for itself, there is no fused multiply-add. Division is
+that of TI's fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The estimate's table is not
+published, so a quotient is within 2 ulp of the target's, not equal to it.
+
+Readings where the documents are silent: NaN becomes *plus* infinity; a result that rounds to a denormal is zero; an
+overflow is infinite when rounding to nearest and the largest number when rounding toward zero (IEEE 754); a number by
+infinity is 0; the root is correctly rounded.
+
+One train holds ``float`` whose values are single precision, N trains float32 arrays (``float32_batch``); both give the
+same bits. Every operand comes from an operation here (``const``, ``table``, ``from_raw``, ``operand``, ...) and is
+therefore a normal number, +0 or infinite: only results need looking at.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from array import array
+from bisect import bisect_right
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+from controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Condition, Constant, Curve, T
+
+#: Smallest normal and largest number of the format.
+FLT_MIN = 2.0**-126
+FLT_MAX = (2.0 - 2.0**-23) * 2.0**127
+
+#: Bits behind the leading one of the reciprocal estimate.
+ESTIMATE_BITS = 7
+MANTISSA_BITS = 24
+#: Last cell of a curve of 257 samples.
+LAST_CELL = 255.0
+
+# A double stored here is rounded to nearest even by the processor.
+_single = array("f", [0.0])
+
+
+def nearest(value: float) -> float:
+    """A double rounded to the nearest single the unit knows: no denormal, no -0, no NaN."""
+    _single[0] = value
+    rounded = _single[0]
+    if FLT_MIN <= abs(rounded) <= FLT_MAX:
+        return rounded
+    if abs(rounded) < FLT_MIN:
+        return 0.0
+    return -math.inf if rounded < 0 else math.inf
+
+
+def toward_zero(value: float) -> float:
+    """As :func:`nearest`, the digits behind the 24th cut off."""
+    size = abs(value)
+    if FLT_MIN <= size <= FLT_MAX:
+        mantissa, exponent = math.frexp(value)
+        return math.ldexp(int(mantissa * 2.0**MANTISSA_BITS), exponent - MANTISSA_BITS)
+    if size < FLT_MIN:
+        return 0.0
+    if math.isinf(value):
+        return value
+    return math.copysign(FLT_MAX, value) if size > FLT_MAX else math.inf
+
+
+def rounding_error(constant: Constant) -> float:
+    """Value that both float32 arithmetics hold for a constant, minus its true value."""
+    return nearest(constant.value) - constant.value
+
+
+class Single(Arithmetic[T]):
+    """What follows from the rounded sum and product, for one number and for arrays.
+
+    A double holds the product of two singles exactly, and its sum, quotient and root round on to a single without
+    harm (53 >= 2 * 24 + 2 bits), so intermediate doubles are no wider operation than the target's.
+    """
+
+    name: ClassVar[str] = "float32"
+    wide: ClassVar[bool] = True
+
+    @abstractmethod
+    def operand(self, value: Any) -> T:
+        """A real number as an operand: rounded as an operation rounds."""
+
+    @abstractmethod
+    def _estimate(self, a: T) -> T:
+        """1/a to 8 bits."""
+
+    def convert(self, a: T, q_from: int, q_to: int) -> T:
+        return a
+
+    def sub(self, a: Any, b: Any) -> Any:
+        return self.add(a, -b)
+
+    def abs(self, a: Any) -> Any:
+        return abs(a)
+
+    def rmpy(self, a: T, b: T, q: int) -> T:
+        return self.mpy(a, b, q)
+
+    def rsmpy(self, a: T, b: T, q: int) -> T:
+        return self.mpy(a, b, q)
+
+    def mpy_iqx(self, a: T, q_a: int, b: T, q_b: int, q: int) -> T:
+        return self.mpy(a, b, q)
+
+    def dot(self, coefficients: Sequence[T], values: Sequence[T], q: int) -> T:
+        products = [self.mpy(c, v, q) for c, v in zip(coefficients, values, strict=True)]
+        total = products[0]
+        for product in products[1:]:
+            total = self.add(total, product)
+        return total
+
+    def div(self, a: T, b: T, q: int) -> T:
+        reciprocal = self._estimate(b)
+        two = self.operand(2.0)
+        for _ in range(2):
+            reciprocal = self.mpy(reciprocal, self.sub(two, self.mpy(b, reciprocal, q)), q)
+        return self.mpy(a, self._by_infinity(b, reciprocal), q)
+
+    @abstractmethod
+    def _by_infinity(self, b: T, reciprocal: T) -> T:
+        """0 where ``b`` is infinite, else ``reciprocal``."""
+
+    def sat(self, a: T, upper: T, lower: T) -> T:
+        return self.clip(a, upper, lower)
+
+    def clip(self, a: T, upper: T, lower: T) -> T:
+        return self.minimum(self.maximum(a, lower), upper)
+
+    def gt(self, a: Any, b: Any) -> Condition:
+        return a > b
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> T:
+        return table[index + offset]  # type: ignore[no-any-return]
+
+
+class Float32(Single[float]):
+    """Single precision for one train, rounding to nearest even."""
+
+    def operand(self, value: Any) -> float:
+        return nearest(value)
+
+    def const(self, constant: Constant) -> float:
+        # The compiler rounds constants, to nearest whatever the mode of the unit.
+        return nearest(constant.value)
+
+    def raw(self, a: float, q: int) -> Any:
+        # F32TOI32 saturates.
+        return math.floor(min(max(math.ldexp(a, q) + 0.5, INT32_MIN), INT32_MAX))
+
+    def from_raw(self, raw: Any, q: int) -> float:
+        return self.operand(math.ldexp(raw, -q))
+
+    def quantise(self, a: float, q_from: int, q_to: int) -> float:
+        # On the target: scale, F32TOI32, correct by one where the fraction left is >= 0.5 or < -0.5, scale; a number of
+        # 2^23 and more is whole. All these steps are exact, x + 0.5 in single precision is not: 0.49999997 gives 1.
+        return math.ldexp(math.floor(math.ldexp(a, q_to) + 0.5), -q_to) if abs(a) <= FLT_MAX else a
+
+    def add(self, a: float, b: float) -> float:
+        return nearest(a + b)
+
+    def neg(self, a: float) -> float:
+        return 0.0 - a
+
+    def mpy(self, a: float, b: float, q: int) -> float:
+        return nearest(a * b)
+
+    def _estimate(self, a: float) -> float:
+        if a == 0.0 or abs(a) > FLT_MAX:
+            return math.inf if a == 0.0 else 0.0
+        mantissa, exponent = math.frexp(a)
+        digits = math.floor(math.ldexp(1.0 / mantissa, ESTIMATE_BITS) + 0.5)
+        return self.operand(math.ldexp(digits, -ESTIMATE_BITS - exponent))
+
+    def _by_infinity(self, b: float, reciprocal: float) -> float:
+        return 0.0 if abs(b) > FLT_MAX else reciprocal
+
+    def sqrt(self, a: float, q: int) -> float:
+        return self.operand(math.sqrt(a)) if a > 0 else 0.0
+
+    def minimum(self, a: float, b: float) -> float:
+        return a if a < b else b
+
+    def maximum(self, a: float, b: float) -> float:
+        return a if a > b else b
+
+    def where(self, condition: Condition, a: float, b: float) -> float:
+        return a if condition else b
+
+    def curve(self, curve: Curve, a: float) -> float:
+        scaled = a * 256.0
+        index = int(min(scaled, LAST_CELL))
+        left, right = (self.const(sample) for sample in curve.samples[index : index + 2])
+        return self.add(left, self.mpy(self.sub(right, left), scaled - index, 0))
+
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
+        return self.load(constants)
+
+    def index(self, k: Any, last: int) -> Any:
+        return min(max(k, 0), last)
+
+    def locate(self, table: Any, a: float) -> Any:
+        return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
+
+
+class Float32Truncated(Float32):
+    """Single precision for one train, rounding toward zero: the unit's state after reset, a stress test of a law."""
+
+    name: ClassVar[str] = "float32-truncated"
+
+    def operand(self, value: Any) -> float:
+        return toward_zero(value)
+
+    def add(self, a: float, b: float) -> float:
+        total = a + b
+        # The double itself is rounded: what it lost (Knuth's TwoSum, exact) tells whether it lies too far out. With an
+        # infinite operand the loss is NaN, and no comparison holds.
+        b_part = total - a
+        lost = (a - (total - b_part)) + (b - b_part)
+        if lost * total < 0:
+            total = math.nextafter(total, 0.0)
+        return toward_zero(total)
+
+    def mpy(self, a: float, b: float, q: int) -> float:
+        return toward_zero(a * b)

@@ -1,0 +1,210 @@
+"""Fixed point on int64 arrays, N trains: what both profiles share.
+
+Operands are arrays of shape (N,) or plain ``int`` common to all; every 32 x 32 bit product fits into int64. Results
+equal those of one train element by element; counters count elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from controller_node.arithmetic.base import (
+    DIVISION_BY_ZERO,
+    INT32_MAX,
+    INT32_MIN,
+    SATURATION,
+    WRAP,
+    Condition,
+    Constant,
+    Counters,
+    Curve,
+)
+from controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint
+from controller_node.arithmetic.iq.interface import IqMath
+
+Ints = NDArray[np.int64]
+
+
+class FixedPointBatch(IqMath[Ints]):
+    """IQmath for N trains."""
+
+    #: The profile for one train: functions too rare or too branched for arrays are its, element by element.
+    one_train: ClassVar[type[FixedPoint]]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._one = self.one_train()
+
+    def _count_where(self, kind: int, happened: Any) -> None:
+        count = int(np.count_nonzero(happened))
+        if count:
+            self._count(kind, count)
+
+    def _wrap(self, exact: Any) -> Any:
+        wrapped = ((exact + SIGN) & MASK) - SIGN
+        self._count_where(WRAP, wrapped != exact)
+        return wrapped
+
+    def _limit(self, exact: Any) -> Any:
+        """Saturated to int32."""
+        limited = np.minimum(np.maximum(exact, INT32_MIN), INT32_MAX)
+        self._count_where(SATURATION, limited != exact)
+        return limited
+
+    def _each(self, function: str, q: int, *operands: Any) -> Any:
+        """A function of one train applied to every element, with its counts."""
+        arrays = np.broadcast_arrays(*(np.asarray(operand) for operand in operands))
+        call = getattr(self._one, function)
+        self._one.counters = counters = Counters()
+        results = [call(*row, q) for row in zip(*(array.ravel().tolist() for array in arrays), strict=True)]
+        for kind, count in (
+            (WRAP, counters.wraps),
+            (SATURATION, counters.saturations),
+            (DIVISION_BY_ZERO, counters.zero_divisions),
+        ):
+            if count:
+                self._count(kind, count)
+        return np.array(results, dtype=np.int64).reshape(arrays[0].shape)
+
+    def shl(self, a: Ints, count: int) -> Any:
+        return self._wrap(a << count)
+
+    def shr(self, a: Ints, count: int) -> Any:
+        return a >> count
+
+    def convert(self, a: Ints, q_from: int, q_to: int) -> Any:
+        return self.shl(a, q_to - q_from) if q_to > q_from else a >> (q_from - q_to)
+
+    def quantise(self, a: Ints, q_from: int, q_to: int) -> Any:
+        return self.rmpy(a, 1, q_from - q_to)  # type: ignore[arg-type]
+
+    def add(self, a: Ints, b: Ints) -> Any:
+        return self._wrap(a + b)
+
+    def sub(self, a: Ints, b: Ints) -> Any:
+        return self._wrap(a - b)
+
+    def sadd(self, a: Ints, b: Ints) -> Any:
+        return self._limit(a + b)
+
+    def ssub(self, a: Ints, b: Ints) -> Any:
+        return self._limit(a - b)
+
+    def neg(self, a: Ints) -> Any:
+        return self._wrap(-a)
+
+    def abs(self, a: Ints) -> Any:
+        return self._wrap(abs(a))
+
+    def mpy(self, a: Ints, b: Ints, q: int) -> Any:
+        return self._wrap((a * b) >> q)
+
+    def rmpy(self, a: Ints, b: Ints, q: int) -> Any:
+        return self._wrap((a * b + (1 << (q - 1))) >> q)
+
+    def rsmpy(self, a: Ints, b: Ints, q: int) -> Any:
+        return self._limit((a * b + (1 << (q - 1))) >> q)
+
+    def mpy_iqx(self, a: Ints, q_a: int, b: Ints, q_b: int, q: int) -> Any:
+        shift = q_a + q_b - q
+        if shift >= 0:
+            return self._wrap((a * b) >> shift)
+        # A product shifted left can pass 64 bits: its low 32 bits come from the low 32 bits of the product.
+        product: Any = a * b
+        low = ((product + SIGN) & MASK) - SIGN
+        wrapped = (((low << -shift) + SIGN) & MASK) - SIGN
+        self._count_where(WRAP, (low != product) | (wrapped >> -shift != low))
+        return wrapped
+
+    def mpy_i32(self, a: Ints, n: Ints) -> Any:
+        return self._wrap(a * n)
+
+    def dot(self, coefficients: Sequence[Ints], values: Sequence[Ints], q: int) -> Any:
+        half = 1 << (q - 1)
+        exact: Any = 0
+        for coefficient, value in zip(coefficients, values, strict=True):
+            exact = exact + ((coefficient * value + half) >> q)
+        return self._wrap(exact)
+
+    def sat(self, a: Ints, upper: Ints, lower: Ints) -> Ints:
+        limited = self.clip(a, upper, lower)
+        self._count_where(SATURATION, limited != a)
+        return limited
+
+    def clip(self, a: Ints, upper: Ints, lower: Ints) -> Ints:
+        return np.maximum(np.minimum(a, upper), lower)
+
+    def minimum(self, a: Ints, b: Ints) -> Ints:
+        return np.minimum(a, b)
+
+    def maximum(self, a: Ints, b: Ints) -> Ints:
+        return np.maximum(a, b)
+
+    def gt(self, a: Ints, b: Ints) -> Condition:
+        return a > b
+
+    def where(self, condition: Condition, a: Ints, b: Ints) -> Ints:
+        return np.where(condition, a, b)
+
+    def curve(self, curve: Curve, a: Ints) -> Any:
+        cell_bits = curve.q_in - 8
+        samples = np.array([sample.raw for sample in curve.samples], dtype=np.int64)
+        index = np.minimum(np.asarray(a) >> cell_bits, 255)
+        left, right = samples[index], samples[index + 1]
+        return left + (((right - left) * (a - (index << cell_bits))) >> cell_bits)
+
+    def table(self, name: str, constants: Sequence[Constant]) -> Any:
+        return np.array([constant.raw for constant in constants], dtype=np.int64)
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> Ints:
+        return table[index + offset]  # type: ignore[no-any-return]
+
+    def index(self, k: Any, last: int) -> Any:
+        return np.clip(k, 0, last)
+
+    def locate(self, table: Any, a: Ints) -> Any:
+        return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)
+
+    def sqrt(self, a: Ints, q: int) -> Any:
+        return self._each("sqrt", q, a)
+
+    def isqrt(self, a: Ints, q: int) -> Any:
+        return self._each("isqrt", q, a)
+
+    def mag(self, a: Ints, b: Ints, q: int) -> Any:
+        return self._each("mag", q, a, b)
+
+    def exp(self, a: Ints, q: int) -> Any:
+        return self._each("exp", q, a)
+
+    def log(self, a: Ints, q: int) -> Any:
+        return self._each("log", q, a)
+
+    def sin(self, a: Ints, q: int) -> Any:
+        return self._each("sin", q, a)
+
+    def cos(self, a: Ints, q: int) -> Any:
+        return self._each("cos", q, a)
+
+    def sin_pu(self, a: Ints, q: int) -> Any:
+        return self._each("sin_pu", q, a)
+
+    def cos_pu(self, a: Ints, q: int) -> Any:
+        return self._each("cos_pu", q, a)
+
+    def to_f(self, a: Ints, q: int) -> Any:
+        return self._each("to_f", q, a)
+
+    def from_float(self, value: Any, q: int) -> Any:
+        return self._each("from_float", q, value)
+
+    def ato_iq(self, text: Any, q: int) -> Any:
+        return self._each("ato_iq", q, text)
+
+    def to_a(self, form: str, a: Ints, q: int) -> Any:
+        """A list, one (error, text) for each element."""
+        return [self._one.to_a(form, x, q) for x in np.asarray(a).ravel().tolist()]

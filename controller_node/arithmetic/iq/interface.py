@@ -1,0 +1,168 @@
+"""The functions of TI's IQmath beyond what every arithmetic offers, with what the two profiles do differently.
+
+A number is an int32 raw value in a format Q ``q`` (1 to 30): value = raw / 2^q. "C28x" is the library of the
+TMS320F28335 (TI IQmath user's guide V1.70 and published headers), "portable" TI's open C library 2.01.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+from controller_node.arithmetic.base import DIVISION_BY_ZERO, WRAP, Arithmetic, Constant, T
+
+#: Largest format of sine and cosine in rad: pi needs two bits before the point.
+TRIG_Q_MAX = 29
+
+
+def check_trig_format(q: int) -> None:
+    """Raise ``ValueError`` where neither library has a sine and cosine in rad."""
+    if q > TRIG_Q_MAX:
+        raise ValueError(f"sin and cos in rad exist for Q1 to Q{TRIG_Q_MAX}, not for Q{q}")
+
+
+class IqMath(Arithmetic[T]):
+    """IQmath on one kind of operand."""
+
+    wide: ClassVar[bool] = False
+
+    def _count(self, kind: int, count: int) -> None:
+        """Count wraps, saturations or divisions by zero, and remember before which noted quantity they were."""
+        counters = self.counters
+        if kind == WRAP:
+            counters.wraps += count
+        elif kind == DIVISION_BY_ZERO:
+            counters.zero_divisions += count
+        else:
+            counters.saturations += count
+        if self.noted is not None:
+            self.events.append((len(self.noted), kind, count))
+
+    def const(self, constant: Constant) -> T:
+        raw: Any = constant.raw
+        return raw  # type: ignore[no-any-return]
+
+    def raw(self, a: T, q: int) -> T:
+        return a
+
+    def from_raw(self, raw: Any, q: int) -> T:
+        return raw  # type: ignore[no-any-return]
+
+    @abstractmethod
+    def shl(self, a: T, count: int) -> T:
+        """``a << count``, wrapping; count 0 to 31."""
+
+    @abstractmethod
+    def shr(self, a: T, count: int) -> T:
+        """``a >> count``, floor (arithmetic shift)."""
+
+    @abstractmethod
+    def sadd(self, a: T, b: T) -> T:
+        """a + b, saturating (a C28x sum with OVM = 1)."""
+
+    @abstractmethod
+    def ssub(self, a: T, b: T) -> T:
+        """a - b, saturating (OVM = 1)."""
+
+    @abstractmethod
+    def mpy_i32(self, a: T, n: T) -> T:
+        """``_IQ<q>mpyI32``: number times integer, wrapping."""
+
+    @abstractmethod
+    def mpy_i32_int(self, a: T, n: T, q: int) -> T:
+        """``_IQ<q>mpyI32int``: integer part of number times integer.
+
+        C28x: toward zero, of the 64-bit product of the sizes, low 32 bits; INT32_MIN has the size INT32_MAX.
+        Portable: floor of the product that has wrapped already.
+        """
+
+    @abstractmethod
+    def mpy_i32_frac(self, a: T, n: T, q: int) -> T:
+        """``_IQ<q>mpyI32frac``: fraction of number times integer, in Q ``q``.
+
+        C28x: of the product of the sizes, with its sign. Portable: 0 or positive.
+        """
+
+    @abstractmethod
+    def int_part(self, a: T, q: int) -> T:
+        """``_IQ<q>int``: integer part. C28x: toward zero, INT32_MIN as -INT32_MAX. Portable: floor."""
+
+    @abstractmethod
+    def frac(self, a: T, q: int) -> T:
+        """``_IQ<q>frac``: what :meth:`int_part` leaves, in Q ``q``.
+
+        C28x: with the sign of a. Portable: 0 or positive.
+        """
+
+    @abstractmethod
+    def isqrt(self, a: T, q: int) -> T:
+        """``_IQ<q>isqrt``: 1 / root of a, saturating; 0 for a <= 0. C28x: modelled exact, rounded to nearest."""
+
+    @abstractmethod
+    def mag(self, a: T, b: T, q: int) -> T:
+        """``_IQ<q>mag``: root of a^2 + b^2, saturating. C28x: modelled exact, rounded to nearest."""
+
+    @abstractmethod
+    def exp(self, a: T, q: int) -> T:
+        """``_IQ<q>exp``: e^a.
+
+        C28x: the *argument* is limited to the largest one of the format, so the largest result is below INT32_MAX;
+        modelled exact, rounded to nearest. Portable: INT32_MAX above that argument, 0 where the result is below
+        1 LSB. The upper limit counts as a saturation.
+        """
+
+    @abstractmethod
+    def log(self, a: T, q: int) -> T:
+        """``_IQ<q>log``: natural logarithm, INT32_MIN where it is below the format (counted as a saturation).
+
+        a <= 0: C28x INT32_MIN (counted), portable 0 (not counted). C28x: modelled exact, rounded to nearest.
+        """
+
+    @abstractmethod
+    def sin(self, a: T, q: int) -> T:
+        """``_IQ<q>sin`` of an angle in rad. C28x: modelled exact, rounded to nearest. ``ValueError`` for Q30."""
+
+    @abstractmethod
+    def cos(self, a: T, q: int) -> T:
+        """``_IQ<q>cos`` of an angle in rad; as :meth:`sin`."""
+
+    @abstractmethod
+    def sin_pu(self, a: T, q: int) -> T:
+        """``_IQ<q>sinPU`` of an angle in turns. C28x: modelled exact, rounded to nearest."""
+
+    @abstractmethod
+    def cos_pu(self, a: T, q: int) -> T:
+        """``_IQ<q>cosPU`` of an angle in turns; as :meth:`sin_pu`."""
+
+    @abstractmethod
+    def to_f(self, a: T, q: int) -> T:
+        """``_IQ<q>toF``: bits of the float32, as an integer 0..2^32 - 1.
+
+        C28x: cut to 24 bits, negative numbers in one's complement (-1.0 becomes -0.99999994). Portable: rounded, ties
+        away from zero.
+        """
+
+    @abstractmethod
+    def from_float(self, value: Any, q: int) -> T:
+        """``_IQ<q>(value)`` of the target's compiler: truncation toward zero, of a float or an array of them.
+
+        Raises ``ValueError`` outside int32 (undefined on the target), for NaN and infinity.
+        """
+
+    @abstractmethod
+    def ato_iq(self, text: Any, q: int) -> T:
+        """``_atoIQ<q>``: number of a decimal text, saturating; 0 for an illegal character.
+
+        C28x: modelled exact, rounded to nearest (ties away from zero). Portable: adds tenths of 31 bits, and loses
+        the sign of a text without a point.
+        """
+
+    @abstractmethod
+    def to_a(self, form: str, a: T, q: int) -> Any:
+        """``_IQ<q>toa``: (error, text) for a format ``%A.Bf``; error 1: A digits are too few, 2: illegal format.
+
+        ``A`` (at most 11) digits of the integer part, the sign not counted; the fraction is cut. The text is None
+        with an error. Portable: the integer part is padded with zeros, B digits behind the point. C28x: no leading
+        zeros, B counts the point too, INT32_MIN is refused with error 1; our reading of the guide, not checked on a
+        target.
+        """

@@ -1,0 +1,184 @@
+"""Algorithms and tables of the portable profile (see :mod:`controller_node.arithmetic.iq.portable`).
+
+"Fractional product" means (a * b) >> 31 of 32-bit numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from controller_node.arithmetic.iq import series
+from controller_node.arithmetic.iq.core import MASK, SIGN, low32
+from controller_node.arithmetic.iq.interface import check_trig_format
+
+#: 1/x in Q6 at the middle of 65 cells of 1/128 from 1/2, rounded.
+RECIPROCAL = tuple((2 * 16384 + 129 + 2 * i) // (2 * (129 + 2 * i)) for i in range(65))
+RECIPROCALS = np.array(RECIPROCAL, dtype=np.int64)
+#: 1/sqrt(x) in Q14 at the middle of 96 cells of 1/128 from 1/4, cut.
+_INVERSE_ROOT = tuple(math.isqrt(2**36 // (65 + 2 * i)) for i in range(96))
+#: From this format on the root takes three Newton steps instead of two.
+_THREE_STEPS_Q = 24
+
+_LN2 = series.log(2, 0, 31)
+#: Coefficients of x^10 .. x^0 in Q30, cut; the library's x^9 is larger by 5.
+_EXP = tuple(2**30 // math.factorial(k) + (5 if k == 9 else 0) for k in range(10, -1, -1))
+_EXP_ENTRIES = 22
+#: No lower limit of the argument from this format on: e^-16 is above 1 LSB.
+_EXP_ANY_Q = 27
+#: Coefficients of x^14 .. x^0 of ln(1 + x) in Q30, cut toward zero; the library's x^14 is smaller by 1.
+_LN = (*((-1 if k % 2 == 0 else 1) * (2**30 // k) - (1 if k == 14 else 0) for k in range(14, 0, -1)), 0)
+_TWO_THIRDS = 2**32 // 3
+
+_PI_Q29, _PI_Q30 = (((series.pi(q + 65) >> 64) + 1) >> 1 for q in (29, 30))
+#: 1/3 in Q31.
+_THIRD = 0x2AAAAAAB
+#: sin and cos of k/64 in Q31.
+_SIN = tuple(series.sine(k, 6, 31) for k in range(52))
+_COS = tuple(min(series.sine(k, 6, 31, quadrants=1), INT32_MAX) for k in range(52))
+
+
+def _signed(a: int, b: int) -> int:
+    """Fractional product of signed numbers."""
+    return low32((a * b) >> 31)
+
+
+def unsigned(a: Any, b: Any) -> Any:
+    """Fractional product of unsigned numbers: ``int``, or uint64 arrays below 2^32."""
+    return ((a * b) >> 31) & MASK
+
+
+def quotient(guess: Any, divisor: Any, numerator: Any) -> Any:
+    """Three Newton steps g (2 - d g), then numerator * g; ``int`` or uint64 arrays."""
+    for _ in range(3):
+        guess = unsigned(guess, ((SIGN - unsigned(guess, divisor)) << 1) & MASK)
+    return unsigned(guess, numerator)
+
+
+def inverse_root(x: int, q: int) -> int:
+    """1/sqrt(x) in Q30 of x in Q32, 1/4 <= x < 1: g (3 - x g g) / 2."""
+    guess = _INVERSE_ROOT[(x >> 25) - 32] << 16
+    for _ in range(2 if q < _THREE_STEPS_Q else 3):
+        guess = unsigned(guess, (3 * 2**30 - unsigned(unsigned(x, guess), guess)) & MASK)
+    return guess
+
+
+def even_shift(x: int, bits: int) -> int:
+    """Smallest even left shift that makes x at least a quarter of 2^bits."""
+    return (bits - x.bit_length()) & ~1
+
+
+def rounded_shift(x: int, count: int) -> int:
+    """x >> count of 32 bits, as the library's roots do it: in steps of 16, 8 and 1, and the last step of 1 rounds up.
+
+    A count of 8, 16 or 24 is therefore cut.
+    """
+    if count >= 32:
+        return 0
+    if count >= 16:
+        x, count = x >> 16, count - 16
+    if count >= 8:
+        x, count = x >> 8, count - 8
+    return low32(((x >> (count - 1)) + 1) >> 1 if count else x)
+
+
+@lru_cache
+def _exp_table(q: int) -> tuple[int, int, tuple[int, ...]]:
+    """Smallest argument, index of e^0, and the powers of e in Q ``q`` + 1, cut, 0 beyond 32 bits."""
+    zero = series.floored(lambda bits: q * series.ln_bits(2, 0, 0, bits))
+
+    def power(n: int) -> int:
+        cut = 1 << (q + 1) if n == 0 else series.floored(lambda bits: series.exp_bits(n, 0, q + 1, bits))
+        return cut if cut <= MASK else 0
+
+    smallest = series.exp_range(q)[0] if q < _EXP_ANY_Q else INT32_MIN
+    return smallest, zero, tuple(power(i - zero) for i in range(_EXP_ENTRIES))
+
+
+@lru_cache
+def ln_out_of_range(q: int) -> int:
+    """Largest argument that the library answers with INT32_MIN, 0 for none: one above the last one out of range."""
+    return series.floored(lambda bits: series.exp_bits(-(1 << (31 - q)), 0, q, bits)) + 1 if q > 26 else 0
+
+
+def exponential(a: int, q: int) -> int:
+    """e^a, ``a`` at most the largest argument of the format: power of e by table, the rest by series."""
+    smallest, zero, powers = _exp_table(q)
+    if a < smallest:
+        return 0
+    rest = (a << (31 - q)) & INT32_MAX
+    whole = a >> q
+    if a < 0:
+        rest, whole = rest - SIGN, whole + 1
+    power = powers[whole + zero]
+    if rest <= -_LN2:
+        rest, power = rest + _LN2, power >> 1
+    elif rest >= _LN2:
+        rest, power = rest - _LN2, power << 1 & MASK
+    value = _EXP[0]
+    for coefficient in _EXP[1:]:
+        value = _signed(rest, value) + coefficient
+    return (int(unsigned(power, value << 1 & MASK)) + 1) >> 1
+
+
+def logarithm(a: int, q: int) -> int:
+    """ln a, a > 0: scaled to 2/3..4/3, series, plus the exponent times ln 2."""
+    exponent = 31 - q
+    x = a
+    while x < _TWO_THIRDS:
+        x <<= 1
+        exponent -= 1
+    value = _LN[0]
+    for coefficient in _LN[1:]:
+        value = _signed(x - INT32_MAX, value) + coefficient
+    whole = unsigned(_LN2, (abs(exponent) << q) & MASK)
+    return low32((value >> (30 - q)) + (whole if exponent > 0 else -whole))
+
+
+def _sine_near(x: int) -> int:
+    """Sine of x in Q31, at most pi/4: table at 1/64, second order between."""
+    k, rest = x >> 25 & 0x3F, x & 0x1FFFFFF
+    sine, cosine = _SIN[k], _COS[k]
+    bend = low32(-(sine + _signed(cosine, _signed(_THIRD, rest)))) >> 1
+    return sine + _signed(rest, cosine + _signed(rest, bend))
+
+
+def _cosine_near(x: int) -> int:
+    """Cosine of x in Q31, at most pi/4; as :func:`_sine_near`."""
+    k, rest = x >> 25 & 0x3F, x & 0x1FFFFFF
+    sine, cosine = _SIN[k], _COS[k]
+    bend = low32(_signed(sine, _signed(_THIRD, rest)) - cosine) >> 1
+    return cosine + _signed(rest, _signed(rest, bend) - sine)
+
+
+def _half_turn(x: int, q: int, cosine: bool, negative: bool) -> int:
+    """Sine or cosine in Q ``q`` of an angle x in Q30, 0 to pi, with the sign that the reduction to it has left."""
+    if x >= _PI_Q29:
+        x = _PI_Q30 - x
+        negative ^= cosine
+    x <<= 1
+    if x > _PI_Q29:
+        x, cosine = _PI_Q30 - x, not cosine
+    size = ((_cosine_near(x) if cosine else _sine_near(x)) & MASK) >> (31 - q)
+    return -size if negative else size
+
+
+def sine_of_radians(a: int, q: int, cosine: bool) -> int:
+    """Sine or cosine of an angle in rad, brought to 0..pi by doubling modulo pi."""
+    check_trig_format(q)
+    x = abs(a)
+    for _ in range(29 - q):
+        x = (x - _PI_Q29 if x >= _PI_Q29 else x) << 1 & MASK
+    odd = x >= _PI_Q29
+    return _half_turn((x - _PI_Q29 if odd else x) << 1, q, cosine, odd ^ (a < 0 and not cosine))
+
+
+def sine_of_turns(a: int, q: int, cosine: bool) -> int:
+    """Sine or cosine of an angle in turns."""
+    x = abs(a) << (32 - q) & MASK
+    odd = x >= SIGN
+    return _half_turn(unsigned(x % SIGN, _PI_Q30), q, cosine, odd ^ (a < 0 and not cosine))

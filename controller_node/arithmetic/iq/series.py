@@ -1,0 +1,159 @@
+"""Exponential, logarithm, sine and cosine in whole numbers, correctly rounded.
+
+No floating-point library takes part, so results are the same on every machine. An argument is ``a`` / 2^``q``; a result
+is the function's value times 2^``scale`` as an integer, rounded to nearest or down. A value is computed with spare bits
+and again with twice as many while its error bound leaves the rounding open (Ziv's method). That ends: apart from the
+values treated apart, none of these functions takes a dyadic number at a dyadic argument (Lindemann, Niven).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+
+#: Bound on the error of an approximation, in units of its last bit; the sums below stay under a thousandth of it.
+_ERROR = 1 << 20
+#: Fraction bits of the first attempt, beyond those of the result.
+_FIRST_BITS = 64
+#: Bits by which a result may exceed its argument's scale (exp up to 2^31, reduction of an angle up to 2^31).
+_HEADROOM_BITS = 48
+
+
+def _settled(approximate: Callable[[int], int], addend: Callable[[int], int]) -> int:
+    """floor(value + addend / 2^bits), where ``approximate(bits)`` is value * 2^bits within the error bound."""
+    bits = _FIRST_BITS
+    while True:
+        middle = approximate(bits) + addend(bits)
+        low, high = (middle - _ERROR) >> bits, (middle + _ERROR) >> bits
+        if low == high:
+            return low
+        bits *= 2
+
+
+def nearest(approximate: Callable[[int], int]) -> int:
+    """The integer next to the value of an approximation (see :func:`_settled`)."""
+    return _settled(approximate, lambda bits: 1 << (bits - 1))
+
+
+def floored(approximate: Callable[[int], int]) -> int:
+    """The largest integer below the value, which must not be an integer itself."""
+    return _settled(approximate, lambda bits: 0)
+
+
+def _atanh(z: int, bits: int) -> int:
+    """atanh of ``z`` / 2^bits, a size of at most 1/2."""
+    square = (z * z) >> bits
+    total, power, k = 0, z, 1
+    while power not in (0, -1):
+        total += power // k
+        power = (power * square) >> bits
+        k += 2
+    return total
+
+
+@lru_cache
+def ln2(bits: int) -> int:
+    """ln 2 * 2^bits: 2 atanh(1/3)."""
+    return 2 * _atanh((1 << bits) // 3, bits)
+
+
+@lru_cache
+def pi(bits: int) -> int:
+    """pi * 2^bits by Machin's formula: 16 atan(1/5) - 4 atan(1/239)."""
+
+    def atan_of_inverse(n: int) -> int:
+        power = (1 << bits) // n
+        total, k, sign = 0, 1, 1
+        while power:
+            total += sign * (power // k)
+            power //= n * n
+            k, sign = k + 2, -sign
+        return total
+
+    return 16 * atan_of_inverse(5) - 4 * atan_of_inverse(239)
+
+
+def exp_bits(a: int, q: int, scale: int, bits: int) -> int:
+    """e^(a / 2^q) * 2^(scale + bits); the value itself below 2^32."""
+    fine = bits + _HEADROOM_BITS
+    x = (a << fine) >> q
+    halvings, rest = divmod(x, ln2(fine))
+    term = total = 1 << fine
+    k = 1
+    while term:
+        term = (term * rest >> fine) // k
+        total += term
+        k += 1
+    shift = halvings + scale - _HEADROOM_BITS
+    return total << shift if shift >= 0 else total >> -shift
+
+
+def ln_bits(a: int, q: int, scale: int, bits: int) -> int:
+    """ln(a / 2^q) * 2^(scale + bits), a > 0."""
+    fine = bits + _HEADROOM_BITS
+    exponent = a.bit_length()
+    # a = m 2^exponent with 1/2 <= m < 1, and ln m = 2 atanh((m - 1) / (m + 1)).
+    one = 1 << exponent
+    z = ((a - one) << fine) // (a + one)
+    value = 2 * _atanh(z, fine) + (exponent - q) * ln2(fine)
+    return value << (scale - _HEADROOM_BITS) if scale >= _HEADROOM_BITS else value >> (_HEADROOM_BITS - scale)
+
+
+def _sine_bits(angle: int, quadrant: int, bits: int) -> int:
+    """Sine of ``quadrant`` * pi/2 + ``angle`` / 2^bits, the angle at most pi/4 in size."""
+    square = angle * angle >> bits
+    total = term = 1 << bits if quadrant & 1 else angle
+    k = 1 if quadrant & 1 else 2
+    while term not in (0, -1):
+        term = -((term * square >> bits) // (k * (k + 1)))
+        total += term
+        k += 2
+    return -total if quadrant & 2 else total
+
+
+def sine_bits(a: int, q: int, quadrants: int, scale: int, bits: int) -> int:
+    """sin(a / 2^q + quadrants * pi/2) * 2^(scale + bits), argument in rad."""
+    fine = bits + _HEADROOM_BITS
+    right_angle = pi(fine - 1)
+    angle = (a << fine) >> q
+    quadrant = (2 * angle + right_angle) // (2 * right_angle)
+    value = _sine_bits(angle - quadrant * right_angle, quadrant + quadrants, fine)
+    return value >> (_HEADROOM_BITS - scale)
+
+
+def exp(a: int, q: int, scale: int) -> int:
+    """e^(a / 2^q) * 2^scale, to nearest."""
+    return 1 << scale if a == 0 else nearest(lambda bits: exp_bits(a, q, scale, bits))
+
+
+def log(a: int, q: int, scale: int) -> int:
+    """ln(a / 2^q) * 2^scale, to nearest; a > 0."""
+    return nearest(lambda bits: ln_bits(a, q, scale, bits))
+
+
+def sine(a: int, q: int, scale: int, quadrants: int = 0) -> int:
+    """sin(a / 2^q + quadrants * pi/2) * 2^scale, to nearest; scale at most 31."""
+    return nearest(lambda bits: sine_bits(a, q, quadrants, scale, bits))
+
+
+def sine_of_turns(a: int, q: int, scale: int, quadrants: int = 0) -> int:
+    """Sine of ``a`` / 2^q turns plus ``quadrants`` quarter turns, times 2^scale, to nearest; scale at most 31."""
+    # Reduced exactly: a quarter turn is 2^(q - 2), also where that is no integer.
+    quadrant = ((a << 3) + (1 << q)) >> (q + 1)
+    rest = (a << 2) - (quadrant << q)
+
+    def approximate(bits: int) -> int:
+        fine = bits + _HEADROOM_BITS
+        return _sine_bits(rest * pi(fine - 1) >> q, quadrant + quadrants, fine) >> (_HEADROOM_BITS - scale)
+
+    return nearest(approximate)
+
+
+@lru_cache
+def exp_range(q: int) -> tuple[int, int]:
+    """Smallest and largest argument whose exponential is at least 1 LSB and at most INT32_MAX, in Q ``q``."""
+    largest = floored(lambda bits: ln_bits(INT32_MAX, q, q, bits))
+    smallest = -floored(lambda bits: q * ln_bits(2, 0, q, bits))
+    return max(smallest, INT32_MIN), largest

@@ -1,0 +1,59 @@
+"""``railhil export-c``: write a control law as C99, from the same source that the bench runs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from bus.exitcodes import guarded
+from bus.usage import OneLineParser, parse
+from controller_node.export.bundle import make_bundle, write_bundle
+from controller_node.laws import names
+from scenarios.load import load
+
+_FILE_COLUMNS = 100
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the export."""
+    parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
+    parser.add_argument("law", metavar="LAW", help=f"control law: {', '.join(names())}")
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
+    parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
+    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
+    return parser
+
+
+def main() -> int:
+    """Write the files and list them."""
+    namespace = parse(arguments())
+    bundle = make_bundle(load(namespace.scenario), namespace.law, namespace.indexing)
+    write_bundle(bundle, namespace.out, force=namespace.force)
+    console = Console(markup=False, emoji=False, highlight=False)
+    if not console.is_terminal:
+        console.width = _FILE_COLUMNS
+    listing = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    listing.add_column("file")
+    listing.add_column("bytes", justify="right")
+    for name, text in bundle.files.items():
+        listing.add_row(name, str(len(text)))
+    console.print(listing)
+    source = bundle.source
+    words = source.constant_words + sum(source.table_words.values())
+    console.print(
+        f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
+        f"stack at most {max(source.stack_words.values())} words; not run on a target",
+        soft_wrap=True,
+    )
+    console.print(f"wrote {namespace.out}: make -C {namespace.out} check", soft_wrap=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil export-c", main))

@@ -1,0 +1,202 @@
+"""From a recorded program to the body of a C function: one line of C for each operation.
+
+IQmath functions are called by their names where the library has them (N = 1..30), everything else through the
+``iq_*`` functions of ``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from controller_node.arithmetic.base import Constant
+from controller_node.export.names import Names, comment, identifier, literal
+from controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+
+#: The IQmath library has its functions for 1 to 30 fraction bits.
+NAMED_Q = range(1, 31)
+
+_PLAIN = {"add": "iq_add", "sub": "iq_sub", "neg": "iq_neg", "minimum": "iq_min", "maximum": "iq_max"}
+_CURVE_BITS = 8
+#: Shifts that 64 bits of a product and 32 bits of a number have.
+_PRODUCT_SHIFT_MAX = 62
+_SHIFT_MAX = 31
+#: Our own where the library has no such format; quotients and roots would not fit into 64 bits there.
+_OWN = {"mpy": "iq_mpy", "rmpy": "iq_rmpy", "rsmpy": "iq_rsmpy"}
+
+
+def _call(name: str, q: int, *arguments: str) -> str:
+    """A library function by name where there is one for that format, else our own.
+
+    :raises ValueError: there is neither.
+    """
+    if q in NAMED_Q:
+        return f"_IQ{q}{name}({', '.join(arguments)})"
+    if name not in _OWN or not 0 <= q <= _PRODUCT_SHIFT_MAX:
+        raise ValueError(f"{name} with {q} fraction bits")
+    return f"{_OWN[name]}({', '.join(arguments)}, {q})"
+
+
+def _shift(argument: str, q_from: int, q_to: int) -> str:
+    """Another format.
+
+    :raises ValueError: nothing would be left of the number.
+    """
+    if q_to - q_from > _SHIFT_MAX:
+        raise ValueError(f"convert from Q{q_from} to Q{q_to}")
+    if q_to > q_from:
+        return f"iq_shl({argument}, {q_to - q_from})"
+    # The sign is left of it, whatever lies beyond.
+    return f"iq_shr({argument}, {min(q_from - q_to, _SHIFT_MAX)})"
+
+
+@dataclass(slots=True)
+class Data:
+    """Constants and tables of the C file, collected while the functions are written."""
+
+    law: str
+    constants: dict[tuple[str, int, int], tuple[str, Constant]] = field(default_factory=dict)
+    tables: dict[str, tuple[str, Table]] = field(default_factory=dict)
+    _names: Names = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._names = Names()
+
+    def constant(self, constant: Constant) -> str:
+        """Name of a constant in C."""
+        key = (constant.name, constant.raw, constant.q)
+        if key not in self.constants:
+            name = self._names.new(f"{self.law}_{identifier(constant.name)}".upper())
+            self.constants[key] = (name, constant)
+        return self.constants[key][0]
+
+    def table(self, table: Table) -> str:
+        """Name of a table in C.
+
+        :raises ValueError: another table has the same name.
+        """
+        if table.name not in self.tables:
+            self.tables[table.name] = (self._names.new(f"{self.law}_{identifier(table.name)}_table"), table)
+        name, known = self.tables[table.name]
+        if known.constants != table.constants:
+            raise ValueError(f"two tables of the law are called {table.name}")
+        return name
+
+
+class Body:
+    """Lines of one function.
+
+    ``locals``: number of its local variables, for the bound of the stack.
+
+    :param places: C expression of each input of the program, by its name.
+    """
+
+    def __init__(self, program: Program, data: Data, places: Mapping[str, str]) -> None:
+        self.lines: list[str] = []
+        self.locals = 0
+        self._data = data
+        self._names = Names()
+        self._quantities: dict[int, Quantity] = {}
+        for quantity in program.quantities:
+            self._quantities.setdefault(quantity.value.number, quantity)
+        self._expressions = {value.number: places[name] for name, value in program.inputs}
+        used = {value.number for _, value in program.outputs}
+        used.update(argument.number for operation in program.operations for argument in operation.arguments)
+        for operation in program.operations:
+            self._write(operation, operation.result.number in used)
+
+    def expression(self, value: Value) -> str:
+        """How a value is read in C."""
+        return self._data.constant(value.constant) if value.constant is not None else self._expressions[value.number]
+
+    def keep(self, place: str) -> str:
+        """A local copy of something that is about to be overwritten."""
+        name = self._names.new(f"before_{place.rpartition('>')[2]}")
+        self.lines.append(f"const int32_t {name} = {place};")
+        self.locals += 1
+        return name
+
+    def _write(self, operation: Operation, used: bool) -> None:
+        result = operation.result
+        quantity = self._quantities.get(result.number)
+        name = self._names.new(quantity.name if quantity else f"v{result.number}")
+        words = remark(result.q, quantity.unit if quantity else "")
+        arguments = [self.expression(value) for value in operation.arguments]
+        self.locals += 1
+        if operation.op == "dot":
+            self._write_dot(name, arguments, operation.parameters[0], words)
+        else:
+            self._note(operation, arguments)
+            kind = "int" if result.kind is Kind.CONDITION else "int32_t"
+            self.lines.append(f"const {kind} {name} = {self._right(operation, arguments)};{words}")
+        if not used:
+            self.lines.append(f"(void){name};")
+        self._expressions[result.number] = name
+
+    def _write_dot(self, name: str, arguments: list[str], q: int, words: str) -> None:
+        half = len(arguments) // 2
+        terms = [_call("rmpy", q, *pair) for pair in zip(arguments[:half], arguments[half:], strict=True)]
+        self.lines.append(f"int32_t {name} = {terms[0]};{words}")
+        self.lines += [f"{name} = iq_add({name}, {term});" for term in terms[1:]]
+
+    def _note(self, operation: Operation, arguments: list[str]) -> None:
+        """Count what the operation itself does not tell."""
+        what = {"div": "division", "rsmpy": "product"}.get(operation.op)
+        if what is not None:
+            self.lines.append(f"iq_note_{what}({', '.join(arguments)}, {operation.parameters[0]}, events);")
+
+    def _right(self, operation: Operation, arguments: list[str]) -> str:
+        """The operation as a C expression."""
+        parameters = operation.parameters
+        listed = ", ".join(arguments)
+        match operation.op:
+            case "add" | "sub" | "neg" | "minimum" | "maximum":
+                return f"{_PLAIN[operation.op]}({listed})"
+            case "mpy" | "rmpy" | "rsmpy" | "div" | "sqrt":
+                return _call(operation.op, parameters[0], *arguments)
+            case "mpy_iqx":
+                q_a, q_b, q = parameters
+                if q in NAMED_Q and q_a in NAMED_Q and q_b in NAMED_Q:
+                    return f"_IQ{q}mpyIQX({arguments[0]}, {q_a}, {arguments[1]}, {q_b})"
+                if abs(q_a + q_b - q) > _PRODUCT_SHIFT_MAX:
+                    raise ValueError(f"mpy_iqx from Q{q_a} and Q{q_b} to Q{q}")
+                return f"iq_mpy_iqx({arguments[0]}, {q_a}, {arguments[1]}, {q_b}, {q})"
+            case "abs":
+                q_of = operation.result.q
+                return f"_IQ{q_of}abs({listed})" if q_of in NAMED_Q else f"iq_abs({listed})"
+            case "quantise":
+                return _call("rmpy", parameters[0] - parameters[1], listed, literal(1))
+            case "convert":
+                return _shift(listed, *parameters)
+            case "sat":
+                return f"iq_limit({listed}, events)"
+            case "clip":
+                return f"_IQsat({listed})"
+            case "gt":
+                return f"{arguments[0]} > {arguments[1]}"
+            case "where":
+                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
+        return self._look_up(operation, listed)
+
+    def _look_up(self, operation: Operation, argument: str) -> str:
+        """Operations on tables."""
+        if operation.op == "index":
+            return f"iq_index({argument}, {literal(operation.parameters[0])})"
+        if operation.op == "curve":
+            assert operation.curve is not None
+            table = self._data.table(Table(operation.curve.name, operation.curve.samples))
+            return f"iq_curve({table}, {argument}, {operation.curve.q_in - _CURVE_BITS})"
+        assert operation.table is not None
+        table = self._data.table(operation.table)
+        if operation.op == "locate":
+            return f"iq_locate({table}, {literal(len(operation.table.constants))}, {argument})"
+        if operation.op == "at":
+            offset = operation.parameters[0]
+            return f"{table}[{argument} + {literal(offset)}]" if offset else f"{table}[{argument}]"
+        raise KeyError(operation.op)
+
+
+def remark(q: int | None, unit: str) -> str:
+    """Comment behind a value: its format and unit, as far as it has them."""
+    words = ", ".join(word for word in ("" if q is None else f"Q{q}", comment(unit)) if word)
+    return f" /* {words} */" if words else ""

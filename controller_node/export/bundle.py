@@ -1,0 +1,102 @@
+"""Everything that is written for one law: C files, mailbox table, reference log, host program, memory note."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+from controller_node.export.body import NAMED_Q
+from controller_node.export.mailboxes import mailbox_header
+from controller_node.export.note import memory_note
+from controller_node.export.reference import reference_log
+from controller_node.export.source import Source, SourceWriter, c_name
+from controller_node.node import mailboxes
+from controller_node.program.model import BranchError
+from controller_node.program.record import record
+from controller_node.program.tracer import FormatError
+from scenarios.errors import InputError, Words
+from scenarios.model import Scenario
+
+
+@dataclass(frozen=True, slots=True)
+class Bundle:
+    """Files of one export by name, in the order in which they are listed, and what the C says of its size."""
+
+    source: Source
+    files: dict[str, str]
+
+
+def _template(name: str, law: str) -> str:
+    text = files("controller_node.export").joinpath("c", name).read_text(encoding="ascii")
+    return text.replace("@LAW@", law)
+
+
+def _names_of_iqmath() -> str:
+    """The library's names for our functions, for every format that it has."""
+    lines = []
+    for q in NAMED_Q:
+        lines += [
+            f"#define _IQ{q}mpy(a, b) iq_mpy((a), (b), {q})",
+            f"#define _IQ{q}rmpy(a, b) iq_rmpy((a), (b), {q})",
+            f"#define _IQ{q}rsmpy(a, b) iq_rsmpy((a), (b), {q})",
+            f"#define _IQ{q}mpyIQX(a, q_a, b, q_b) iq_mpy_iqx((a), (q_a), (b), (q_b), {q})",
+            f"#define _IQ{q}div(a, b) iq_div((a), (b), {q})",
+            f"#define _IQ{q}sqrt(a) iq_sqrt((a), {q})",
+            f"#define _IQ{q}abs(a) iq_abs(a)",
+        ]
+    return "\n".join(lines)
+
+
+def make_bundle(scenario: Scenario, law: str, indexing: str = "time") -> Bundle:
+    """The files of a law on a scenario; the same bytes for the same law and scenario.
+
+    :raises InputError: unknown law or indexing, or a law that cannot be written in C.
+    """
+    try:
+        programs = record(scenario, law, indexing)
+        name = c_name(law)
+        source = SourceWriter(programs, scenario, indexing).write()
+    except (BranchError, FormatError, ValueError) as error:
+        allowed = "operations of the arithmetic, formats that agree, no branch on data"
+        raise InputError("controller", law, Words(str(error)), allowed) from error
+    return Bundle(
+        source,
+        {
+            f"{name}.c": source.source,
+            f"{name}.h": source.header,
+            "railhil_iq.h": _template("railhil_iq.h", name).replace("@NAMES@", _names_of_iqmath()),
+            f"{name}_mailboxes.h": mailbox_header(name, mailboxes()),
+            f"{name}_log.txt": reference_log(scenario, programs, indexing, source.columns),
+            "railhil_run.c": _template("railhil_run.c", name),
+            "Makefile": _template("Makefile", name),
+            "README.md": memory_note(programs, scenario, indexing, source),
+        },
+    )
+
+
+def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
+    """Write the files; either all of them stand in the folder afterwards, or an error says why not.
+
+    :param force: write into a folder that holds something already; other files there are left alone.
+    :raises InputError: the folder is not empty, or cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        if not force and any(folder.iterdir()):
+            found = Words("a folder that is not empty")
+            raise InputError(folder, "", found, "an empty or new folder", "--force writes into it")
+        staging = Path(tempfile.mkdtemp(prefix=".railhil-", dir=folder))
+        try:
+            for name, text in bundle.files.items():
+                (staging / name).write_text(text, encoding="ascii", newline="\n")
+            for name in bundle.files:
+                os.replace(staging / name, folder / name)
+        finally:
+            shutil.rmtree(staging, ignore_errors=True)
+    except OSError as error:
+        why = Words(error.strerror or str(error))
+        raise InputError(folder, "", why, "a folder that can be written") from error

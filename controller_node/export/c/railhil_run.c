@@ -1,0 +1,169 @@
+/* Host program around an exported control law: runs recorded inputs through it. For the host only.
+ *
+ *   @LAW@_run          records on stdin, results on stdout, int32 words of this machine's byte order
+ *   @LAW@_run log      records on stdin, the log as text on stdout
+ *   @LAW@_run check    a log on stdin: every line computed again and compared; exit code 1 at the first difference
+ *   @LAW@_run mailboxes   the eCAN mailbox table
+ *
+ * A record is one control period: flags (bit 0: a run begins here; bit 1: another notch than the answer was sent), k,
+ * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256). A result is: the law's inputs, its state after the period
+ * and after the notch sent, its outputs, the two event counters since the run began. A line of the log is a record and
+ * its result, each word as 8 hexadecimal digits; lines that begin with # are comments.
+ */
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "@LAW@.h"
+#include "@LAW@_mailboxes.h"
+
+enum { RECORD_WORDS = 5, FLAG_BEGIN = 1, FLAG_SENT = 2 };
+
+/* All members have 32 bits, so the words of a result lie next to each other. */
+typedef struct {
+    @LAW@_in_t in;
+    @LAW@_state_t state;
+    @LAW@_out_t out;
+    iq_events_t events;
+} result_t;
+
+enum { RESULT_WORDS = sizeof(result_t) / sizeof(int32_t), LINE_WORDS = RECORD_WORDS + RESULT_WORDS };
+
+static void run(const int32_t *record, result_t *result)
+{
+    const int begins = (record[0] & FLAG_BEGIN) != 0;
+    if (begins) {
+        memset(result, 0, sizeof *result);
+    }
+    @LAW@_inputs(record[1], record[2], record[3], &result->in, &result->events);
+    if (begins) {
+        @LAW@_start(&result->in, &result->state);
+    }
+    @LAW@_step(&result->state, &result->in, &result->out, &result->events);
+    if ((record[0] & FLAG_SENT) != 0) {
+        @LAW@_sent(&result->state, record[4]);
+    }
+}
+
+static int run_records(int as_text)
+{
+    result_t result;
+    int32_t record[RECORD_WORDS];
+    uint32_t words[LINE_WORDS];
+    size_t got;
+    int i;
+    memset(&result, 0, sizeof result);
+    while ((got = fread(record, 1, sizeof record, stdin)) == sizeof record) {
+        run(record, &result);
+        if (!as_text) {
+            if (fwrite(&result, sizeof result, 1, stdout) != 1) {
+                return 2;
+            }
+            continue;
+        }
+        memcpy(words, record, sizeof record);
+        memcpy(words + RECORD_WORDS, &result, sizeof result);
+        for (i = 0; i < LINE_WORDS; i++) {
+            printf("%08" PRIX32 "%c", words[i], i + 1 < LINE_WORDS ? ' ' : '\n');
+        }
+    }
+    if (got != 0) {
+        fprintf(stderr, "@LAW@_run: %lu bytes left over, a record has %lu\n", (unsigned long)got,
+                (unsigned long)sizeof record);
+        return 2;
+    }
+    return fflush(stdout) == 0 ? 0 : 2;
+}
+
+/* Reads the words of one line; 1 when they were all there, 0 at the end, -1 for anything else. */
+static int read_line(uint32_t *words, long *line)
+{
+    int i = 0;
+    int c;
+    while (i < LINE_WORDS) {
+        c = getchar();
+        if (c == EOF) {
+            return i == 0 ? 0 : -1;
+        }
+        if (c == '#' && i == 0) {
+            while (c != '\n' && c != EOF) {
+                c = getchar();
+            }
+        }
+        if (c == '\n') {
+            ++*line;
+        }
+        if (c == '\n' || c == ' ' || c == '\r' || c == EOF) {
+            continue;
+        }
+        ungetc(c, stdin);
+        if (scanf("%8" SCNx32, &words[i]) != 1) {
+            return -1;
+        }
+        i++;
+    }
+    return 1;
+}
+
+static int check_log(void)
+{
+    result_t result;
+    int32_t record[RECORD_WORDS];
+    uint32_t words[LINE_WORDS];
+    uint32_t found;
+    long line = 1;
+    long steps = 0;
+    int i;
+    int got;
+    memset(&result, 0, sizeof result);
+    while ((got = read_line(words, &line)) == 1) {
+        memcpy(record, words, sizeof record);
+        run(record, &result);
+        for (i = RECORD_WORDS; i < LINE_WORDS; i++) {
+            memcpy(&found, (const char *)&result + (size_t)(i - RECORD_WORDS) * sizeof found, sizeof found);
+            if (found != words[i]) {
+                printf("line %ld, word %d: %08" PRIX32 " in the log, %08" PRIX32 " here\n", line, i + 1, words[i],
+                       found);
+                return 1;
+            }
+        }
+        steps++;
+    }
+    if (got < 0 || steps == 0) {
+        fprintf(stderr, "@LAW@_run: line %ld: found no complete line, allowed %d words of 8 hexadecimal digits\n", line,
+                (int)LINE_WORDS);
+        return 2;
+    }
+    printf("%ld control periods identical, %d words each\n", steps, (int)RESULT_WORDS);
+    return 0;
+}
+
+static int print_mailboxes(void)
+{
+    unsigned i;
+    for (i = 0; i < RAILHIL_MAILBOX_COUNT; i++) {
+        const railhil_mailbox_t *box = &railhil_mailboxes[i];
+        printf("%u 0x%" PRIX32 " 0x%" PRIX32 " %s %u%s%s\n", (unsigned)box->number, box->can_id, box->mask,
+               box->transmit ? "transmit" : "receive", (unsigned)box->length, box->overwrite ? "" : " protected",
+               box->extended ? " extended" : "");
+    }
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc == 1) {
+        return run_records(0);
+    }
+    if (argc == 2 && strcmp(argv[1], "log") == 0) {
+        return run_records(1);
+    }
+    if (argc == 2 && strcmp(argv[1], "check") == 0) {
+        return check_log();
+    }
+    if (argc == 2 && strcmp(argv[1], "mailboxes") == 0) {
+        return print_mailboxes();
+    }
+    fprintf(stderr, "@LAW@_run: found %s, allowed nothing, log, check or mailboxes\n", argc == 2 ? argv[1] : "several");
+    return 2;
+}

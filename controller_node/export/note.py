@@ -1,0 +1,123 @@
+"""README of an export: what is in it, memory, stack, time on the target, and what has not been shown."""
+
+from __future__ import annotations
+
+from controller_node.arithmetic import make
+from controller_node.arithmetic.base import Constant
+from controller_node.cost import cost_of
+from controller_node.export.body import NAMED_Q
+from controller_node.export.names import comment
+from controller_node.export.source import Source
+from controller_node.program.cycles import CPU_MHZ
+from controller_node.program.model import LawProgram
+from scenarios.model import Scenario
+
+#: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, where the stack usually is (TI SPRS439).
+RAM_WORDS = 34 * 1024
+FLASH_WORDS = 256 * 1024
+STACK_WORDS = 1024
+#: A constant rounded by more than this part of its value is named.
+_ROUNDING_NAMED = 1e-4
+
+
+def memory_note(programs: LawProgram, scenario: Scenario, indexing: str, source: Source) -> str:
+    """The README as Markdown text."""
+    law = source.name
+    cost = cost_of(programs, make("iq"), scenario.timing.control_period_ns)
+    tables = sum(source.table_words.values())
+    constants = source.constant_words + tables
+    stack = max(source.stack_words.values())
+    table_rows = [f"| table `{name}` | {words} |" for name, words in source.table_words.items()]
+    period_ms = scenario.timing.control_period_ns / 1e6
+    return "\n".join(
+        [
+            f"# Control law `{programs.law}` in C99",
+            "",
+            f"Scenario `{comment(scenario.name)}`, set-points by {indexing}, control period {period_ms:g} ms.",
+            f"Scenario SHA-256 `{scenario.sha256}`.",
+            "",
+            "| file | what it is |",
+            "|---|---|",
+            f"| `{law}.c`, `{law}.h` | the law: `{law}_inputs`, `{law}_start`, `{law}_step`, `{law}_sent` |",
+            "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it takes TI's `IQmathLib.h` instead |",
+            f"| `{law}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
+            f"| `{law}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
+            "| `railhil_run.c`, `Makefile` | host program and its build |",
+            "",
+            "`make check` compiles and computes the log again, `make ubsan` does so under the undefined behaviour",
+            "sanitizer, `make stack` prints the stack of each function on the host; `CC=clang` works too.",
+            "",
+            "## Memory on the target (words of 16 bits)",
+            "",
+            f"RAM has {RAM_WORDS} words, flash {FLASH_WORDS}. No memory is allocated and nothing is recursive.",
+            "",
+            "| what | words |",
+            "|---|---|",
+            f"| RAM: inputs, state, outputs, event counters | {source.ram_words} |",
+            *table_rows,
+            f"| single constants | {source.constant_words} |",
+            f"| all constants, in flash{_warning(constants, FLASH_WORDS)} | {constants} |",
+            f"| stack, at most{_warning(stack, STACK_WORDS)} | {stack} |",
+            "",
+            "The bound of the stack puts every local value into memory, none into a register, and adds the call, its",
+            "arguments and the deepest function of `railhil_iq.h`; the code itself is not counted, its size is the",
+            f"compiler's. Block M1, where the stack usually lies, has {STACK_WORDS} words.",
+            "",
+            "## Time on the target",
+            "",
+            "Straight-line code: the operations of one control period are those of every one.",
+            "",
+            "| operation | count |",
+            "|---|---|",
+            *(f"| {operation} | {count} |" for operation, count in cost.operations.items()),
+            "",
+            f"About {cost.cycles} cycles, {cost.ram_us:.1f} us at {CPU_MHZ} MHz, from RAM; {cost.cycles_flash} cycles,",
+            f"{cost.share:.3%} of the control period, from flash. IQmath functions after TI's user's guide V1.70, the",
+            "rest is our estimate.",
+            "",
+            "## What holds, and what does not",
+            "",
+            "- On a host, state and outputs equal those of the Python law bit for bit: see `make check`.",
+            "- **It has not been run on a target.** Play the log there: a test that only hardware can do.",
+            *_differences(programs),
+            "- Wraps are not counted. Saturations and divisions by zero are, in `iq_events_t`.",
+            "- The target's `int` has 16 bits: literals are `INT32_C`, structures hold 32-bit members only.",
+            "- Compiler: C99. cl2000 takes it with `--c99`; that has not been tried.",
+            *_roundings(source.constants),
+            "",
+        ]
+    )
+
+
+def _warning(words: int, available: int) -> str:
+    return "" if words <= available else f" (**more than the {available} that there are**)"
+
+
+def _differences(programs: LawProgram) -> list[str]:
+    """Where TI's library gives other bits than the host."""
+    operations = [operation for part in (programs.inputs, programs.step) for operation in part.operations]
+    inexact = sorted({operation.op for operation in operations if operation.op in ("div", "sqrt")})
+    wide = [operation for operation in operations if operation.op in ("rmpy", "dot", "mpy", "rsmpy")]
+    unnamed = sorted({operation.parameters[0] for operation in wide} - set(NAMED_Q))
+    lines = []
+    if inexact:
+        lines += [
+            f"- With TI's library, {' and '.join(inexact)} may differ from the host by a few LSB: 28 bits are right at",
+            "  full scale. With `RAILHIL_USE_TI_IQMATH=0` the target computes as the host does, more slowly.",
+        ]
+    if unnamed:
+        listed = ", ".join(str(q) for q in unnamed)
+        lines.append(
+            f"- Products shifted by {listed}: the library stops at 30, `railhil_iq.h` computes them in 64 bits."
+        )
+    return lines
+
+
+def _roundings(constants: tuple[Constant, ...]) -> list[str]:
+    """Constants that their format holds badly."""
+    return [
+        f"- Constant `{constant.name}` = {constant.value:.6g} is rounded by {constant.relative_error:.1e} of its value "
+        f"in Q{constant.q}."
+        for constant in constants
+        if constant.relative_error > _ROUNDING_NAMED
+    ]

@@ -1,0 +1,263 @@
+"""The C file and header of a law: structures, tables, and its four functions."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from controller_node.arithmetic.base import Constant
+from controller_node.export.body import Body, Data, remark
+from controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
+from controller_node.program.model import LawProgram, Program, Value
+from scenarios.model import Scenario
+
+#: Set-points and speeds are given to every law in this unit (``LawInputs``).
+_INPUT_UNIT = "km/h"
+_PER_LINE = 5
+#: Words (16 bit) on the target: return address of a call, a pointer, an int32.
+_CALL_WORDS = 2
+_POINTER_WORDS = 2
+LONG_WORDS = 2
+#: Deepest function of ``railhil_iq.h``: five 64-bit locals, three arguments, saved registers. Our estimate.
+_HELPER_WORDS = 40
+#: Longest name that leaves room for the longest ending that is added to it.
+_LAW_LENGTH_MAX = LENGTH_MAX - len("_MAILBOXES_H")
+
+
+def c_name(law: str) -> str:
+    """The law's name as a prefix in C and as file name.
+
+    :raises ValueError: it has too many characters.
+    """
+    name = identifier(law).lower()
+    if len(name) > _LAW_LENGTH_MAX:
+        raise ValueError(f"name of the law has {len(name)} characters, allowed {_LAW_LENGTH_MAX}")
+    return name
+
+
+class Struct:
+    """A structure of int32 members, one for each leaf of a law's state, inputs or outputs.
+
+    :param group: ``state``, ``in`` or ``out``, the first part of the leaves' names.
+    """
+
+    def __init__(
+        self, law: str, group: str, what: str, leaves: Sequence[tuple[str, Value]], unit_of: Callable[[Value], str]
+    ) -> None:
+        names = Names()
+        self.group, self.what = group, what
+        self.type = f"{law}_{group}_t"
+        self.members = {name: names.new(name.removeprefix(f"{group}.")) for name, _ in leaves}
+        self._remarks = {name: remark(value.q, unit_of(value)) for name, value in leaves}
+
+    def place(self, leaf: str) -> str:
+        """The leaf's member behind the pointer that the functions are given."""
+        return f"{self.group}->{self.members[leaf]}"
+
+    @property
+    def places(self) -> dict[str, str]:
+        """All members behind their pointer."""
+        return {leaf: self.place(leaf) for leaf in self.members}
+
+    def declaration(self) -> list[str]:
+        """The structure in C."""
+        lines = [f"/* {self.what} */", "typedef struct {"]
+        for leaf, member in self.members.items():
+            lines.append(f"    int32_t {member};{self._remarks[leaf]}")
+        return [*lines, f"}} {self.type};"]
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A law in C.
+
+    ``header`` and ``source``: the two files. ``columns``: names of a log's result words, in order. ``constants``: the
+    single constants. ``table_words`` and ``constant_words``: 16-bit words of tables and single constants;
+    ``ram_words``: of state, inputs, outputs and event counters. ``stack_words``: bound of the stack of each function,
+    by its name.
+    """
+
+    name: str
+    header: str
+    source: str
+    columns: tuple[str, ...]
+    constants: tuple[Constant, ...]
+    table_words: dict[str, int]
+    constant_words: int
+    ram_words: int
+    stack_words: dict[str, int]
+
+
+class SourceWriter:
+    """Writes the two files of one law.
+
+    :param programs: the recorded law.
+    :param indexing: of the set-points in it, named in the files.
+    :raises ValueError: from :meth:`write` too, for what C or the library cannot do.
+    """
+
+    def __init__(self, programs: LawProgram, scenario: Scenario, indexing: str) -> None:
+        self._law = law = c_name(programs.law)
+        self._programs = programs
+        self._origin = comment(f"law {programs.law}, scenario {scenario.name}, set-points by {indexing}")
+        self._sha256 = scenario.sha256
+        self._period_ns = scenario.timing.control_period_ns
+        given, outputs = programs.inputs.outputs, programs.step.outputs
+        units = {quantity.value.number: quantity.unit for quantity in programs.step.quantities}
+
+        def unit_of(value: Value) -> str:
+            return units.get(value.number, "") if value.constant is None else ""
+
+        self._in = Struct(law, "in", "What the law is given each control period.", given, lambda value: _INPUT_UNIT)
+        self._state = Struct(law, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
+        self._out = Struct(law, "out", "What the law answers.", _group(outputs, "out"), unit_of)
+        self._data = Data(law)
+        self._stack: dict[str, int] = {}
+
+    def write(self) -> Source:
+        """The files and what is known of their size."""
+        functions = [*self._inputs(), "", *self._start(), "", *self._step(), "", *self._sent()]
+        structs = (self._in, self._state, self._out)
+        columns = [f"{struct.group}.{member}" for struct in structs for member in struct.members.values()]
+        columns += ["events.saturations", "events.zero_divisions"]
+        tables = {name: LONG_WORDS * len(table.constants) for name, table in self._data.tables.values()}
+        return Source(
+            self._law,
+            self._header(),
+            "\n".join([*self._preamble(), *self._constants(), *self._tables(), "", *functions, ""]),
+            tuple(columns),
+            tuple(constant for _, constant in self._data.constants.values()),
+            tables,
+            LONG_WORDS * len(self._data.constants),
+            LONG_WORDS * len(columns),
+            self._stack,
+        )
+
+    def _signatures(self) -> dict[str, list[str]]:
+        events = "iq_events_t *events"
+        taken = f"const {self._in.type} *in"
+        return {
+            "inputs": [
+                *("int32_t k", "int32_t speed_01mmps", "int32_t position_01mm"),
+                f"{self._in.type} *in",
+                events,
+            ],
+            "start": [taken, f"{self._state.type} *state"],
+            "step": [f"{self._state.type} *state", taken, f"{self._out.type} *out", events],
+            "sent": [f"{self._state.type} *state", "int32_t notch_code"],
+        }
+
+    def _header(self) -> str:
+        law, signatures = self._law, self._signatures()
+        guard = f"{law.upper()}_H"
+        structs = [line for struct in (self._in, self._state, self._out) for line in (*struct.declaration(), "")]
+
+        def prototype(name: str) -> str:
+            return f"void {law}_{name}({', '.join(signatures[name])});"
+
+        return "\n".join(
+            [
+                f"/* {law}.h: {self._origin}.",
+                f" * Scenario SHA-256 {self._sha256}.",
+                " * Generated: change the law, not this file. Value = raw / 2^Q.",
+                " *",
+                f" * Each control period: {law}_inputs, in the first one {law}_start, then {law}_step. The answer is",
+                f" * out.notch in 1/256 notch. When another notch is sent, {law}_sent tells the law.",
+                " */",
+                f"#ifndef {guard}",
+                f"#define {guard}",
+                "",
+                '#include "railhil_iq.h"',
+                "",
+                f"#define {law.upper()}_PERIOD_NS {literal(self._period_ns)} /* control period */",
+                "",
+                *structs,
+                "/* Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm). */",
+                prototype("inputs"),
+                "",
+                "/* State before the first control period, given what that period is given. */",
+                prototype("start"),
+                "",
+                "/* One control period. */",
+                prototype("step"),
+                "",
+                "/* The notch (1/256) really sent since the last control period. */",
+                prototype("sent"),
+                "",
+                "#endif",
+                "",
+            ]
+        )
+
+    def _preamble(self) -> list[str]:
+        return [
+            f"/* {self._law}.c: {self._origin}.",
+            f" * Scenario SHA-256 {self._sha256}.",
+            " * Generated: change the law, not this file. Straight-line int32 code: no float, no branch but ?:, no",
+            " * allocation, no recursion. Constants are integers because _IQ() of the target truncates its argument.",
+            " */",
+            f'#include "{self._law}.h"',
+            "",
+        ]
+
+    def _constants(self) -> list[str]:
+        lines = ["/* Constants: raw integer; value, Q, origin. */"]
+        for name, constant in self._data.constants.values():
+            origin = constant.origin or f"law {self._law}, {constant.name}"
+            words = comment(f"{constant.value:.10g}, Q{constant.q}, {origin}")
+            lines.append(f"static const int32_t {name} = {literal(constant.raw)}; /* {words} */")
+        return lines
+
+    def _tables(self) -> list[str]:
+        lines = []
+        for name, table in self._data.tables.values():
+            raws = [literal(constant.raw) for constant in table.constants]
+            lines += ["", f"/* Q{table.constants[0].q} */", f"static const int32_t {name}[{len(raws)}] = {{"]
+            lines += [f"    {', '.join(raws[i : i + _PER_LINE])}," for i in range(0, len(raws), _PER_LINE)]
+            lines.append("};")
+        return lines
+
+    def _inputs(self) -> list[str]:
+        places = {"k": "k", "speed_01mmps": "speed_01mmps", "position_01mm": "position_01mm"}
+        return self._function("inputs", self._programs.inputs, places, (self._in,))
+
+    def _start(self) -> list[str]:
+        return self._function("start", self._programs.start, self._in.places, (self._state,))
+
+    def _step(self) -> list[str]:
+        places = self._state.places | self._in.places
+        return self._function("step", self._programs.step, places, (self._state, self._out))
+
+    def _sent(self) -> list[str]:
+        return self._function("sent", self._programs.sent, self._state.places | {"notch": "notch_code"}, (self._state,))
+
+    def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
+        body = Body(program, self._data, places)
+        targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
+        sources = {leaf: body.expression(value) for leaf, value in program.outputs}
+        # A member that moves to another one is copied before either is written.
+        moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
+        kept = {source: body.keep(source) for source in dict.fromkeys(moved)}
+        writes = [
+            f"{targets[leaf]} = {kept.get(source, source)};"
+            for leaf, source in sources.items()
+            if source != targets[leaf]
+        ]
+        lines = [*body.lines, *writes]
+        signature = self._signatures()[name]
+        text = "\n".join(lines)
+        parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
+        unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
+        frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters)
+        self._stack[f"{self._law}_{name}"] = frame + _HELPER_WORDS
+        opening = f"void {self._law}_{name}({', '.join(signature)})"
+        return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
+
+
+def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:
+    return [(name, value) for name, value in leaves if name.startswith(f"{group}.")]
+
+
+def _uses(text: str, parameter: str) -> bool:
+    return re.search(rf"\b{parameter}\b", text) is not None

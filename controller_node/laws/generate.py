@@ -1,0 +1,43 @@
+"""Write the constant tables of the laws: ``python -m controller_node.laws.generate`` (or ``make tables``).
+
+With ``--check`` nothing is written; the exit code is 1 when a table is not what its law computes.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+from controller_node.laws import ipfc_constants
+from controller_node.laws.table import LawTable, coarse, flatten
+
+#: One table per law.
+TABLES: tuple[LawTable[Any], ...] = (ipfc_constants.TABLE,)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write or check every table; says which constants their formats hold coarsely."""
+    parser = argparse.ArgumentParser(prog="python -m controller_node.laws.generate", description="Constant tables.")
+    parser.add_argument("--check", action="store_true", help="write nothing, exit code 1 when a table is out of date")
+    check = parser.parse_args(arguments).check
+    stale = 0
+    for table in TABLES:
+        text = table.text()
+        if not check:
+            table.path.parent.mkdir(exist_ok=True)
+            table.path.write_text(text, encoding="utf-8", newline="\n")
+        elif not table.path.is_file() or table.path.read_bytes() != text.encode():
+            print(f"{table.path.name}: not what the law computes; make tables writes it anew", file=sys.stderr)
+            stale = 1
+            continue
+        constants = flatten(table.load())
+        print(f"{table.path.name}: {len(constants)} constants")
+        for constant in coarse(constants):
+            print(f"  {constant.name} = {constant.value!r}: Q{constant.q} is off by {constant.relative_error:.1e}")
+    return stale
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,92 @@
+"""The telemetry of a controller as a JSON document, written once when its process ends."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from bus.ident import PROFILES
+from controller_node.node import ControllerNode
+from controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
+from controller_node.telemetry import QuantityTelemetry
+from scenarios.errors import InputError
+
+
+def _row(row: QuantityTelemetry) -> dict[str, Any]:
+    """A row as JSON can hold it: an infinite extreme of a float arithmetic becomes null."""
+    return {
+        key: None if isinstance(value, float) and not math.isfinite(value) else value
+        for key, value in asdict(row).items()
+    }
+
+
+def telemetry_document(node: ControllerNode) -> dict[str, Any]:
+    """Everything that the controller knows about its arithmetic so far; times in us.
+
+    ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is that of
+    the control period with the program in flash, where every step costs twice as much as in RAM.
+    """
+    controller, options = node.controller, node.options
+    counters, cost = controller.counters, controller.cost
+    return {
+        "law": options.controller,
+        "arithmetic": options.arithmetic,
+        "profile": PROFILES[options.arithmetic],
+        "indexing": options.indexing,
+        "steps": controller.telemetry.steps,
+        "totals": {
+            "wraps": counters.wraps,
+            "saturations": counters.saturations,
+            "zero_divisions": counters.zero_divisions,
+        },
+        "quantities": [_row(row) for row in controller.telemetry.rows],
+        "operations": cost.operations,
+        "cycles": {
+            "ram": cost.cycles,
+            "flash": cost.cycles_flash,
+            "worst_step": cost.cycles,
+            "cpu_mhz": CPU_MHZ,
+            "flash_factor": FLASH_FACTOR,
+            "ram_us": cost.ram_us,
+            "flash_us": cost.flash_us,
+            "control_period_us": cost.period_ns / 1000,
+            "share": cost.share,
+        },
+        "lost_messages": {"total": node.lost_messages, "mailboxes": node.lost_by_mailbox},
+    }
+
+
+def check_writable(path: Path) -> None:
+    """Complain before the run, not after it.
+
+    :raises InputError: the file cannot be made there.
+    """
+    why = ""
+    if path.is_dir():
+        why = "is a directory"
+    elif not path.parent.is_dir():
+        why = "no such directory"
+    elif not os.access(path.parent, os.W_OK):
+        why = "permission denied"
+    if why:
+        raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})")
+
+
+def write_telemetry(node: ControllerNode, path: Path) -> None:
+    """Write the document whole or not at all.
+
+    A disk that is full by now costs the file and gives a line on stderr: the run itself was sound.
+    """
+    draft = path.with_suffix(".part")
+    try:
+        draft.write_text(json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        draft.replace(path)
+    except OSError as error:
+        print(f"controller: telemetry {path} is lost: {(error.strerror or str(error)).lower()}", file=sys.stderr)
+    finally:
+        draft.unlink(missing_ok=True)

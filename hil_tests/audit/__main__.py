@@ -1,0 +1,121 @@
+"""``python -m hil_tests.audit`` (the same as ``railhil audit``)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from bus.exitcodes import FAIL, PASS, guarded
+from bus.usage import SEED_MAX, OneLineParser, parse, whole_number
+from controller_node.arithmetic import names as arithmetics
+from controller_node.laws import names as laws
+from controller_node.setpoint import INDEXINGS
+from hil_tests.audit.document import document
+from hil_tests.audit.result import Options, audit
+from hil_tests.audit.tables import show
+from hil_tests.perturbed_runs import FIRST_SEED
+from scenarios.errors import InputError
+from scenarios.load import load
+from supervisor.cli.output import Output, accept_any_text
+
+_RUNS_MAX = 100_000
+_JOBS_MAX = 1024
+_EXIT_CODES = """\
+exit codes:
+  0    all bars are met
+  1    a bar is missed; the last table says which
+  2    usage or bad input; one line says what was found and what is allowed
+  4    TOOL ERROR: a defect of the audit"""
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the audit."""
+    parser = OneLineParser(
+        prog="railhil audit",
+        description="Ranges, quantisation against float64, floor against rounding, effect on the scores, cycles.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
+    parser.add_argument(
+        "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
+    )
+    parser.add_argument("--indexing", choices=INDEXINGS, default="time", help="set-point indexing (default time)")
+    parser.add_argument(
+        "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run with the shadows (default 0)"
+    )
+    parser.add_argument(
+        "--runs",
+        type=whole_number(0, _RUNS_MAX),
+        default=200,
+        metavar="N",
+        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
+    )
+    parser.add_argument(
+        "--jobs", type=whole_number(1, _JOBS_MAX), default=None, metavar="N", help="processes (default: all processors)"
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the whole result there")
+    return parser
+
+
+def _write(path: Path, text: str) -> None:
+    """Write the file whole or not at all."""
+    draft = path.with_name(f".part-{path.name}")
+    try:
+        draft.write_text(text, encoding="utf-8")
+        draft.replace(path)
+    except OSError as error:
+        draft.unlink(missing_ok=True)
+        raise _unwritable(path, error.strerror or str(error)) from None
+
+
+def _unwritable(path: Path, why: str) -> InputError:
+    return InputError("command line", "--json", str(path), f"a file that can be written ({why.lower()})")
+
+
+def _check_writable(path: Path) -> None:
+    """Complain before the work, not after it."""
+    if path.is_dir():
+        raise _unwritable(path, "is a directory")
+    draft = path.with_name(f".part-{path.name}")
+    try:
+        draft.touch()
+        draft.unlink()
+    except OSError as error:
+        raise _unwritable(path, error.strerror or str(error)) from None
+
+
+def main() -> int:
+    """Audit and print; exit code 1 when a bar is missed."""
+    accept_any_text()
+    namespace = parse(arguments())
+    scenario = load(namespace.scenario)
+    file = None if namespace.json is None else Path(namespace.json)
+    if file is not None:
+        _check_writable(file)
+    options = Options(
+        namespace.controller,
+        namespace.arithmetic,
+        namespace.indexing,
+        namespace.seed,
+        namespace.runs,
+        namespace.jobs,
+    )
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("perturbed runs", total=2 * options.runs, visible=options.runs > 0)
+        result = audit(scenario, options, lambda: bar.advance(task))
+    show(Output(), result)
+    if file is not None:
+        _write(file, json.dumps(document(result), indent=2, allow_nan=False) + "\n")
+    return PASS if result.met else FAIL
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil audit", main))

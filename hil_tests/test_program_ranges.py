@@ -1,0 +1,157 @@
+"""Interval analysis of a law: what it bounds holds, and no operation of the shipped laws can wrap on any wire input."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bus.mvb import TelegramSource, master_frame
+from bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+from controller_node.arithmetic import make
+from controller_node.arithmetic.base import Constant, Curve
+from controller_node.laws import load as load_law
+from controller_node.laws import names
+from controller_node.loop import ControlLoop
+from controller_node.node import ControllerNode, ControllerOptions
+from controller_node.program.model import Program
+from controller_node.program.ranges import WIRE, analyse, analyse_law
+from controller_node.program.record import leaves, record
+from controller_node.program.tracer import Tracer
+from scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
+CURVE = Curve.sampled("fall", lambda x: 1 - x * x, 24, 24)
+
+
+def every_operation(ar: Any, a: Any, b: Any) -> list[Any]:
+    """One of each operation, on two Q20 operands."""
+    small, half = ar.const(Constant("small", 0.25, 20)), ar.const(Constant("half", 0.5, 20))
+    upper, lower = ar.const(Constant("upper", 1.0, 20)), ar.const(Constant("lower", -0.5, 20))
+    clipped = ar.clip(a, upper, lower)
+    share = ar.convert(ar.clip(a, half, ar.const(Constant("zero", 0.0, 20))), 20, 24)
+    return [
+        ar.add(a, b),
+        ar.sub(a, b),
+        ar.neg(a),
+        ar.abs(b),
+        ar.mpy(a, b, 20),
+        ar.rmpy(a, b, 20),
+        ar.rsmpy(a, b, 10),
+        ar.mpy_iqx(a, 20, b, 20, 22),
+        ar.mpy_iqx(a, 20, b, 20, 18),
+        ar.dot([small, half], [a, b], 20),
+        ar.div(a, b, 20),
+        ar.div(small, ar.maximum(ar.abs(b), half), 20),
+        ar.sqrt(ar.abs(a), 20),
+        clipped,
+        ar.sat(b, upper, lower),
+        ar.minimum(a, b),
+        ar.maximum(a, b),
+        ar.where(ar.gt(a, b), a, small),
+        ar.convert(a, 20, 16),
+        ar.convert(clipped, 20, 24),
+        ar.quantise(a, 20, 8),
+        ar.curve(CURVE, share),
+    ]
+
+
+def traced(low_a: int, high_a: int, low_b: int, high_b: int) -> tuple[Program, list[Any], Any]:
+    tracer = Tracer()
+    program = tracer.begin("all")
+    results = every_operation(tracer, tracer.input("a", 20), tracer.input("b", 20))
+    return program, results, analyse(program, {"a": (low_a, high_a), "b": (low_b, high_b)})
+
+
+BOUND = st.integers(-(2**31), 2**31 - 1)
+
+
+@settings(max_examples=150)
+@given(st.lists(BOUND, min_size=2, max_size=2), st.lists(BOUND, min_size=2, max_size=2), st.integers(0, 2**32))
+def test_every_result_lies_in_its_interval(first: list[int], second: list[int], seed: int) -> None:
+    (low_a, high_a), (low_b, high_b) = sorted(first), sorted(second)
+    _, results, ranges = traced(low_a, high_a, low_b, high_b)
+    draw, number = random.Random(seed), make("iq")
+    pairs = [(a, b) for a in (low_a, high_a) for b in (low_b, high_b)]
+    pairs += [(draw.randint(low_a, high_a), draw.randint(low_b, high_b)) for _ in range(5)]
+    for a, b in pairs:
+        for value, got in zip(results, every_operation(number, a, b), strict=True):
+            low, high = ranges.of(value)
+            assert low <= got <= high, (value, a, b)
+    if number.counters.wraps:
+        assert ranges.may_wrap, "a wrap happened that the analysis holds to be impossible"
+
+
+def test_bounds_of_monotone_operations_are_reached() -> None:
+    _, results, ranges = traced(-1000, 3000, 50, 70)
+    assert [ranges.of(value) for value in results[:4]] == [(-950, 3070), (-1070, 2950), (-3000, 1000), (50, 70)]
+    assert not ranges.may_wrap
+
+
+def test_a_possible_wrap_is_found() -> None:
+    program, _, ranges = traced(0, 2**30, 0, 2**30)
+    found = {operation.op for operation, _ in ranges.may_wrap}
+    assert "add" in found
+    assert "sub" not in found
+    assert all(operation in program.operations for operation, _ in ranges.may_wrap)
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+@pytest.mark.parametrize("name", names())
+def test_no_operation_of_a_law_can_wrap(name: str, indexing: str) -> None:
+    law = load_law(name)(make("float64"), 0.5, SCENARIO.train.notch_max)
+    ranges = analyse_law(record(SCENARIO, name, indexing), law.state_bounds())
+    assert [(operation.op, interval) for operation, interval in ranges.may_wrap] == []
+
+
+def test_a_law_without_known_state_bounds_has_none() -> None:
+    assert analyse_law(record(SCENARIO, "ipfc"), {}).may_wrap
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
+    program = record(SCENARIO, "ipfc", indexing)
+    number = make("iq")
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", number, indexing)
+    ranges = analyse_law(program, loop.law.state_bounds())
+    noted = number.noted = []
+    draw = random.Random(7)
+    outputs = dict(program.step.outputs)
+    for k in range(3000):
+        wild = draw.random() < 0.3
+        speed = draw.choice(WIRE["speed_01mmps"]) if wild else draw.randint(*WIRE["speed_01mmps"])
+        position = draw.choice(WIRE["position_01mm"]) if wild else draw.randint(0, 29_500_000)
+        loop.step(k % 420, speed, position)
+        loop.sent(draw.choice((-7 * 256, 0, 7 * 256, draw.randint(-7 * 256, 7 * 256))))
+        for name, value in leaves(loop.state, "state"):
+            low, high = ranges.step.of(outputs[name]) if name != "state.notch" else (-7 << 24, 7 << 24)
+            assert low <= value <= high, name
+        for quantity, value in zip(program.quantities, noted, strict=True):
+            within = ranges.inputs if quantity in program.inputs.quantities else ranges.step
+            low, high = within.of(quantity.value)
+            assert low <= value <= high, quantity.name
+        noted.clear()
+    assert number.counters.wraps == 0
+    assert number.counters.saturations > 0
+
+
+@pytest.mark.parametrize("odometer_mm", [-(2**31), -200_000_001, 200_000_000, 2**31 - 1])
+def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: int) -> None:
+    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"))
+    seen: list[int] = []
+    step = node.controller.step
+
+    def watched(k: int, speed_01mmps: int, position_01mm: int) -> Any:
+        seen.append(position_01mm)
+        return step(k, speed_01mmps, position_01mm)
+
+    node.controller.step = watched  # type: ignore[method-assign]
+    for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
+        for frame in TelegramSource(telegram.port()).frames(telegram.encode()):
+            node.handle(frame)
+    node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))
+    low, high = WIRE["position_01mm"]
+    assert seen == [min(max(odometer_mm * 10, low), high)]
