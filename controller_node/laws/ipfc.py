@@ -24,7 +24,7 @@ from controller_node.laws.base import (
     LawOutputs,
 )
 from controller_node.laws.ipfc_constants import (
-    DEVIATION_SUM_Q,
+    DEVIATION_Q,
     GAIN_Q,
     POLYNOMIAL_Q,
     RATE_Q,
@@ -38,9 +38,8 @@ from controller_node.laws.ipfc_constants import (
 _GAIN_TO_GAIN = GAIN_Q
 _GAIN_TO_SPEED = GAIN_Q + GAIN_Q - SPEED_Q
 _SPEED_TO_POLYNOMIAL = SPEED_Q + GAIN_Q - POLYNOMIAL_Q
-_POLYNOMIAL_BY_COUNT_TO_SUM = POLYNOMIAL_Q - DEVIATION_SUM_Q
-_SOFTENED_TO_SUM = SOFTENING_Q + SPEED_Q - DEVIATION_SUM_Q
-_SPEED_TO_NOTCH = SPEED_Q + GAIN_Q - NOTCH_RAW_Q
+_POLYNOMIAL_BY_COUNT_TO_DEVIATION = POLYNOMIAL_Q - DEVIATION_Q
+_DEVIATION_TO_NOTCH = DEVIATION_Q + GAIN_Q - NOTCH_RAW_Q
 _SPEED_TO_SATISFACTION = SPEED_Q + RATE_Q - SATISFACTION_Q
 _RISE_TO_SATISFACTION = RISE_Q + RATE_Q - SATISFACTION_Q
 
@@ -165,7 +164,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         change = ar.note("change", ar.abs(ar.sub(inputs.preview[-1], inputs.set_point)), SPEED_Q, "km/h")
         steep = ar.gt(change, self._wavelet_change)
         gains = [ar.where(steep, w, s) for w, s in zip(self._gains_wavelet, self._gains_step, strict=True)]
-        notch_raw = ar.note("notch_raw", ar.dot(gains, d, _SPEED_TO_NOTCH), NOTCH_RAW_Q, "notch")
+        notch_raw = ar.note("notch_raw", ar.dot(gains, d, _DEVIATION_TO_NOTCH), NOTCH_RAW_Q, "notch")
         clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         basis = ar.where(steep, self._basis_wavelet, self._basis_step)
@@ -253,7 +252,7 @@ class Ipfc(Law[T, IpfcState[T]]):
     def _deviations(
         self, tracking_error: T, alpha: T, c: tuple[T, ...], e: tuple[T, ...], free: tuple[T, ...]
     ) -> tuple[T, ...]:
-        """d(k + h) of eq. (18) at the fitting points (km/h, Q20)."""
+        """d(k + h) of eq. (18) at the fitting points (km/h, Q19)."""
         ar = self._ar
         powers = [alpha]
         while len(powers) < max(self._fit_points):
@@ -261,15 +260,15 @@ class Ipfc(Law[T, IpfcState[T]]):
         slopes = [self._slope(c, e, n) for n in self._orders]
         deviations = []
         for point, count_powers in zip(self._fit_points, self._point_powers, strict=True):
-            d = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, _SOFTENED_TO_SUM)
+            softened = ar.rmpy(ar.sub(self._one_alpha, powers[point - 1]), tracking_error, SOFTENING_Q)
+            d = ar.convert(ar.sub(softened, free[point - 1]), SPEED_Q, DEVIATION_Q)
             for slope, count in zip(slopes, count_powers, strict=True):
-                d = ar.add(d, ar.rmpy(slope, count, _POLYNOMIAL_BY_COUNT_TO_SUM))
-            d = ar.sub(d, ar.convert(free[point - 1], SPEED_Q, DEVIATION_SUM_Q))
+                d = ar.add(d, ar.rmpy(slope, count, _POLYNOMIAL_BY_COUNT_TO_DEVIATION))
             if not ar.wide:
-                # The sum is wide enough for every input; a limit behind a sum that has wrapped would be none.
+                # The format holds the sum of every input; a limit behind a sum that has wrapped would be none.
                 d = ar.sat(d, self._deviation_max, self._deviation_min)
-            deviations.append(ar.convert(d, DEVIATION_SUM_Q, SPEED_Q))
-        return ar.note_all("d", deviations, SPEED_Q, "km/h")
+            deviations.append(d)
+        return ar.note_all("d", deviations, DEVIATION_Q, "km/h")
 
     def _slope(self, c: tuple[T, ...], e: tuple[T, ...], n: int) -> T:
         """c_n - e_n, where a coefficient beyond the order of its polynomial is zero."""

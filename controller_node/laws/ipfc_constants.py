@@ -32,8 +32,8 @@ POLYNOMIAL_Q = 23
 RATE_Q = 20
 #: Rise times: in Q20 the fuzzy width of 6 ms would be off by 7e-5, and no rise time would be quite unsatisfying.
 RISE_Q = 24
-#: Sum of a deviation's terms before it is limited, km/h: inputs that jump reach 3400.
-DEVIATION_SUM_Q = 19
+#: Deviations, km/h: their terms reach 3400 before the sum is limited, when inputs jump.
+DEVIATION_Q = 19
 
 #: Fixed-point limit of deviations, of the set-point's rise ahead and of the model error's past rise, km/h: they exceed
 #: it only when a speed suddenly reads wrong.
@@ -111,7 +111,7 @@ class IpfcConstants:
     gains_wavelet: Row = field(metadata=held(GAIN_Q, "U of eq. (19), wavelets of eqs. (20) and (21)"))
     per_period: Constant = field(metadata=held(RATE_Q, "1 / control period"))
     wavelet_change: Constant = field(metadata=held(SPEED_Q, "eq. (22): threshold times the horizon"))
-    deviation_max: Constant = field(metadata=held(DEVIATION_SUM_Q, "limit of this implementation"))
+    deviation_max: Constant = field(metadata=held(DEVIATION_Q, "limit of this implementation"))
     rise_max: Constant = field(metadata=held(SPEED_Q, "limit of this implementation"))
     rise_never: Constant = field(metadata=held(0, "M of eq. (23)"))
     rise_never_narrow: Constant = field(metadata=held(RISE_Q, "M of eq. (23) as far as fixed point needs it"))
