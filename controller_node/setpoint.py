@@ -3,7 +3,7 @@
 Tables are made before the run from the exact curve; in an IQ arithmetic a look-up is integer only.
 
 ``time``: v*(k Ts), as eqs. (11) to (19) of the IPFC paper are printed. After the planned stop the last deceleration
-continues (virtual negative speed).
+continues (virtual negative speed) down to -100 km/h, which asks for the strongest brake as any lower speed would.
 
 ``distance``: v*(x) and preview v*(t*(x) + i Ts), where t*(x) is when the target passes x. The target's positions are
 tabulated every sixteenth of a control period, and t* is interpolated linearly between them: off by at most
@@ -35,12 +35,14 @@ DISTANCE_FROM_M = 5.0
 _PER_PERIOD = 16
 #: Fraction of a table cell.
 _FRACTION_Q = 20
+#: Virtual speeds after the stop go no lower, km/h.
+_VIRTUAL_MIN_KMH = -100.0
 _KMH = 3.6
 _01MM = 1e4
 
 
 def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) -> list[Constant]:
-    speeds = target.speed_mps(times_s) * _KMH
+    speeds = np.maximum(target.speed_mps(times_s) * _KMH, _VIRTUAL_MIN_KMH)
     return [Constant(f"{name}[{i}]", float(speed), SPEED_Q) for i, speed in enumerate(speeds)]
 
 

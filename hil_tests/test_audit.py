@@ -107,10 +107,10 @@ class FlooredQuantiser(IQ):
 
 
 class Narrow(IQ):
-    """Speeds 2048 times too large for their format: 1 km/h wraps."""
+    """Speeds a million times too large for their format: the first reading wraps."""
 
     def const(self, constant: Constant) -> int:
-        return super().const(constant) << (11 if constant.name == "kmh_per_01mmps" else 0)
+        return super().const(constant) << (20 if constant.name == "kmh_per_01mmps" else 0)
 
 
 class Creeping(IQ):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -22,6 +23,8 @@ from controller_node.program.ranges import WIRE, analyse, analyse_law
 from controller_node.program.record import leaves, record
 from controller_node.program.tracer import Tracer
 from scenarios.load import load
+from scenarios.load import names as shipped_names
+from scenarios.model import Scenario
 
 SCENARIO = load("lvshun_tieshan")
 CURVE = Curve.sampled("fall", lambda x: 1 - x * x, 24, 24)
@@ -99,12 +102,49 @@ def test_a_possible_wrap_is_found() -> None:
     assert all(operation in program.operations for operation, _ in ranges.may_wrap)
 
 
+def at_period(scenario: Scenario, period_s: float) -> Scenario:
+    return replace(scenario, timing=replace(scenario.timing, control_period_ns=round(period_s * 1e9)))
+
+
 @pytest.mark.parametrize("indexing", ["time", "distance"])
+@pytest.mark.parametrize("period_s", [0.2, 0.25, 0.3, 0.5, 1.0])
 @pytest.mark.parametrize("name", names())
-def test_no_operation_of_a_law_can_wrap(name: str, indexing: str) -> None:
-    law = load_law(name)(make("float64"), 0.5, SCENARIO.train.notch_max)
-    ranges = analyse_law(record(SCENARIO, name, indexing), law.state_bounds())
+def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: str) -> None:
+    scenario = at_period(SCENARIO, period_s)
+    law = load_law(name)(make("float64"), period_s, SCENARIO.train.notch_max)
+    ranges = analyse_law(record(scenario, name, indexing), law.state_bounds())
     assert [(operation.op, interval) for operation, interval in ranges.may_wrap] == []
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+@pytest.mark.parametrize("name", shipped_names())
+def test_no_operation_can_wrap_on_any_shipped_scenario_and_a_long_overtime(name: str, indexing: str) -> None:
+    scenario = load(name)
+    scenario = replace(scenario, plan=replace(scenario.plan, overtime_max_s=600.0))
+    law = load_law("ipfc")(make("float64"), 0.5, scenario.train.notch_max)
+    assert not analyse_law(record(scenario, "ipfc", indexing), law.state_bounds()).may_wrap
+
+
+def test_a_notch_range_beyond_the_formats_is_found() -> None:
+    scenario = replace(SCENARIO, train=replace(SCENARIO.train, notch_max=20.0))
+    law = load_law("ipfc")(make("float64"), 0.5, 20.0)
+    assert "dot" in {
+        operation.op for operation, _ in analyse_law(record(scenario, "ipfc"), law.state_bounds()).may_wrap
+    }
+
+
+def test_crossed_limits_and_a_curve_beyond_its_table() -> None:
+    tracer = Tracer()
+    program = tracer.begin("limits")
+    a, upper, lower = (tracer.input(name, 24) for name in ("a", "upper", "lower"))
+    clipped, bent = tracer.clip(a, upper, lower), tracer.curve(CURVE, a)
+    ranges = analyse(program, {"a": (0, 2**24), "upper": (-7, 5), "lower": (-5, 3)})
+    low, high = ranges.of(clipped)
+    assert low <= make("iq").clip(0, -7, 3) <= high
+    assert not ranges.may_wrap
+    ranges = analyse(program, {"a": (0, 2**24 + 1), "upper": (0, 0), "lower": (0, 0)})
+    assert [operation.op for operation, _ in ranges.may_wrap] == ["curve"]
+    assert ranges.of(bent) == (-(2**31), 2**31 - 1)
 
 
 def test_a_law_without_known_state_bounds_has_none() -> None:

@@ -22,6 +22,7 @@ CASES = {
     "unit of speed": ("[line]\nspeed_limit_mps = [[0, 3]]", "line.speed_limit_mps", "did you mean speed_limit_kmh?"),
     "spelling": ("[plan]\ndistanze_m = 3", "plan.distanze_m", "did you mean distance_m?"),
     "negative": ("[train]\nmass_t = -3", "train.mass_t", "found -3, allowed at least 1e-09"),
+    "notch grid": ("[train]\nnotch_max = 6.501953125", "train.notch_max", "allowed a multiple of 0.00390625"),
     "text": ('[train]\nmass_t = "x"', "train.mass_t", "found 'x', allowed a number"),
     "bool": ("[train]\nmass_t = true", "train.mass_t", "found True, allowed a number"),
     "huge": ("[train]\nmass_t = 1" + 400 * "0", "train.mass_t", "a number"),

@@ -24,6 +24,9 @@ NotNegative = Annotated[float, Field(ge=0, le=_LARGEST)]
 Text = Annotated[str, Field(min_length=1, max_length=200)]
 Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]
 
+#: Notches; on the grid of the command (1/256 notch), so that law, watch and train agree on the last step.
+NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
+
 
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
@@ -63,7 +66,7 @@ class TrainTable(_Table):
     actuator_pole_per_s: Positive
     force_per_notch_n: Positive | None = None
     accel_per_notch_mps2: Positive | None = None
-    notch_max: Annotated[float, Field(gt=0, le=127)] = 7.0
+    notch_max: NotchRange = 7.0
     speed_limit_kmh: Positive = 3600.0
     service_braking_mps2: Positive = 1.0
     gravity_mps2: Annotated[float, Field(gt=9.0, lt=10.0)] = 9.81
@@ -77,7 +80,7 @@ class ImportedTrainTable(_Table):
     train_id: Text | None = None
     actuator_pole_per_s: Positive
     accel_per_notch_mps2: Positive
-    notch_max: Annotated[float, Field(gt=0, le=127)] = 7.0
+    notch_max: NotchRange = 7.0
     assumptions: list[Text] = []
 
 

@@ -74,6 +74,8 @@ def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:
         return f"a text that matches {context['pattern']}"
     if kind in ("greater_than_equal", "less_than_equal"):
         return f"at least {context['ge']:g}" if kind.startswith("greater") else f"at most {context['le']:g}"
+    if kind == "multiple_of":
+        return f"a multiple of {context['multiple_of']:g}"
     if kind == "too_long":
         return f"an array of at most {context['max_length']} values"
     if kind == "too_short":

@@ -178,7 +178,7 @@ class Ipfc(Law[T, IpfcState[T]]):
         size = ar.abs(error)
         closed = ar.sub(ar.abs(error_before), size)
         closing = ar.gt(closed, self._zero)
-        rate = ar.where(closing, ar.rmpy(closed, self._per_period, RATE_Q), self._one)
+        rate = ar.where(closing, ar.rsmpy(closed, self._per_period, RATE_Q), self._one)
         if not ar.wide:
             # Keeps the quotient at or below 1 s.
             rate = ar.maximum(rate, size)

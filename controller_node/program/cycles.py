@@ -73,4 +73,4 @@ def estimated_cycles(counts: Counter[str], table: dict[str, int] | None = None) 
     :raises KeyError: an operation that the table does not know.
     """
     costs = C28X_CYCLES if table is None else table
-    return sum((costs[operation] + _LOAD_STORE) * count for operation, count in counts.items())
+    return sum((costs[operation] + _LOAD_STORE) * count for operation, count in counts.items() if costs[operation])

@@ -32,7 +32,10 @@ _PERIODS = 64
 
 @dataclass(slots=True)
 class Ranges:
-    """Intervals of one program: of its values by number, and the operations that may wrap."""
+    """Intervals of one program: of its values by number, and the operations that may leave their range.
+
+    ``may_wrap``: the exact result beyond int32; of a ``curve``, an argument beyond 0..1.
+    """
 
     values: dict[int, Interval] = field(default_factory=dict)
     may_wrap: list[tuple[Operation, Interval]] = field(default_factory=list)
@@ -57,6 +60,11 @@ def analyse(program: Program, inputs: Mapping[str, Interval]) -> Ranges:
         if operation.result.kind is not Kind.NUMBER:
             continue
         low, high = _interval(operation, ranges)
+        if operation.curve is not None:
+            argument = ranges.of(operation.arguments[0])
+            if argument[0] < 0 or argument[1] > 1 << operation.curve.q_in:
+                ranges.may_wrap.append((operation, argument))
+                low, high = INT32
         if low < INT32_MIN or high > INT32_MAX:
             ranges.may_wrap.append((operation, (low, high)))
             low, high = INT32
@@ -126,7 +134,8 @@ def _interval(operation: Operation, ranges: Ranges) -> Interval:
             return 0, INT32_MAX
         case "sat" | "clip":
             a, upper, lower = numbers
-            return min(max(a[0], lower[0]), upper[0]), min(max(a[1], lower[1]), upper[1])
+            # The lower limit has the last word, should the two cross.
+            return max(min(a[0], upper[0]), lower[0]), max(min(a[1], upper[1]), lower[1])
         case "minimum":
             return min(numbers[0][0], numbers[1][0]), min(numbers[0][1], numbers[1][1])
         case "maximum":

@@ -131,11 +131,12 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
         if options.runs
         else []
     )
+    bounds = None if wide else bounds_of(formats, shadow.audited.loop.law)
     return Result(
         scenario,
         options,
         shadow.audited.telemetry.rows,
-        None if wide else bounds_of(formats, shadow.audited.loop.law),
+        bounds,
         errors(quantities, shadow.audited, shadow.reference),
         compare_codes(shadow.audited, shadow.reference),
         floor,
@@ -145,11 +146,17 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
         still,
         price,
         () if wide else coarse(shadow.audited.loop.law.constants),
-        bars(shadow, still, price, effects),
+        bars(shadow, still, price, effects, bounds),
     )
 
 
-def bars(shadow: ShadowRun, still: Standstill, price: Cost, effects: Sequence[ScoreEffect] = ()) -> list[Bar]:
+def bars(
+    shadow: ShadowRun,
+    still: Standstill,
+    price: Cost,
+    effects: Sequence[ScoreEffect] = (),
+    bounds: Bounds | None = None,
+) -> list[Bar]:
     """Hold the findings against what is demanded."""
     counters = shadow.audited.arithmetic.counters
     codes = compare_codes(shadow.audited, shadow.reference)
@@ -188,6 +195,11 @@ def bars(shadow: ShadowRun, still: Standstill, price: Cost, effects: Sequence[Sc
             price.share < 1,
         ),
     ]
+    if bounds is not None:
+        found.insert(
+            1,
+            Bar("operations that may wrap for a reading on the wire", f"{bounds.may_wrap}", "0", not bounds.may_wrap),
+        )
     for one in effects:
         shown = "no run has it" if one.difference is None else f"{one.difference:+.4g} {one.unit}"
         if one.missing:
