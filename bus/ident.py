@@ -20,7 +20,7 @@ class Role(IntEnum):
     SUPERVISOR = 2
 
 
-#: Codes of ``arithmetic`` and ``indexing`` in the handshake.
+#: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
 ARITHMETICS = ("none", "float64", "float32", "iq", "iq-portable", "float32-truncated")
 #: What each arithmetic is faithful to: the IQmath library, or the rounding of the floating-point unit.
 PROFILES = {
@@ -31,6 +31,7 @@ PROFILES = {
     "float32-truncated": "truncated",
 }
 INDEXINGS = ("none", "time", "distance")
+PACES = ("none", "lockstep", "realtime")
 
 
 @dataclass(slots=True)
@@ -45,7 +46,7 @@ class Ident(Telegram):
         +-------------------+-------------------+
           8    9    10   11   12     13          14                 15
         +-------------------+--------------+---------------+-------------------+
-        |       seed        |  law   arith |role  index per| chk spare version |
+        |       seed        |  law   arith |role  index per| chk pace version  |
         +-------------------+--------------+---------------+-------------------+
     """
 
@@ -59,7 +60,7 @@ class Ident(Telegram):
     indexing: int = signal("{p}Indexing")
     perturbed: int = signal("{p}Perturbed", FLAG_FALSE)
     check: int = signal("{p}IdentChk", CHECK_CORRECT)
-    spare: int = signal("{p}IdentSpare")
+    pace: int = signal("{p}Pace")
     version: int = signal("{p}Version", WIRE_VERSION)
 
     def differences(self, other: Ident) -> list[str]:
@@ -74,6 +75,7 @@ class Ident(Telegram):
             ("law", "controller", bool),
             ("arithmetic", "arithmetic", bool),
             ("indexing", "indexing", bool),
+            ("pace", "pace", bool),
         ):
             a, b = getattr(self, name), getattr(other, name)
             if a != b and known(a) and known(b):
@@ -86,7 +88,7 @@ class Ident(Telegram):
 
 def _shown(field: str, value: int) -> str:
     """A handshake value as a user knows it: names where there are names, else the hexadecimal code."""
-    words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS}.get(field, ())
+    words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS, "pace": PACES}.get(field, ())
     return words[value] if value < len(words) else f"{value:08x}"
 
 
@@ -128,6 +130,7 @@ def make_ident(
     controller: str = "",
     arithmetic: str = "none",
     indexing: str = "none",
+    pace: str = "none",
 ) -> Ident:
     """Handshake telegram of a node; hashes are cut to their first 32 bit."""
     return _CLASSES[role](
@@ -139,6 +142,7 @@ def make_ident(
         arithmetic=ARITHMETICS.index(arithmetic),
         indexing=INDEXINGS.index(indexing),
         perturbed=flag(perturbed),
+        pace=PACES.index(pace),
     )
 
 

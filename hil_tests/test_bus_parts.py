@@ -97,6 +97,14 @@ def test_seed_and_drawing_matter_between_plant_and_supervisor_only() -> None:
     assert (is_perturbed(drawn), is_perturbed(supervisor)) == (True, False)
 
 
+def test_pace_differs_between_plant_and_supervisor_only() -> None:
+    plant = make_ident(Role.PLANT, SHA_A, seed=7, pace="realtime")
+    supervisor = make_ident(Role.SUPERVISOR, SHA_A, seed=7, pace="lockstep")
+    assert plant.differences(supervisor) == ["pace differs: plant realtime, supervisor lockstep"]
+    assert plant.differences(idents()[1]) == []
+    assert PltIdent.decode(plant.encode()).pace == 2
+
+
 def test_codes_fit_their_signals() -> None:
     assert law_code("") == 0
     assert len({law_code(name) for name in ("ipfc", "pid", "ngpc", "ilc")}) == 4

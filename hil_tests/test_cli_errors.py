@@ -22,9 +22,11 @@ from controller_node.node import ControllerNode, ControllerOptions
 from dbc import wire_contract
 from hil_tests.cli import Done, Started, railhil, wait_for
 from plant_sim.node import PlantNode, PlantOptions, Refused
+from scenarios.errors import InputError
 from scenarios.load import load
 from supervisor import cli
 from supervisor import run as supervisor_run
+from supervisor.cli import outside
 from supervisor.folder import run_folder
 from supervisor.framelog import log_line
 from supervisor.run import Run, RunOptions
@@ -264,6 +266,23 @@ def test_controller_that_is_not_the_one_asked_for(lvshun):
         plant.run()
     assert session.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
     assert (session.sim_time_s, session.ended) == (0, Event.ENDED_REFUSED)
+
+
+def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
+    """A realtime run recorded as lockstep would be judged without its jitter."""
+    asked = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time"}
+    session = Session(lvshun, lambda line: None, seed=0, perturbed=False, **asked)
+    node = ControllerNode(lvshun, ControllerOptions())
+    plant = PlantNode(lvshun, PlantOptions(rate=100.0), LocalBus([node.handle, session.handle]))
+    with pytest.raises(Refused, match="pace differs: plant realtime, supervisor lockstep"):
+        plant.run()
+
+
+def test_a_program_that_the_installation_lacks(monkeypatch):
+    """The container image leaves the tests out, and the audit with them."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"^railhil: command: found 'hil_tests.audit', allowed a program of this inst"):
+        outside.become_program(["audit", "lvshun_tieshan"])
 
 
 # -- logs -------------------------------------------------------------------------------------------------------------

@@ -58,7 +58,13 @@ class PlantNode:
         self.plant = Plant(self.scenario, options.seed)
         self.gate = CommandGate(round(self.scenario.train.notch_max * 256))
         self._telegrams = TrainTelegrams(self.scenario, self.plant, options.rate)
-        self._ident = make_ident(Role.PLANT, scenario.sha256, seed=options.seed, perturbed=options.perturbed)
+        self._ident = make_ident(
+            Role.PLANT,
+            scenario.sha256,
+            seed=options.seed,
+            perturbed=options.perturbed,
+            pace="realtime" if options.rate else "lockstep",
+        )
         self._tick_ns = self.scenario.timing.base_tick_ns
         self._pacer = Pacer(options.rate)
         polled = [port for port in contract.ports if port.mode == "poll"]

@@ -124,7 +124,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     words = ["railhil", "run", options.scenario, "--controller", options.controller]
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
-    words += ["--perturbed"] * options.perturbed
+    words += ["--perturbed"] * options.perturbed + ["--attach"] * options.attach
     words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     return shlex.join(words + bus_arguments)
 
@@ -179,6 +179,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
         "pace": options.pace,
+        # Then the command is the supervisor's part only: what the other nodes were told is theirs.
+        "attached": options.attach,
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,

@@ -113,6 +113,7 @@ class Run:
             controller=options.controller,
             arithmetic=options.arithmetic,
             indexing=options.indexing,
+            pace=options.pace,
             fd=choice.fd,
             on_progress=on_progress,
         )

@@ -39,6 +39,7 @@ class Session:
         controller: str,
         arithmetic: str,
         indexing: str,
+        pace: str = "lockstep",
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
@@ -65,6 +66,7 @@ class Session:
             controller=controller,
             arithmetic=arithmetic,
             indexing=indexing,
+            pace=pace,
         )
         sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent)]
         self._responder = Responder(

@@ -6,8 +6,11 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import os
 import sys
+
+from scenarios.errors import InputError
 
 _NODES = {"plant": "plant_sim", "controller": "controller_node"}
 #: Command -> module that is run, and its line in the help.
@@ -38,6 +41,9 @@ def become_program(arguments: list[str]) -> None:
 
 
 def _become(module: str, arguments: list[str]) -> int:
+    if importlib.util.find_spec(module) is None:
+        # The container image, for one, leaves the tests and what is built on them out.
+        raise InputError("railhil", "command", module, "a program of this installation, which leaves it out")
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(sys.executable, [sys.executable, "-m", module, *arguments])
