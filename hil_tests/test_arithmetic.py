@@ -42,6 +42,27 @@ def test_float64_scalar_equals_array(pairs: list[tuple[float, float]]) -> None:
     np.testing.assert_array_equal(many.clip(a, np.maximum(a, b), b), expected)
 
 
+@pytest.mark.filterwarnings("error")
+def test_float64_division_by_zero_is_infinite_for_one_and_for_many() -> None:
+    one, many = Float64(), Float64Batch()
+    inf, huge, tiny = math.inf, 1e308, 5e-324
+    a = [3.0, -3.0, 0.0, -0.0, tiny, -tiny, inf, -inf, math.nan, -3.0]
+    b = [0.0] * 9 + [-0.0]
+    expected = [inf, -inf, inf, inf, inf, -inf, inf, -inf, inf, -inf]
+    assert [one.div(x, y, 20) for x, y in zip(a, b, strict=True)] == expected
+    assert many.div(np.array(a), np.array(b), 20).tolist() == expected
+    assert many.div(np.array(a), 0.0, 20).tolist() == expected  # type: ignore[arg-type]
+    assert many.div(-2.0, np.array([0.0, 4.0]), 20).tolist() == [-inf, -0.5]  # type: ignore[arg-type]
+    # What overflows, underflows or has no value otherwise is silent too, and equal.
+    a, b = [huge, -huge, tiny, inf, 6.0, -7.0], [tiny, tiny, huge, inf, inf, 2.0]
+    expected = [one.div(x, y, 20) for x, y in zip(a, b, strict=True)]
+    np.testing.assert_array_equal(many.div(np.array(a), np.array(b), 20), expected)
+    assert one.div(-7.0, 2.0, 20) == -3.5
+    # An infinite quotient stays what it is when it is rounded to a format.
+    assert [one.quantise(x, 19, 8) for x in (inf, -inf)] == many.quantise(np.array([inf, -inf]), 19, 8).tolist()
+    assert one.quantise(-inf, 19, 8) == -inf
+
+
 @given(st.lists(st.integers(0, 2**24), min_size=1, max_size=30))
 def test_curve_table_scalar_equals_array_and_is_close(arguments: list[int]) -> None:
     one = [C28().curve(CURVE, a) for a in arguments]

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from controller_node.arithmetic.iq import C28, Portable, portable_functions, series
+from controller_node.arithmetic.iq import C28, C28Batch, Portable, portable_functions, series
 
 FORMATS = range(1, 31)
 PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211707")
@@ -122,12 +122,15 @@ def rounded(value: Decimal, q: int) -> int:
 @pytest.mark.parametrize("q", FORMATS)
 def test_exponential(q: int) -> None:
     ar, portable = C28(), Portable()
-    largest = series.exp_range(q)[1]
+    smallest, largest = series.exp_range(q)
     assert rounded((Decimal(largest) / 2**q).exp(), q) <= INT32_MAX
     assert (Decimal(largest + 1) / 2**q).exp() * 2**q > INT32_MAX
+    assert (Decimal(smallest) / 2**q).exp() * 2**q >= 1
+    assert smallest == INT32_MIN or (Decimal(smallest - 1) / 2**q).exp() * 2**q < 1
     near = spread(q, 12) + [largest, largest + 1, -q << q] + [int(x * largest / 8) for x in range(-8, 8)]
+    near += [smallest - 1, smallest, smallest + 1]
     for a in map(limited, near):
-        value = rounded((Decimal(min(a, largest)) / 2**q).exp(), q)
+        value = rounded((Decimal(min(max(a, smallest), largest)) / 2**q).exp(), q)
         assert ar.exp(a, q) == value
         assert abs(portable.exp(a, q) - (value if a <= largest else INT32_MAX)) <= 3
     assert ar.counters.saturations == sum(limited(a) > largest for a in near)
@@ -215,10 +218,22 @@ def test_float_of_a_number(a: int, q: int) -> None:
     assert Portable().to_f(0, q) == C28().to_f(0, q) == 0
 
 
-@pytest.mark.parametrize("value", [128.0, -128.1, float("nan"), float("inf")])
+@pytest.mark.parametrize("value", [128.0, -128.1, 1e308, -1e308, float("nan"), float("inf")])
 def test_macro_refuses_what_is_undefined_on_the_target(value: float) -> None:
+    for q in (24, 30):
+        with pytest.raises(ValueError, match="outside int32"):
+            C28().from_float(value, q)
     with pytest.raises(ValueError, match="outside int32"):
-        C28().from_float(value, 24)
+        C28Batch().from_float(np.array([0.0, value]), 30)
+
+
+@pytest.mark.parametrize("q", FORMATS)
+def test_macro_takes_all_that_fits_and_no_more(q: int) -> None:
+    top, bottom = math.ldexp(INT32_MAX + 0.75, -q), math.ldexp(INT32_MIN - 0.75, -q)
+    assert (C28().from_float(top, q), C28().from_float(bottom, q)) == (INT32_MAX, INT32_MIN)
+    for value in (math.ldexp(INT32_MAX + 1, -q), math.ldexp(INT32_MIN - 1, -q)):
+        with pytest.raises(ValueError, match="outside int32"):
+            C28().from_float(value, q)
 
 
 @settings(max_examples=200)
@@ -236,6 +251,23 @@ def test_number_of_a_text(value: Decimal, q: int) -> None:
 def round_half_away(exact: Fraction) -> int:
     size = math.floor(abs(exact) + Fraction(1, 2))
     return size if exact >= 0 else -size
+
+
+@pytest.mark.parametrize("q", FORMATS)
+def test_texts_of_any_length(q: int) -> None:
+    """More digits than Python makes a number of, and digits that decide a rounding late."""
+    for profile in (C28(), C28Batch(), Portable()):
+        assert profile.ato_iq("9" * 5000, q) == INT32_MAX
+        assert profile.ato_iq("-" + "9" * 5000 + "." + "9" * 5000, q) == INT32_MIN
+        assert profile.ato_iq("9" * 11 + ".0", q) == INT32_MAX
+        assert profile.counters.saturations == 3
+    half = f"{Decimal(1) / 2 ** (q + 1):f}"
+    ar = C28()
+    assert ar.ato_iq(half + "0" * 5000, q) == 1
+    assert ar.ato_iq(half[:-1] + "4" + "9" * 5000, q) == 0
+    assert ar.ato_iq("-" + "0" * 5000 + half, q) == -1
+    assert ar.ato_iq("0." + "9" * 5000, q) == 1 << q
+    assert ar.counters.saturations == 0
 
 
 def test_texts_that_are_special() -> None:

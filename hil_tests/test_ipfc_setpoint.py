@@ -27,7 +27,7 @@ def kmh(arithmetic: str, indexing: str, k: int, position_01mm: int) -> list[floa
     return [number.raw(value, SPEED_Q) / 2**SPEED_Q for value in (set_point, *preview)]
 
 
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "iq", "iq-portable"])
 @pytest.mark.parametrize("k", [0, 1, 47, 260, 388, 395, 400])
 def test_time_indexing_is_the_curve(arithmetic: str, k: int) -> None:
     times = (k + np.arange(11)) * 0.5
@@ -46,7 +46,7 @@ def test_beyond_the_table_its_last_entries_hold() -> None:
     assert kmh("iq", "time", -3, 0) == kmh("iq", "time", 0, 0)
 
 
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "iq", "iq-portable"])
 @pytest.mark.parametrize("position_m", [5.1, 50.0, 700.0, 1500.0, 2800.0, 2939.0])
 def test_distance_indexing_is_the_curve_at_the_position(arithmetic: str, position_m: float) -> None:
     points = kmh(arithmetic, "distance", 3, round(position_m * 1e4))
@@ -71,7 +71,7 @@ def test_distance_indexing_past_the_stop_asks_for_zero_and_below() -> None:
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
-@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+@pytest.mark.parametrize("arithmetic", ["float64", "iq", "iq-portable"])
 def test_many_trains_get_the_set_points_of_each(arithmetic: str, indexing: str) -> None:
     positions = np.array([0, 49_999, 50_001, 7_000_000, 29_399_999, 29_500_000])
     many = SetPoints(make(arithmetic, batch=True), SCENARIO, indexing, 10)

@@ -4,7 +4,10 @@ Facts from TI's FPU guide SPRUEO2 and workshop notes, in own words: IEEE 754 sin
 +0, NaN is infinity; rounding to nearest even, or toward zero while the mode bit STF.RNDF32 is clear (``float32`` and
 ``float32-truncated``); products and sums are rounded each for itself, there is no fused multiply-add. Division is
 that of TI's fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The estimate's table is not
-published, so a quotient is within 2 ulp of the target's, not equal to it.
+published, so a quotient is near the target's, not equal to it. Ours is within 1.76 * 2^-23 of the exact quotient
+(cut: 3.51 * 2^-23), relative to it, while no step under- or overflows. In units of 2^-24 (cut: 2^-23) the last Newton
+step leaves at most 0.5 from b * r below 1 and 1 from 2 - b * r, its product 1 and that with the numerator 1: 3.5.
+The error of the estimate, at most 2^-8, is squared twice: 2^-32. How far the target's lies from ours is not known.
 
 Readings where the documents are silent: NaN becomes *plus* infinity; a result that rounds to a denormal is zero; an
 overflow is infinite when rounding to nearest and the largest number when rounding toward zero (IEEE 754); a number by

@@ -1,7 +1,8 @@
 """IEEE double precision: the reference every other arithmetic is compared with.
 
-Formats are ignored, nothing wraps or saturates. One train (plain ``float``) and N trains (float64 arrays) give
-equal bits: both evaluate the same operations in the same order, and functions element by element with :mod:`math`.
+Formats are ignored, nothing wraps or saturates. A division by zero gives infinity with the sign of the numerator and
+0 / 0 plus infinity, as in float32. One train (plain ``float``) and N trains (float64 arrays) give equal bits: both
+evaluate the same operations in the same order, and functions element by element with :mod:`math`.
 """
 
 from __future__ import annotations
@@ -62,9 +63,6 @@ class _Double(Arithmetic[T]):
             total = total + coefficient * value
         return total
 
-    def div(self, a: Any, b: Any, q: int) -> Any:
-        return a / b
-
     def gt(self, a: Any, b: Any) -> Condition:
         return a > b
 
@@ -85,7 +83,12 @@ class Float64(_Double[float]):
         return math.ldexp(raw, -q)
 
     def quantise(self, a: float, q_from: int, q_to: int) -> float:
-        return math.ldexp(math.floor(math.ldexp(a, q_to) + 0.5), -q_to)
+        return math.ldexp(math.floor(math.ldexp(a, q_to) + 0.5), -q_to) if math.isfinite(a) else a
+
+    def div(self, a: float, b: float, q: int) -> float:
+        if b == 0.0:
+            return -math.inf if a < 0.0 else math.inf
+        return a / b
 
     def clip(self, a: float, upper: float, lower: float) -> float:
         return min(max(a, lower), upper)
@@ -126,6 +129,11 @@ class Float64Batch(_Double[Floats]):
 
     def quantise(self, a: Floats, q_from: int, q_to: int) -> Floats:
         return np.ldexp(np.floor(np.ldexp(a, q_to) + 0.5), -q_to)
+
+    def div(self, a: Floats, b: Floats, q: int) -> Any:
+        with np.errstate(all="ignore"):
+            quotient = np.divide(a, b)
+        return np.where(b == 0.0, np.where(a < 0.0, -np.inf, np.inf), quotient)
 
     def clip(self, a: Floats, upper: Floats, lower: Floats) -> Floats:
         return np.minimum(np.maximum(a, lower), upper)

@@ -64,10 +64,10 @@ class C28(FixedPoint):
         return self._limited((math.isqrt((a * a + b * b) << 2) + 1) >> 1)
 
     def exp(self, a: int, q: int) -> int:
-        largest = series.exp_range(q)[1]
+        smallest, largest = series.exp_range(q)
         if a > largest:
             self._count(SATURATION, 1)
-        return series.exp(min(a, largest), q, q)
+        return series.exp(min(max(a, smallest), largest), q, q)
 
     def log(self, a: int, q: int) -> int:
         if a <= 0:

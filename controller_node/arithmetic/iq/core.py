@@ -155,7 +155,8 @@ class FixedPoint(IqMath[int]):
         return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
 
     def from_float(self, value: Any, q: int) -> int:
-        scaled = math.ldexp(value, q)
+        # No format reaches further; ldexp would overflow on what does.
+        scaled = math.ldexp(value, q) if abs(value) <= SIGN else math.inf
         if not INT32_MIN - 1 < scaled < INT32_MAX + 1:
             raise ValueError(f"_IQ{q}({value!r}) is outside int32")
         return int(scaled)

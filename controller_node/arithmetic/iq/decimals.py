@@ -12,6 +12,8 @@ from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 _DECIMAL = re.compile(r"(-?)([0-9]*)(?:\.([0-9]*))?")
 _FORM = re.compile(r"%([0-9]{1,2})\.([0-9]{0,2})[fF]")
 _WIDTH_MAX = 11
+#: Digits of the largest int32.
+_WHOLE_DIGITS_MAX = 10
 #: 0.1 in Q31, rounded, as the portable library has it.
 _TENTH = 0x0CCCCCCD
 _MASK = 2**32 - 1
@@ -21,11 +23,18 @@ TOO_NARROW, ILLEGAL_FORM = 1, 2
 
 
 def rounded_decimal(text: str, q: int) -> int:
-    """Exact value of a decimal text in Q ``q``, rounded to nearest, ties away from zero; 0 for any other text."""
+    """Exact value of a decimal text in Q ``q``, rounded to nearest, ties away from zero; 0 for any other text.
+
+    A value whose integer part is beyond int32 comes back as some number that is beyond int32 too.
+    """
     found = _DECIMAL.fullmatch(text)
     if found is None:
         return 0
-    sign, whole, fraction = found[1], found[2], found[3] or ""
+    # Digits of any count, which int() does not take. A tie between two numbers has q + 1 decimals, so those behind
+    # them do not move a value over it; 10^10 is beyond int32 in every format.
+    sign, whole, fraction = found[1], found[2].lstrip("0"), (found[3] or "")[: q + 1]
+    if len(whole) > _WHOLE_DIGITS_MAX:
+        whole = "1" + "0" * _WHOLE_DIGITS_MAX
     unit: int = 10 ** len(fraction)
     size = ((int(whole + fraction or "0") << (q + 1)) + unit) // (2 * unit)
     return -size if sign else size

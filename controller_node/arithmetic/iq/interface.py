@@ -106,9 +106,10 @@ class IqMath(Arithmetic[T]):
     def exp(self, a: T, q: int) -> T:
         """``_IQ<q>exp``: e^a.
 
-        C28x: the *argument* is limited to the largest one of the format, so the largest result is below INT32_MAX;
-        modelled exact, rounded to nearest. Portable: INT32_MAX above that argument, 0 where the result is below
-        1 LSB. The upper limit counts as a saturation.
+        C28x: the *argument* is limited to the range of the format on both sides, so the largest result is below
+        INT32_MAX and the smallest is 1 LSB, never 0; modelled exact, rounded to nearest. Portable: INT32_MAX above
+        that range, 0 below it. The upper limit counts as a saturation; the lower one moves the result by less than
+        1 LSB and does not.
         """
 
     @abstractmethod
