@@ -14,7 +14,7 @@ from typing import ClassVar
 from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
 
 #: CTL_STAT: no quantity is shown; the quantity has used no bit, or has no bits.
-NO_QUANTITY = 255
+NO_QUANTITY = 127
 HEADROOM_UNUSED = 31
 
 
@@ -254,11 +254,13 @@ class CtlStat(Telegram):
         +-----------+---------+----------+----------+---------+
           8    9    10   11     12         13         14       15
         +---------+---------+-------+--------------+---------+----------------+
-        | cycles  |  max    | index |headroom w s z|overruns | chk ready life |
+        | cycles  | extreme |index m|headroom w s z|overruns | chk ready life |
         +---------+---------+-------+--------------+---------+----------------+
 
-    Cycles above 65535 stand as 65535. ``index`` is one quantity of the law, the next one in each telegram (255: none);
-    headroom (5 bit, 31: unused) and the flags wrapped, saturated, divided by zero are about this quantity.
+    Cycles above 65535 stand as 65535. ``index`` (7 bit, 127: none) is one quantity of the law; extreme, headroom
+    (5 bit, 31: unused) and the flags wrapped, saturated, divided by zero are about it since the start. ``extreme``
+    (s16) is its minimum (m = 0), in the next telegram its maximum (m = 1), then comes the next quantity. It is the
+    upper half of the int32, shifted left by the headroom: raw value ~ extreme * 2^(16 - headroom), cut off downwards.
     """
 
     PORT: ClassVar[str] = "CTL_STAT"
@@ -269,8 +271,9 @@ class CtlStat(Telegram):
     satisfaction_unipolar2: int = signal("Satisfaction")
     step_count: int = signal("StepCount")
     step_cycles: int = signal("StepCycles")
-    step_cycles_max: int = signal("StepCyclesMax")
+    telemetry_extreme: int = signal("TelemetryExtreme")
     telemetry_index: int = signal("TelemetryIndex", NO_QUANTITY)
+    telemetry_maximum: int = signal("TelemetryMaximum")
     telemetry_headroom_bits: int = signal("TelemetryHeadroom", HEADROOM_UNUSED)
     telemetry_wrapped: int = signal("TelemetryWrapped")
     telemetry_saturated: int = signal("TelemetrySaturated")

@@ -28,8 +28,7 @@ class ControlOutput:
     ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet. ``softening_raw`` and
     ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h in Q20.
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
-    ``cycles``, ``cycles_max``: estimated C28x cycles of this step and of the dearest so far, program in RAM, 0 for
-    float64.
+    ``cycles``: estimated C28x cycles of this step, as of every other, program in RAM, 0 for float64.
     """
 
     notch_code: int
@@ -38,7 +37,6 @@ class ControlOutput:
     satisfaction_raw: int
     overflow_flags: int
     cycles: int
-    cycles_max: int
     error_raw: int
 
 
@@ -103,7 +101,6 @@ class Controller:
             overflow_flags=number.counters.flags,
             # The law is straight-line: the cost of one step is the cost of every step.
             cycles=self.cost.cycles,
-            cycles_max=self.cost.cycles,
             error_raw=number.raw(error, SPEED_Q),
         )
 

@@ -113,7 +113,7 @@ class ControllerNode:
         self._overruns = 0
         self._notch_life = 0
         self._stat_life = 0
-        # The quantity of the law that the next CTL_STAT is about.
+        # Twice the quantity of the law that the next CTL_STAT is about, plus one when its maximum is shown.
         self._shown = 0
         self.responder = Responder(
             Role.CONTROLLER,
@@ -194,9 +194,12 @@ class ControllerNode:
         output = self._output
         if output is None:
             return CtlStat(overflow_flags=self._lost_flag(), ready=flag(False), life=self._stat_life)
-        index, telemetry = self._shown, self.controller.telemetry
-        self._shown = (index + 1) % min(len(telemetry.quantities), NO_QUANTITY)
+        telemetry = self.controller.telemetry
+        index, maximum = divmod(self._shown, 2)
+        self._shown = (self._shown + 1) % (2 * min(len(telemetry.quantities), NO_QUANTITY))
         quantity = telemetry.row(index)
+        headroom_bits = HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
+        extreme_raw = (quantity.maximum_raw if maximum else quantity.minimum_raw) or 0
         return CtlStat(
             basis=output.basis,
             ladder_level=self.guard.level,
@@ -205,9 +208,11 @@ class ControllerNode:
             satisfaction_unipolar2=output.satisfaction_raw,
             step_count=self._steps & 0xFFFF,
             step_cycles=min(output.cycles, _UINT16_MAX),
-            step_cycles_max=min(output.cycles_max, _UINT16_MAX),
+            # Shifted left by the headroom, the larger extreme fills an int32.
+            telemetry_extreme=(extreme_raw << headroom_bits) >> 16,
             telemetry_index=index,
-            telemetry_headroom_bits=HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits,
+            telemetry_maximum=maximum,
+            telemetry_headroom_bits=headroom_bits,
             telemetry_wrapped=int(quantity.wraps > 0),
             telemetry_saturated=int(quantity.saturations > 0),
             telemetry_zero_division=int(quantity.zero_divisions > 0),

@@ -49,7 +49,6 @@ def telemetry_document(node: ControllerNode) -> dict[str, Any]:
         "cycles": {
             "ram": cost.cycles,
             "flash": cost.cycles_flash,
-            "worst_step": cost.cycles,
             "cpu_mhz": CPU_MHZ,
             "flash_factor": FLASH_FACTOR,
             "ram_us": cost.ram_us,

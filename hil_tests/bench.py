@@ -14,7 +14,9 @@ from typing import Any
 from bus.frame import Frame
 from bus.ident import CtlIdent, Role, make_ident
 from bus.local import LocalBus
-from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth
+from bus.schedule import Schedule
+from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos
+from controller_node.arithmetic.base import Counters
 from controller_node.controller import Controller
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.telemetry_file import telemetry_document
@@ -41,6 +43,8 @@ class BenchRun:
     counters: dict[str, dict[str, int]] = field(default_factory=dict)
     #: What the controller's process would write into ``telemetry.json``.
     telemetry: dict[str, Any] = field(default_factory=dict)
+    #: Of the law's arithmetic over the whole run; only of a direct run.
+    arithmetic: Counters | None = None
 
     @property
     def notches(self) -> list[int]:
@@ -127,7 +131,9 @@ def direct_run(
 ) -> BenchRun:
     """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
     law = Controller(scenario, controller, arithmetic, indexing)
-    return coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
+    run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
+    run.arithmetic = law.counters
+    return run
 
 
 def coupled_run(
@@ -140,6 +146,9 @@ def coupled_run(
 ) -> BenchRun:
     """One run of the plant under any law.
 
+    As on the bus, the law takes its step in the first poll of NOTCH_CMD of a new control period, with the position as
+    TRN_POS last gave it. There is no reaction ladder: the speed must be sent at least as often as NOTCH_CMD is polled.
+
     :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm -> notch code (1/256).
     :param indexing: what the law follows, for the score.
     """
@@ -149,14 +158,16 @@ def coupled_run(
     trace = Trace()
     ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
     trace.add(CtlIdent.PORT, 0, ident.encode())
-    tick_ns = scenario.timing.base_tick_ns
-    control_ticks = scenario.timing.control_period_ns // tick_ns
-    poll_ticks = NotchCmd.port().period_ns // tick_ns
-    after_stop = round(AFTER_STOP_S * 1e9 / tick_ns)
+    tick_ns, control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
+    schedule = Schedule.from_contract(tick_ns, scenario.timing.port_period_ns)
+    position_ticks, truth_ticks, notch_ticks = (
+        schedule.ticks(telegram.PORT) for telegram in (TrnPos, SimTruth, NotchCmd)
+    )
+    after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
     last_tick = round((scenario.plan.running_time_s + scenario.plan.overtime_max_s) * 1e9 / tick_ns)
     stop_tick: int | None = None
     ended: Event | None = None
-    code = 0
+    last_k, code, position_01mm = -1, 0, 0
     while ended is None:
         tick = plant.tick
         now_ns = tick * tick_ns
@@ -166,17 +177,20 @@ def coupled_run(
                 if kind is Event.STOPPED and stop_tick is None:
                     stop_tick = tick
                 trace.add(RunEvent.PORT, now_ns, RunEvent(kind, event.instant_01ms, event.position_01mm).encode())
-        if tick % poll_ticks == 0:
+        if tick % truth_ticks == 0:
             telegram = telegrams.makers[SimTruth.PORT]()
             assert telegram is not None
             trace.add(SimTruth.PORT, now_ns, telegram.encode())
-            if tick % control_ticks == 0:
-                code = law(tick // control_ticks, plant.speed_01mmps, plant.odometer_mm * 10)
+        if tick % position_ticks == 0:
+            position_01mm = plant.odometer_mm * 10
+        if tick % notch_ticks == 0:
+            if (k := now_ns // control_ns) > last_k:
+                last_k, code = k, law(k, plant.speed_01mmps, position_01mm)
             plant.command(code, False)
             trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
         if stop_tick is not None and tick >= stop_tick + after_stop:
             ended = Event.ENDED_COMPLETE
-        elif tick > last_tick:
+        elif stop_tick is None and tick > last_tick:
             ended = Event.ENDED_NOT_STOPPED
         plant.advance()
     trace.add(RunEvent.PORT, plant.tick * tick_ns, RunEvent(ended, 0, 0).encode())

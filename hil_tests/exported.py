@@ -150,7 +150,6 @@ class CompiledController(Controller):
             overflow_flags=(SATURATION if self._events.saturations else 0)
             | (DIVISION_BY_ZERO if self._events.zero_divisions else 0),
             cycles=self.cost.cycles,
-            cycles_max=self.cost.cycles,
             error_raw=self._in.set_point - self._in.speed,
         )
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -68,6 +70,68 @@ def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controlle
     assert plant_with(lvshun, session, node.handle).run() is Event.ENDED_BY_SUPERVISOR
     assert session.ended is Event.ENDED_BY_SUPERVISOR
     assert node.ended is Event.ENDED_BY_SUPERVISOR
+
+
+@pytest.mark.parametrize("rate", [0.0, 20.0])
+@pytest.mark.parametrize(("running_time_s", "ticks"), [(0.15, [0, 16]), (0.16, [0, 16, 17]), (0.31, [0, 16, 32])])
+def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s, ticks, rate):
+    """CTL_STAT is due every 16 ticks; the run ends one tick after its time."""
+    plan = dataclasses.replace(lvshun.plan, running_time_s=running_time_s, overtime_max_s=0.0)
+    pace = "realtime" if rate else "lockstep"
+    given = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "pace": pace}
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    session = Session(scenario, lambda line: None, seed=0, perturbed=False, **given)
+    node = ControllerNode(scenario, ControllerOptions())
+    asked, heard = [], []
+
+    def listening(frame: Frame) -> list[Frame]:
+        heard.append(frame)
+        if frame == STATUS_POLL:
+            asked.append(plant.plant.tick)
+        return node.handle(frame)
+
+    plant = PlantNode(scenario, PlantOptions(rate=rate), LocalBus([listening, session.handle]))
+    plant.administrator._reply_ns = 10**10
+    assert plant.run() is session.ended is Event.ENDED_NOT_STOPPED
+    assert asked == ticks
+    last_event = max(i for i, frame in enumerate(heard) if frame.can_id == RunEvent.port().can_ids[0])
+    assert STATUS_POLL not in heard[last_event:]
+
+
+@pytest.mark.parametrize(("damaged", "polls"), [(0, 1), (1, 2), (2, 3), (3, 3)])
+def test_last_status_is_asked_for_again_when_its_answer_is_damaged(lvshun, session, damaged, polls):
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    node = ControllerNode(scenario, ControllerOptions())
+    asked = []
+
+    def disturbed(frame: Frame) -> list[Frame]:
+        answers = node.handle(frame)
+        if frame == STATUS_POLL:
+            asked.append(plant.plant.tick)
+            if 0 < asked.count(17) <= damaged:
+                return [item._replace(data=bytes([item.data[0] ^ 1]) + item.data[1:]) for item in answers]
+        return answers
+
+    plant = plant_with(scenario, session, disturbed)
+    assert plant.run() is Event.ENDED_NOT_STOPPED
+    assert asked.count(17) == polls
+
+
+def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
+    """The train has run to its end, but nobody knows what the controller would have said."""
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    node = ControllerNode(scenario, ControllerOptions())
+
+    def dying(frame: Frame) -> list[Frame]:
+        return [] if frame == STATUS_POLL and plant.plant.tick == 17 else node.handle(frame)
+
+    plant = plant_with(scenario, session, dying)
+    plant.administrator._watchdog_ns = 1_000_000
+    with pytest.raises(PeerSilent, match=r"controller \(CTL_STAT\)"):
+        plant.run()
+    assert session.ended is Event.ENDED_CONTROLLER_LOST
 
 
 def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):

@@ -9,6 +9,20 @@ from bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
 from controller_node.node import MAILBOXES, ControllerNode, ControllerOptions
 from dbc import wire_contract
 from hil_tests.bench import direct_run, local_run
+from scenarios.load import load
+
+#: 72 m in 24 s. The record goes on for 1 s after the stop: longer than the overtime.
+SHORT_TOML = """\
+extends = "lvshun_tieshan"
+name = "short"
+title = "72 m in 24 s"
+[target]
+nodes_s_mps2 = [[0, 0.5], [11.9, 0.5], [12.1, -0.5], [24, -0.5]]
+[plan]
+distance_m = 71.9983
+running_time_s = 24
+overtime_max_s = 0.9
+"""
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +70,35 @@ def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path, healthy):
 def test_direct_coupling_is_the_same_loop(lvshun, tmp_path, arithmetic, seed, drawn):
     through_telegrams = local_run(lvshun, tmp_path, seed=seed, drawn=drawn, arithmetic=arithmetic)
     direct = direct_run(lvshun, seed=seed, drawn=drawn, arithmetic=arithmetic)
+    assert direct.notches == through_telegrams.notches
+    assert direct.score == through_telegrams.score
+
+
+@pytest.mark.parametrize(
+    "timing",
+    [
+        "control_period_ms = 200",
+        # The period begins between two polls.
+        "control_period_ms = 330",
+        # Shorter than the poll's period: periods are left out, and the train's watch takes the traction away.
+        "control_period_ms = 200\nport_period_ms = { NOTCH_CMD = 240 }",
+        "port_period_ms = { NOTCH_CMD = 40 }",
+        "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, SIM_TRUTH = 40 }",
+        # The position that the law sees is older than its poll.
+        "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, TRN_POS = 160 }",
+        "base_tick_ms = 5",
+        "base_tick_ms = 20",
+    ],
+)
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
+    path = tmp_path / "timing.toml"
+    path.write_text(f"{SHORT_TOML}[timing]\n{timing}\n")
+    scenario = load(str(path))
+    through_telegrams = local_run(scenario, tmp_path, seed=1, indexing=indexing)
+    direct = direct_run(scenario, seed=1, indexing=indexing)
+    for port in (NotchCmd.PORT, SimTruth.PORT):
+        assert direct.trace.times_s(port).tolist() == through_telegrams.trace.times_s(port).tolist(), port
     assert direct.notches == through_telegrams.notches
     assert direct.score == through_telegrams.score
 

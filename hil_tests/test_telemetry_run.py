@@ -1,4 +1,4 @@
-"""Telemetry of a run: on the wire, in the run folder, and in the verdict."""
+"""Telemetry of a run: in the run folder, in the verdict, and read back from the record."""
 
 from __future__ import annotations
 
@@ -9,30 +9,27 @@ import signal
 from pathlib import Path
 from typing import Any
 
-import cantools
 import numpy as np
 import pytest
 
 import controller_node.loop
 from bus.exitcodes import FAIL
-from bus.frame import Frame
-from bus.mvb import TelegramSource, master_frame
-from bus.store import TrafficStore
-from bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag, CtlStat, NotchCmd, SimTruth
+from bus.mvb import master_frame
+from bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
 from controller_node.arithmetic import make
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
 from controller_node.laws.ipfc import Ipfc, IpfcState
 from controller_node.node import ControllerNode, ControllerOptions
-from controller_node.telemetry_file import telemetry_document, write_telemetry
+from controller_node.program.tracer import Tracer
+from controller_node.telemetry_file import write_telemetry
 from hil_tests.bench import BenchRun, local_run
 from hil_tests.cli import Started, railhil, wait_for
 from scenarios.model import Scenario
 from supervisor.folder import junit, score_json
-from supervisor.framelog import read_log
 from supervisor.run import RunOptions, RunResult
 from supervisor.score import Score
-from supervisor.telemetry import read_summary
+from supervisor.telemetry import Headroom, read_summary, shown_telemetry
+from supervisor.trace import Trace
 
 #: v^2 in Q28 does not fit into int32 above this speed, km/h.
 _WRAPS_ABOVE_KMH = math.sqrt(8)
@@ -58,110 +55,6 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(controller_node.loop, "load", lambda name: Squared)
         return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
-
-
-def answer(node: ControllerNode, telegram: type[Any]) -> Any:
-    """What the node answers to a poll."""
-    store = TrafficStore([telegram.port()])
-    for frame in node.handle(master_frame(telegram.port().f_code, telegram.port().address)):
-        store.feed(frame, 0)
-    return store.read(telegram, 0)[0]
-
-
-def running_node(scenario: Scenario, run: BenchRun, arithmetic: str = "iq") -> ControllerNode:
-    """A controller that has heard the first seconds of a recorded run."""
-    node = ControllerNode(scenario, ControllerOptions(arithmetic=arithmetic))
-    assert run.log is not None
-    for time_ns, frame in read_log(run.log):
-        if time_ns > 5e9:
-            break
-        node.handle(Frame(*frame))
-    return node
-
-
-def test_each_status_telegram_shows_the_next_quantity(nominal: BenchRun) -> None:
-    shown = nominal.trace.raw(CtlStat.PORT, "TelemetryIndex")
-    first = int(np.argmax(shown != NO_QUANTITY))
-    quantities = nominal.telemetry["quantities"]
-    assert set(shown[:first].tolist()) <= {NO_QUANTITY}
-    assert shown[first:].tolist() == [i % len(quantities) for i in range(len(shown) - first)]
-    headroom = nominal.trace.raw(CtlStat.PORT, "TelemetryHeadroom")[first:]
-    for index, quantity in enumerate(quantities):
-        seen = headroom[index :: len(quantities)].tolist()
-        assert seen == sorted(seen, reverse=True), quantity["name"]
-        assert seen[-1] >= quantity["headroom_bits"]
-
-
-def test_status_telegram_is_the_telemetry_of_the_moment(lvshun: Scenario, nominal: BenchRun) -> None:
-    node = running_node(lvshun, nominal)
-    telemetry = node.controller.telemetry
-    for kind in (SATURATION, WRAP, DIVISION_BY_ZERO):
-        # Between two periods an event belongs to the last quantity.
-        number = make("iq")
-        number.noted, number.events = [], [(0, kind, 1)]
-        telemetry.take(number)
-        seen = {}
-        for _ in telemetry.quantities:
-            status = answer(node, CtlStat)
-            seen[status.telemetry_index] = status
-        assert sorted(seen) == list(range(len(telemetry.quantities)))
-        for index, status in seen.items():
-            row = telemetry.row(index)
-            assert status.telemetry_headroom_bits == row.headroom_bits
-            assert status.telemetry_wrapped == min(row.wraps, 1)
-            assert status.telemetry_saturated == min(row.saturations, 1)
-            assert status.telemetry_zero_division == min(row.zero_divisions, 1)
-    assert [row.wraps for row in telemetry.rows] == [0] * (len(telemetry.quantities) - 1) + [1]
-
-
-def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: BenchRun) -> None:
-    node = running_node(lvshun, nominal, "float64")
-    status = answer(node, CtlStat)
-    assert (status.telemetry_headroom_bits, status.step_cycles, status.step_cycles_max) == (HEADROOM_UNUSED, 0, 0)
-    fresh = answer(ControllerNode(lvshun, ControllerOptions()), CtlStat)
-    assert (fresh.telemetry_index, fresh.telemetry_headroom_bits) == (NO_QUANTITY, HEADROOM_UNUSED)
-
-
-@pytest.mark.parametrize(("cycles", "sent"), [(65_534, 65_534), (65_535, 65_535), (65_536, 65_535), (9**9, 65_535)])
-def test_cycles_saturate_on_the_wire_only(lvshun: Scenario, nominal: BenchRun, cycles: int, sent: int) -> None:
-    node = ControllerNode(lvshun, ControllerOptions())
-    node.controller.cost = dataclasses.replace(node.controller.cost, cycles=cycles)
-    assert nominal.log is not None
-    for time_ns, frame in read_log(nominal.log):
-        if time_ns > 1e9:
-            break
-        node.handle(frame)
-    status = answer(node, CtlStat)
-    assert (status.step_cycles, status.step_cycles_max) == (sent, sent)
-    assert telemetry_document(node)["cycles"]["ram"] == cycles
-
-
-def test_cantools_reads_the_telemetry() -> None:
-    database = cantools.database.load_file(Path(__file__).parents[1] / "dbc" / "railhil.dbc")
-    telegram = CtlStat(
-        step_cycles=0xFFFF,
-        step_cycles_max=0x1234,
-        telemetry_index=7,
-        telemetry_headroom_bits=18,
-        telemetry_saturated=1,
-        overruns=200,
-    )
-    block = TelegramSource(CtlStat.port()).frames(telegram.encode())[1]
-    decoded: Any = database.decode_message(block.can_id, block.data)
-    assert {name: decoded[name] for name in decoded if name.startswith(("Step", "Tele", "Over"))} == {
-        "StepCycles": 65_535,
-        "StepCyclesMax": 0x1234,
-        "TelemetryIndex": 7,
-        "TelemetryHeadroom": 18,
-        "TelemetryWrapped": "no",
-        "TelemetrySaturated": "yes",
-        "TelemetryZeroDivision": "no",
-        "OverrunCount": 200,
-    }
-    nothing: Any = database.decode_message(
-        block.can_id, TelegramSource(CtlStat.port()).frames(CtlStat().encode())[1].data
-    )
-    assert (nothing["TelemetryIndex"], nothing["TelemetryHeadroom"]) == ("none", "unused")
 
 
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
@@ -201,6 +94,37 @@ def test_the_wrap_is_attributed(wrapped: BenchRun) -> None:
     assert set(shown[flagged == 1].tolist()) == {last}
 
 
+class Late(Ipfc[Any]):
+    """The law, with a sum that wraps in its second control period."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.steps = 0
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        self.steps += 1
+        if self.steps == 2 and not isinstance(self._ar, Tracer):
+            large = self._ar.from_raw(2**31 - 1, 0)
+            self._ar.add(large, large)
+        return super().step(state, inputs)
+
+
+def test_a_wrap_in_the_last_step_fails_the_run(
+    lvshun: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Control periods begin in ticks 0 and 50, CTL_STAT is due in tick 48, and the run ends in tick 53."""
+    monkeypatch.setattr(controller_node.loop, "load", lambda name: Late)
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.52, overtime_max_s=0.0)
+    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path)
+    assert run.telemetry["steps"] == 2
+    assert run.trace.times_s(CtlStat.PORT).tolist() == [0.0, 0.16, 0.32, 0.48, 0.53]
+    assert "fixed-point wrap in the controller, reported at 0.53 s" in run.score.failures
+    assert run.log is not None
+    done = railhil("score", run.log, "--scenario", "lvshun_tieshan", "--json")
+    assert done.exit_code == FAIL
+    assert "fixed-point wrap in the controller, reported at 0.53 s" in done.json["failures"]
+
+
 def result_of(score: Score) -> RunResult:
     return RunResult(score, FAIL, "", 1, "", 1.0, 1.0, 1.0, "local", None)
 
@@ -219,9 +143,27 @@ def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: Ben
 
 
 def test_a_run_without_telemetry_says_so(nominal: BenchRun) -> None:
-    """Nodes that were started elsewhere keep theirs."""
+    """A controller that never made a step, and left no file."""
+    assert shown_telemetry(Trace()) is None
+    trace = Trace()
+    trace.add(CtlStat.PORT, 0, CtlStat().encode())
+    assert shown_telemetry(trace) is None
     document = score_json(result_of(nominal.score), RunOptions("lvshun_tieshan", attach=True))
     assert document["telemetry"] is None
+
+
+def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: BenchRun, wrapped: BenchRun) -> None:
+    found, other = shown_telemetry(nominal.trace), shown_telemetry(wrapped.trace)
+    assert found is not None
+    assert other is not None
+    assert (found.happened, found.cycles) == ((), nominal.telemetry["cycles"]["ram"])
+    whole = nominal.telemetry["quantities"]
+    least = min(whole, key=lambda row: row["headroom_bits"])
+    assert found.least_headroom == Headroom(f"quantity {whole.index(least)}", least["headroom_bits"])
+    assert [row["index"] for row in found.quantities] == list(range(len(whole)))
+    assert other.happened == ("wrap",)
+    assert [row["index"] for row in other.quantities if row["wrapped"]] == [len(whole)]
+    assert other.sentence().endswith(", wrap, as CTL_STAT tells it")
 
 
 @pytest.mark.loop
@@ -251,6 +193,27 @@ def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path:
 
 
 @pytest.mark.loop
+def test_attached_run_takes_the_telemetry_from_the_record(
+    nominal: BenchRun, tmp_path: Path, socket_folder: Path
+) -> None:
+    bus = ("-i", "railhil", "-c", str(socket_folder / "hub.sock"))
+    started = [Started("bus", "hub", *bus[2:])]
+    wait_for((socket_folder / "hub.sock").exists)
+    started += [Started("node", role, "lvshun_tieshan", *bus) for role in ("plant", "controller")]
+    try:
+        done = railhil("run", "--attach", "--out", tmp_path / "run", "--quiet", *bus)
+        assert done.exit_code == FAIL, done.err
+    finally:
+        for process in started:
+            process.process.terminate()
+            process.finish()
+    found = json.loads((tmp_path / "run" / "score.json").read_text(encoding="utf-8"))["telemetry"]
+    assert (found["source"], found["cycles"]) == ("CTL_STAT", nominal.telemetry["cycles"]["ram"])
+    assert len(found["quantities"]) == len(nominal.telemetry["quantities"])
+    assert "no overflow, as CTL_STAT tells it" in done.out
+
+
+@pytest.mark.loop
 def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
     folder = tmp_path / "run"
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20")
@@ -272,9 +235,9 @@ def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
         lambda text: "[]",
         lambda text: "null",
         lambda text: "\ufffe",
-        lambda text: text.replace('"worst_step"', '"step"'),
+        lambda text: text.replace('"ram"', '"step"'),
         lambda text: text.replace('"share": ', '"share": 1e999, "was": '),
-        lambda text: text.replace('"worst_step": ', '"worst_step": 1e999, "was": '),
+        lambda text: text.replace('"ram": ', '"ram": 1e999, "was": '),
         lambda text: text.replace('"quantities": [', '"quantities": [7, '),
     ],
 )
@@ -310,7 +273,7 @@ def test_a_full_disk_costs_the_file_and_nothing_else(
     node = ControllerNode(lvshun, ControllerOptions())
     write_telemetry(node, tmp_path / "gone" / "telemetry.json")
     assert "is lost: no such file or directory" in capsys.readouterr().err
-    assert answer(node, NotchCmd) is not None
+    assert node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))
 
 
 @pytest.mark.parametrize(("place", "why"), [(".", "is a directory"), ("gone/x.json", "no such directory")])

@@ -26,6 +26,8 @@ from scenarios.perturb import perturbed
 
 #: The record goes on this long after the stop, so that it shows the standstill.
 AFTER_STOP_S = 1.0
+#: Polls of the last CTL_STAT until one is answered, in realtime or on a disturbed bus.
+LAST_STATUS_POLLS = 3
 #: No train brakes longer than this after its controller was lost.
 BRAKING_MAX_NS = 300_000_000_000
 
@@ -90,6 +92,8 @@ class PlantNode:
             (schedule.ticks(port.name), port) for port in (self._sup_port, self._notch_port, self._stat_port)
         ]
         self._controller_lost = ""
+        # Of the newest CTL_STAT in the record.
+        self._status_tick = -1
         self._appear_s = options.appear_s
         self._supervisor_heard_ns = 0
         # Of the current tick: a plant that has failed has no position any more.
@@ -161,9 +165,9 @@ class PlantNode:
                 stop_tick = plant.tick
             if self._ended is None:
                 if stop_tick is not None and plant.tick >= stop_tick + after_stop:
-                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_COMPLETE)
+                    self._end(Event.ENDED_COMPLETE)
                 elif stop_tick is None and self._overdue(last_tick):
-                    self._end(Event.ENDED_CONTROLLER_LOST if self._controller_silent() else Event.ENDED_NOT_STOPPED)
+                    self._end(Event.ENDED_NOT_STOPPED)
             try:
                 plant.advance()
             except PlantError:
@@ -219,7 +223,9 @@ class PlantNode:
         if not answered:
             return
         now_ns = self.plant.tick * self._tick_ns
-        if port is self._notch_port:
+        if port is self._stat_port:
+            self._status_tick = self.plant.tick
+        elif port is self._notch_port:
             command, _ = self._store.read(NotchCmd, now_ns)
             if command is not None and self.gate.accept(command):
                 self.plant.command(command.notch_256th, self.gate.emergency(command))
@@ -255,9 +261,21 @@ class PlantNode:
         self.administrator.publish(RunEvent(event, instant_01ms, self._position_01mm))
 
     def _end(self, event: Event) -> None:
-        """Publish the last event; the final poll tells that the supervisor has recorded everything."""
+        """Last status and last event; the final poll tells that the supervisor has recorded everything."""
+        if event is not Event.ENDED_REFUSED:
+            # Nodes that disagree may not speak the same wire.
+            self._last_status()
+        if event in (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED) and self._controller_silent():
+            event = Event.ENDED_CONTROLLER_LOST
         self._announce(event)
         self.administrator.poll(self._sup_port)
+
+    def _last_status(self) -> None:
+        """CTL_STAT of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
+        for _ in range(LAST_STATUS_POLLS):
+            if self._controller_lost or self._status_tick == self.plant.tick:
+                return
+            self._poll(self._stat_port)
 
 
 def run_plant(scenario: Scenario, options: PlantOptions, endpoint: Endpoint) -> int:

@@ -24,7 +24,7 @@ from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
 from supervisor.telemetry import FILE_NAME as TELEMETRY
-from supervisor.telemetry import TelemetrySummary, read_summary
+from supervisor.telemetry import ShownTelemetry, TelemetrySummary, read_summary, shown_telemetry
 from supervisor.timing import Jitter, jitter_of, write_wall_times
 from supervisor.trace import Trace, trace_of
 
@@ -76,8 +76,8 @@ class RunResult:
     first_frame_s: float
     transport: str
     jitter: Jitter | None
-    #: What the controller has said about its arithmetic; None when it was started elsewhere or left nothing.
-    telemetry: TelemetrySummary | None = None
+    #: What the controller has said about its arithmetic, in its file or else on the bus; None without a word.
+    telemetry: TelemetrySummary | ShownTelemetry | None = None
     counters: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -286,7 +286,7 @@ class Run:
             transport=self.choice.transport,
             jitter=jitter,
             # All nodes have ended by now.
-            telemetry=read_summary(self.folder),
+            telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
             counters=counters,
         )
 
