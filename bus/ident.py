@@ -31,6 +31,7 @@ PROFILES = {
     "float32-truncated": "truncated",
 }
 INDEXINGS = ("none", "time", "distance")
+_LAW_MAX = 0xFFF
 PACES = ("none", "lockstep", "realtime")
 
 
@@ -117,8 +118,10 @@ _CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlI
 
 
 def law_code(controller: str) -> int:
-    """16-bit code of a controller's name (low half of its CRC-32), 0 for the empty name."""
-    return zlib.crc32(controller.encode()) & 0xFFF if controller else 0
+    """12-bit code of a controller's name: the low bits of its CRC-32, 4095 for 0; 0 for the empty name (not known)."""
+    if not controller:
+        return 0
+    return zlib.crc32(controller.encode()) & _LAW_MAX or _LAW_MAX
 
 
 def make_ident(

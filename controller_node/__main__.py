@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import gc
+import signal
 import sys
 from pathlib import Path
 
@@ -58,6 +59,8 @@ def main() -> int:
     finally:
         # Also when the run ended early: what was measured until then is evidence.
         if namespace.telemetry is not None:
+            # When a node is lost the supervisor ends the others, also one that has noticed and is writing by now.
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)
             write_telemetry(node, namespace.telemetry)
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from bus import wholefile
 from bus.ident import PROFILES
 from controller_node.node import ControllerNode
 from controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
@@ -65,15 +65,11 @@ def check_writable(path: Path) -> None:
 
     :raises InputError: the file cannot be made there.
     """
-    why = ""
-    if path.is_dir():
-        why = "is a directory"
-    elif not path.parent.is_dir():
-        why = "no such directory"
-    elif not os.access(path.parent, os.W_OK):
-        why = "permission denied"
-    if why:
-        raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})")
+    try:
+        wholefile.check_writable(path)
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})") from None
 
 
 def write_telemetry(node: ControllerNode, path: Path) -> None:
@@ -81,11 +77,9 @@ def write_telemetry(node: ControllerNode, path: Path) -> None:
 
     A disk that is full by now costs the file and gives a line on stderr: the run itself was sound.
     """
-    draft = path.with_suffix(".part")
+    text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
     try:
-        draft.write_text(json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        draft.replace(path)
+        with wholefile.whole_file(path) as draft:
+            draft.write_text(text, encoding="utf-8")
     except OSError as error:
         print(f"controller: telemetry {path} is lost: {(error.strerror or str(error)).lower()}", file=sys.stderr)
-    finally:
-        draft.unlink(missing_ok=True)

@@ -6,6 +6,7 @@ import multiprocessing
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from controller_node.arithmetic.base import Counters
 from hil_tests.bench import direct_run
 from scenarios.model import Scenario
 from supervisor.score import Score
@@ -29,15 +30,25 @@ class Job:
     indexing: str
 
 
-def _score(job: Job) -> Score:
-    return direct_run(
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a perturbed run gives: its score, and what went wrong in the law's arithmetic."""
+
+    score: Score
+    arithmetic: Counters
+
+
+def _outcome(job: Job) -> Outcome:
+    run = direct_run(
         job.scenario,
         seed=job.seed,
         drawn=True,
         controller=job.controller,
         arithmetic=job.arithmetic,
         indexing=job.indexing,
-    ).score
+    )
+    assert run.arithmetic is not None
+    return Outcome(run.score, run.arithmetic)
 
 
 def jobs(
@@ -47,10 +58,15 @@ def jobs(
     return [Job(scenario, FIRST_SEED + i, controller, arithmetic, indexing) for i in range(runs)]
 
 
-def scores(work: Sequence[Job], processes: int | None = None) -> Iterator[Score]:
-    """Scores of the jobs in their order, each as soon as it is there.
+def outcomes(work: Sequence[Job], processes: int | None = None) -> Iterator[Outcome]:
+    """Outcomes of the jobs in their order, each as soon as it is there.
 
     :param processes: default: one per processor.
     """
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
-        yield from pool.imap(_score, work, chunksize=_CHUNK)
+        yield from pool.imap(_outcome, work, chunksize=_CHUNK)
+
+
+def scores(work: Sequence[Job], processes: int | None = None) -> Iterator[Score]:
+    """Only the scores of :func:`outcomes`."""
+    return (outcome.score for outcome in outcomes(work, processes))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from io import StringIO
 from types import SimpleNamespace
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from controller_node.arithmetic import make
-from controller_node.arithmetic.base import Arithmetic, Constant
+from controller_node.arithmetic.base import Arithmetic, Constant, Counters
 from controller_node.cost import cost_of
 from controller_node.program.model import Quantity, Value
 from controller_node.program.record import record
@@ -22,7 +23,10 @@ from hil_tests.audit.floor import floored
 from hil_tests.audit.result import Options, audit, bars
 from hil_tests.audit.shadow import QuantityError, ShadowRun, compare_codes, errors, shadow_run
 from hil_tests.audit.standstill import standstill
+from hil_tests.audit.tables import show
+from hil_tests.perturbed_runs import Outcome
 from scenarios.load import load
+from supervisor.cli.output import Output
 
 FULL = load("lvshun_tieshan")
 IQ: Any = type(make("iq"))
@@ -228,13 +232,14 @@ def test_effect_runs_the_same_draws_in_both(short):
         progress=lambda: calls.append(None),
     )
     assert len(calls) == 4
-    assert [one.score for one in found] == ["itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"]
-    for one in found:
+    assert found.counters == Counters()
+    assert [one.score for one in found.scores] == ["itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"]
+    for one in found.scores:
         assert (one.difference, one.largest_single, one.missing) == (0.0, 0.0, 0)
         assert one.met
-    allowed = {one.score: one.allowed for one in found}
+    allowed = {one.score: one.allowed for one in found.scores}
     assert allowed["stop_error_m"] == allowed["punctuality_s"] == 0.01
-    assert allowed["itae"] == pytest.approx(0.01 * found[0].reference)
+    assert allowed["itae"] == pytest.approx(0.01 * found.scores[0].reference)
 
 
 def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
@@ -244,15 +249,36 @@ def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
         for job in jobs:
             i, fixed = job.seed - 1000, job.arithmetic == "iq"
             stop = None if fixed and i == 2 else 0.1
-            yield replace(sound.run.score, itae=12.0 - i if fixed else 10.0, stop_error_m=stop)
+            score = replace(sound.run.score, itae=12.0 - i if fixed else 10.0, stop_error_m=stop)
+            yield Outcome(score, Counters(i, 10 * i, 100 * i) if fixed else Counters(7, 7, 7))
 
-    monkeypatch.setattr("hil_tests.audit.effect.scores", made)
-    found = {one.score: one for one in effect(short, 3, controller="ipfc", arithmetic="iq", indexing="time")}
+    monkeypatch.setattr("hil_tests.audit.effect.outcomes", made)
+    over_runs = effect(short, 3, controller="ipfc", arithmetic="iq", indexing="time")
+    assert over_runs.counters == Counters(3, 30, 300)
+    found = {one.score: one for one in over_runs.scores}
     itae = found["itae"]
     assert (itae.audited, itae.reference, itae.difference, itae.largest_single) == (11.0, 10.0, 1.0, 2.0)
     assert not itae.met
     assert (found["stop_error_m"].missing, found["stop_error_m"].difference) == (1, 0.0)
     assert found["energy_kj"].met
+
+
+def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(monkeypatch, short, sound):
+    def made(jobs, processes):
+        return (Outcome(sound.run.score, Counters(job.seed == 1001, 5, 2 * (job.seed == 1000))) for job in jobs)
+
+    monkeypatch.setattr("hil_tests.audit.effect.outcomes", made)
+    result = audit(short, Options(runs=2))
+    found = {bar.name: (bar.found, bar.met) for bar in result.bars}
+    assert found["wraps in the run"] == ("0", True)
+    assert found["wraps in the perturbed runs"] == ("1", False)
+    assert found["divisions by zero in the perturbed runs"] == ("2", False)
+    assert not result.met
+    assert document(result)["effect_counters"] == {"wraps": 1, "saturations": 10, "zero_divisions": 2}
+    out = StringIO()
+    monkeypatch.setattr("sys.stdout", out)
+    show(Output(), result)
+    assert "iq in all of them: 1 wraps, 10 saturations, 2 divisions by zero" in out.getvalue()
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])

@@ -28,6 +28,7 @@ KEYS = {
     "floor",
     "scores",
     "effect",
+    "effect_counters",
     "standstill",
     "cost",
     "coarse_constants",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import zlib
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -108,6 +109,12 @@ def test_pace_differs_between_plant_and_supervisor_only() -> None:
 def test_codes_fit_their_signals() -> None:
     assert law_code("") == 0
     assert len({law_code(name) for name in ("ipfc", "pid", "ngpc", "ilc")}) == 4
+    assert law_code("ipfc") == zlib.crc32(b"ipfc") % 4096
+    # A name whose code would say "does not know" is compared like any other.
+    assert zlib.crc32(b"law5109") % 4096 == 0
+    other, ipfc = (make_ident(Role.CONTROLLER, "f" * 64, controller=name) for name in ("law5109", "ipfc"))
+    assert CtlIdent.decode(other.encode()) == other
+    assert len(make_ident(Role.SUPERVISOR, "f" * 64, controller="law5109").differences(ipfc)) == 1
     for arithmetic in ARITHMETICS:
         for indexing in INDEXINGS:
             ident = make_ident(Role.CONTROLLER, "f" * 64, arithmetic=arithmetic, indexing=indexing)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import signal
@@ -28,7 +29,7 @@ from supervisor import cli
 from supervisor import run as supervisor_run
 from supervisor.cli import outside
 from supervisor.folder import run_folder
-from supervisor.framelog import log_line
+from supervisor.framelog import log_line, sha256_of
 from supervisor.run import Run, RunOptions
 from supervisor.session import Session
 
@@ -335,9 +336,32 @@ def test_certificates_that_do_not_help(here, tmp_path):
             path.write_bytes(text.encode("latin-1"))
         assert words in complaint(here("score", tmp_path))
     # With the scenario named, a broken certificate is of no importance; the record itself is incomplete.
-    done = here("score", tmp_path, "--scenario", "lvshun_tieshan")
-    assert (done.exit_code, done.out) == (3, "INVALID: run record_incomplete\n")
+    for text in (path.read_text(), "[]", '{"scenario": "lvs'):
+        path.write_text(text)
+        done = here("score", tmp_path, "--scenario", "lvshun_tieshan")
+        assert (done.exit_code, done.out) == (3, "INVALID: run record_incomplete\n")
     assert "SIM_TRUTH: found 0" in complaint(here("plot", tmp_path, "--scenario", "lvshun_tieshan"))
+
+
+@pytest.mark.parametrize("named", [(), ("--scenario", "lvshun_tieshan")])
+@pytest.mark.parametrize(
+    ("line", "shown"),
+    [
+        (
+            "plant lost at simulation time 3.20 s: killed by SIGKILL",
+            "; plant lost at simulation time 3.20 s: killed by ",
+        ),
+        # What the log says as well is said once.
+        ("run record_incomplete", "\n"),
+    ],
+)
+def test_score_of_a_killed_run_says_what_killed_it(here, tmp_path, named, line, shown):
+    log = log_of(tmp_path, ident_frames())
+    document = {"scenario": "lvshun_tieshan", "verdict": "INVALID", "line": line, "frames_sha256": sha256_of(log)}
+    (tmp_path / "certificate.json").write_text(json.dumps(document))
+    done = here("score", tmp_path, *named)
+    assert done.exit_code == 3
+    assert done.out.startswith(f"INVALID: run record_incomplete{shown}")
 
 
 # -- the DBC ----------------------------------------------------------------------------------------------------------

@@ -70,6 +70,19 @@ def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, tmp_path):
     done = railhil("score", tmp_path, "--json")
     assert (done.exit_code, done.json["verdict"], done.json["line"]) == (3, "INVALID", "timing: too late")
     assert done.json["scores"] == document["scores"]
+    assert railhil("score", tmp_path, "--scenario", "lvshun_tieshan", "--json").json == done.json
+
+
+@pytest.mark.loop
+def test_a_certificate_of_another_log_says_nothing_about_this_one(json_run, tmp_path):
+    folder, document, _ = json_run
+    (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
+    certificate = strict_json(folder / "certificate.json")
+    other = certificate | {"verdict": "INVALID", "line": "timing: too late", "frames_sha256": "00"}
+    (tmp_path / "certificate.json").write_text(json.dumps(other))
+    done = railhil("score", tmp_path, "--scenario", "lvshun_tieshan", "--json")
+    assert done.json["verdict"] == document["verdict"]
+    assert done.exit_code == {"PASS": 0, "FAIL": 1}[document["verdict"]]
 
 
 @pytest.mark.loop

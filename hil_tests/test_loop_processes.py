@@ -145,7 +145,9 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
     assert not [child for child in others if child.is_running() and child.status() != psutil.STATUS_ZOMBIE]
     frames = list(read_log(log))
     assert len(frames) > 5000
-    assert railhil("score", folder).exit_code == 3
+    scored = railhil("score", folder)
+    assert scored.exit_code == 3
+    assert f"{role} lost at simulation time" in scored.out
 
 
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):

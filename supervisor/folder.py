@@ -18,6 +18,7 @@ import numpy as np
 from bus.exitcodes import TOOL_ERROR
 from bus.ident import PROFILES
 from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from bus.wholefile import whole_file
 from dbc import wire_contract
 from scenarios.errors import InputError
 from scenarios.model import Scenario
@@ -250,9 +251,8 @@ def write_signals(trace: Trace, path: Path) -> None:
 
 def write_json(path: Path, document: dict[str, Any]) -> None:
     """Write a JSON document whole or not at all."""
-    draft = path.with_suffix(".part")
-    draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
-    draft.replace(path)
+    with whole_file(path) as draft:
+        draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
 
 
 def write_folder(
@@ -279,7 +279,6 @@ def write_folder(
 def _discard_results(folder: Path) -> None:
     for name in _DERIVED:
         (folder / name).unlink(missing_ok=True)
-        (folder / name).with_suffix(".part").unlink(missing_ok=True)
 
 
 def record_failed(folder: Path, error: OSError) -> RecordFailed:

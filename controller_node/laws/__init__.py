@@ -19,15 +19,20 @@ def names() -> list[str]:
 def load(name: str) -> type[Law[Any, Any]]:
     """Class of the law of that name.
 
-    Raises :class:`~scenarios.errors.InputError` (one line, with the names there are) for an unknown name or an
-    entry point that is no law.
+    Raises :class:`~scenarios.errors.InputError` (one line, with the names there are) for an unknown name, or an entry
+    point that cannot be imported or is no law.
     """
     found = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name not in found:
         nearest = nearest_key(name, sorted(found))
         hint = f"did you mean {nearest}?" if nearest else None
         raise InputError("controller", "name", name, f"one of {', '.join(sorted(found))}", hint)
-    law = found[name].load()
+    try:
+        law = found[name].load()
+    except Exception as error:
+        # Code that somebody plugs in may raise anything.
+        cause = f"{type(error).__name__}: {error}"
+        raise InputError("controller", name, found[name].value, "an entry point that can be imported", cause) from error
     if not (isinstance(law, type) and issubclass(law, Law)):
         raise InputError("controller", name, found[name].value, f"an entry point in {GROUP} naming a subclass of Law")
     return law

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
@@ -12,6 +14,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from bus.exitcodes import FAIL, PASS, guarded
 from bus.usage import SEED_MAX, OneLineParser, parse, whole_number
+from bus.wholefile import check_writable, whole_file
 from controller_node.arithmetic import names as arithmetics
 from controller_node.laws import names as laws
 from controller_node.setpoint import INDEXINGS
@@ -63,31 +66,14 @@ def arguments() -> argparse.ArgumentParser:
     return parser
 
 
-def _write(path: Path, text: str) -> None:
-    """Write the file whole or not at all."""
-    draft = path.with_name(f".part-{path.name}")
+@contextmanager
+def _complaining(path: Path) -> Iterator[None]:
+    """A file that cannot be written is bad input."""
     try:
-        draft.write_text(text, encoding="utf-8")
-        draft.replace(path)
+        yield
     except OSError as error:
-        draft.unlink(missing_ok=True)
-        raise _unwritable(path, error.strerror or str(error)) from None
-
-
-def _unwritable(path: Path, why: str) -> InputError:
-    return InputError("command line", "--json", str(path), f"a file that can be written ({why.lower()})")
-
-
-def _check_writable(path: Path) -> None:
-    """Complain before the work, not after it."""
-    if path.is_dir():
-        raise _unwritable(path, "is a directory")
-    draft = path.with_name(f".part-{path.name}")
-    try:
-        draft.touch()
-        draft.unlink()
-    except OSError as error:
-        raise _unwritable(path, error.strerror or str(error)) from None
+        why = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
 
 
 def main() -> int:
@@ -97,7 +83,9 @@ def main() -> int:
     scenario = load(namespace.scenario)
     file = None if namespace.json is None else Path(namespace.json)
     if file is not None:
-        _check_writable(file)
+        # Before the work, not after it.
+        with _complaining(file):
+            check_writable(file)
     options = Options(
         namespace.controller,
         namespace.arithmetic,
@@ -113,7 +101,9 @@ def main() -> int:
         result = audit(scenario, options, lambda: bar.advance(task))
     show(Output(), result)
     if file is not None:
-        _write(file, json.dumps(document(result), indent=2, allow_nan=False) + "\n")
+        text = json.dumps(document(result), indent=2, allow_nan=False) + "\n"
+        with _complaining(file), whole_file(file) as draft:
+            draft.write_text(text, encoding="utf-8")
     return PASS if result.met else FAIL
 
 

@@ -44,10 +44,10 @@ def _floor(floor: Floor | None) -> dict[str, Any] | None:
 def document(result: Result) -> dict[str, Any]:
     """What ``--json`` writes: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
 
-    Notch codes are 1/256 notch. ``effect`` is empty, ``bounds`` and ``floor`` are null where there is nothing to look
-    at.
+    Notch codes are 1/256 notch. ``effect`` is empty, ``effect_counters`` (audited arithmetic, all runs), ``bounds`` and
+    ``floor`` are null where there is nothing to look at.
     """
-    options, cost = result.options, result.cost
+    options, cost, effect = result.options, result.cost, result.effect
     return {
         "scenario": result.scenario.name,
         "scenario_sha256": result.scenario.sha256,
@@ -64,7 +64,10 @@ def document(result: Result) -> dict[str, Any]:
         "notch": _codes(result.codes),
         "floor": _floor(result.floor),
         "scores": {options.arithmetic: _scores(result.score), "float64": _scores(result.reference_score)},
-        "effect": [asdict(one) | {"difference": one.difference, "met": one.met} for one in result.effects],
+        "effect": [asdict(one) | {"difference": one.difference, "met": one.met} for one in effect.scores]
+        if effect
+        else [],
+        "effect_counters": asdict(effect.counters) if effect else None,
         "standstill": asdict(result.standstill),
         "cost": asdict(cost)
         | {

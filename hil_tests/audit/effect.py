@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
 
-from hil_tests.perturbed_runs import SCORES, jobs, scores
+from controller_node.arithmetic.base import Counters
+from hil_tests.perturbed_runs import SCORES, jobs, outcomes
 from scenarios.model import Scenario
 from supervisor.score import Score
 
@@ -42,6 +43,14 @@ class ScoreEffect:
         return not self.missing and (self.difference is None or abs(self.difference) <= self.allowed)
 
 
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """Effect on each score, and what went wrong in the audited arithmetic, summed over its runs."""
+
+    scores: list[ScoreEffect]
+    counters: Counters
+
+
 def _effect(name: str, audited: list[Score], reference: list[Score]) -> ScoreEffect:
     pairs = [(getattr(a, name), getattr(b, name)) for a, b in zip(audited, reference, strict=True)]
     ours, theirs = [a for a, _ in pairs if a is not None], [b for _, b in pairs if b is not None]
@@ -66,7 +75,7 @@ def effect(
     indexing: str,
     processes: int | None = None,
     progress: Callable[[], None] = lambda: None,
-) -> list[ScoreEffect]:
+) -> Effect:
     """Run ``runs`` draws twice and compare their scores.
 
     :param progress: called after each run.
@@ -76,8 +85,13 @@ def effect(
         for name in (arithmetic, "float64")
         for job in jobs(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
     ]
-    found = []
-    for score in scores(work, processes):
-        found.append(score)
+    found: list[Score] = []
+    counters = Counters()
+    for i, outcome in enumerate(outcomes(work, processes)):
+        found.append(outcome.score)
+        if i < runs:
+            counters.wraps += outcome.arithmetic.wraps
+            counters.saturations += outcome.arithmetic.saturations
+            counters.zero_divisions += outcome.arithmetic.zero_divisions
         progress()
-    return [_effect(name, found[:runs], found[runs:]) for name in SCORES]
+    return Effect([_effect(name, found[:runs], found[runs:]) for name in SCORES], counters)

@@ -13,7 +13,7 @@ from controller_node.laws.table import coarse
 from controller_node.program.record import record
 from controller_node.telemetry import QuantityTelemetry
 from hil_tests.audit.bounds import Bounds, bounds_of
-from hil_tests.audit.effect import ScoreEffect, effect
+from hil_tests.audit.effect import Effect, effect
 from hil_tests.audit.floor import floored
 from hil_tests.audit.shadow import Codes, QuantityError, ShadowRun, Watched, compare_codes, errors, shadow_run
 from hil_tests.audit.standstill import Standstill, standstill
@@ -59,7 +59,8 @@ class Floor:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Everything that an audit found; ``bounds`` and ``floor`` are None for an arithmetic without formats."""
+    """Everything that an audit found; ``bounds`` and ``floor`` are None for an arithmetic without formats,
+    ``effect`` without perturbed runs."""
 
     scenario: Scenario
     options: Options
@@ -70,7 +71,7 @@ class Result:
     floor: Floor | None
     score: Score
     reference_score: Score
-    effects: list[ScoreEffect]
+    effect: Effect | None
     standstill: Standstill
     cost: Cost
     coarse_constants: tuple[Constant, ...]
@@ -118,7 +119,7 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
     still = standstill(scenario, law, fresh(), fresh())
     program = record(scenario, law, indexing, wide=True) if wide else formats
     price = cost_of(program, fresh(), scenario.timing.control_period_ns)
-    effects = (
+    over_runs = (
         effect(
             scenario,
             options.runs,
@@ -129,7 +130,7 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
             progress=progress,
         )
         if options.runs
-        else []
+        else None
     )
     bounds = None if wide else bounds_of(formats, shadow.audited.loop.law)
     return Result(
@@ -142,11 +143,11 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
         floor,
         shadow.run.score,
         driven(make("float64")),
-        effects,
+        over_runs,
         still,
         price,
         () if wide else coarse(shadow.audited.loop.law.constants),
-        bars(shadow, still, price, effects, bounds),
+        bars(shadow, still, price, over_runs, bounds),
     )
 
 
@@ -154,7 +155,7 @@ def bars(
     shadow: ShadowRun,
     still: Standstill,
     price: Cost,
-    effects: Sequence[ScoreEffect] = (),
+    over_runs: Effect | None = None,
     bounds: Bounds | None = None,
 ) -> list[Bar]:
     """Hold the findings against what is demanded."""
@@ -200,7 +201,14 @@ def bars(
             1,
             Bar("operations that may wrap for a reading on the wire", f"{bounds.may_wrap}", "0", not bounds.may_wrap),
         )
-    for one in effects:
+    if over_runs is None:
+        return found
+    counters = over_runs.counters
+    found += [
+        Bar("wraps in the perturbed runs", f"{counters.wraps}", "0", not counters.wraps),
+        Bar("divisions by zero in the perturbed runs", f"{counters.zero_divisions}", "0", not counters.zero_divisions),
+    ]
+    for one in over_runs.scores:
         shown = "no run has it" if one.difference is None else f"{one.difference:+.4g} {one.unit}"
         if one.missing:
             shown += f", {one.missing} runs stop in one arithmetic only"

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from controller_node.laws.table import COARSE
 from controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
+from hil_tests.audit.effect import Effect
 from hil_tests.audit.result import Floor, Result
 from hil_tests.audit.shadow import QuantityError
 from hil_tests.perturbed_runs import SCORES
@@ -118,13 +119,13 @@ def _scores(result: Result) -> Table:
     return made
 
 
-def _effects(result: Result) -> Table:
+def _effects(result: Result, effect: Effect) -> Table:
     made = _columns(
         f"Medians of {result.options.runs} perturbed runs, same draws",
         ("score", "unit"),
         (result.options.arithmetic, "float64", "difference", "allowed", "largest of one run"),
     )
-    for one in result.effects:
+    for one in effect.scores:
         made.add_row(
             one.score,
             one.unit,
@@ -202,8 +203,13 @@ def show(out: Output, result: Result) -> None:
         out.print()
     out.print(_scores(result))
     out.print()
-    if result.effects:
-        out.print(_effects(result))
+    if result.effect is not None:
+        counters = result.effect.counters
+        out.print(_effects(result, result.effect))
+        out.print(
+            f"{result.options.arithmetic} in all of them: {counters.wraps} wraps, {counters.saturations} saturations, "
+            f"{counters.zero_divisions} divisions by zero"
+        )
         out.print()
     _say_cost(out, result)
     out.print(_bars(result))

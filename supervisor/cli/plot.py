@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from bus.telegrams import SimTruth
+from bus.wholefile import whole_file
 from scenarios.errors import InputError, Words
 from supervisor.cli.output import Output
 from supervisor.cli.record import checked_record
@@ -37,12 +38,10 @@ def work(namespace: argparse.Namespace) -> int:
     out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
     if out.suffix not in _SUFFIXES:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
-    draft = out.with_name(f".part-{out.name}")
     try:
-        draw(record.scenario, record.trace, draft)
-        draft.replace(out)
+        with whole_file(out) as draft:
+            draw(record.scenario, record.trace, draft)
     except OSError as error:
-        draft.unlink(missing_ok=True)
         allowed = f"a file that can be written ({(error.strerror or str(error)).lower()})"
         raise InputError("command line", "--out", str(out), allowed) from None
     Output().say(str(out))

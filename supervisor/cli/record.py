@@ -82,18 +82,23 @@ def checked_record(text: str, name: str | None) -> Record:
     is not the one that was certified.
 
     :param text: log or run folder.
-    :param name: scenario when the user names one; the certificate is then left aside.
+    :param name: scenario when the user names one; a certificate that is broken or not of this log is then left aside.
     :raises InputError: one line for the first thing that does not fit.
     """
     log = log_path(text)
     scenario = _recorded_scenario(log, name)
     trace = _trace(log, scenario)
-    if name is not None:
-        return Record(log, scenario, trace)
-    document = _certificate(log) or {}
+    try:
+        document = _certificate(log) or {}
+    except InputError:
+        if name is None:
+            raise
+        document = {}
     wanted, found = document.get("frames_sha256"), sha256_of(log)
     if wanted != found:
-        raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
+        if name is None:
+            raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
+        document = {}
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
     return Record(log, scenario, trace, invalid)
 

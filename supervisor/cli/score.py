@@ -25,9 +25,10 @@ def work(namespace: argparse.Namespace) -> int:
     record = checked_record(namespace.log, namespace.scenario)
     found = score(record.scenario, record.trace)
     verdict, line = found.verdict, "; ".join(found.failures)
-    if record.invalid and verdict in ("PASS", "FAIL"):
-        # The log is whole and gives numbers, but what made the run INVALID (its timing) does not stand in the log.
-        verdict, line = "INVALID", record.invalid
+    if record.invalid:
+        # What made the run INVALID (its timing, a node that was killed) need not stand in the log.
+        own = (line,) if verdict == "INVALID" else ()
+        verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
         print_json({**found.as_json(), "verdict": verdict, "line": line})
     else:
