@@ -92,11 +92,6 @@ def master_tail(f_code: int, address: int) -> bytes:
     return word + bytes([check_sequence(word)])
 
 
-def block_length(f_code: int) -> int:
-    """Bytes per checked block: 2 for F0, 4 for F1, 8 for longer telegrams."""
-    return 2 << f_code if f_code < 2 else 8
-
-
 def slave_frame(data: bytes) -> bytes:
     """The slave frame as it stands on a real MVB: each block followed by its check octet.
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bus.frame import Frame
-from bus.ident import CtlIdent, Ident, PltIdent, SupIdent
+from bus.ident import Ident
 from bus.store import TrafficStore
 from dbc import wire_contract
 
@@ -71,9 +71,6 @@ class Trace:
         """First handshake telegram of a node, None when it is not in the record."""
         data = self._data.get(telegram.PORT)
         return telegram.decode(bytes(data[:16])) if data else None
-
-
-IDENTS: tuple[type[Ident], ...] = (PltIdent, CtlIdent, SupIdent)
 
 
 def trace_of(frames: Iterable[tuple[int, Frame]]) -> Trace:
