@@ -19,6 +19,7 @@ from controller_node.laws import names
 from controller_node.node import ControllerNode, ControllerOptions, run_controller
 from controller_node.telemetry_file import check_writable, write_telemetry
 from scenarios.load import load
+from scenarios.parameters import load_parameters
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -28,6 +29,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
     add_task_argument(parser)
     add_bus_arguments(parser)
@@ -49,6 +51,7 @@ def main() -> int:
         choice.fd,
         task_period_ms=namespace.task_period_ms,
         bit_rate=getattr(namespace, "bitrate", None),
+        parameters=None if namespace.parameters is None else load_parameters(namespace.parameters),
     )
     node = ControllerNode(scenario, options)
     link = open_link(choice.config)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Arithmetic, Counters
 from controller_node.cost import Cost, cost_of
-from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
-from controller_node.loop import ControlLoop
+from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
+from controller_node.loop import NO_BALISE, ControlLoop
 from controller_node.program.record import record
 from controller_node.telemetry import Telemetry
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 
 #: UNIPOLAR2.16 of CTL_STAT: 1/16384.
 _UNIPOLAR2_Q = 14
@@ -53,11 +54,11 @@ class BatchOutput:
 
 
 def _watched(
-    scenario: Scenario, law: str, arithmetic: Arithmetic[Any], indexing: str
+    scenario: Scenario, law: str, arithmetic: Arithmetic[Any], indexing: str, parameters: ParameterSet | None
 ) -> tuple[ControlLoop[Any], Telemetry, Cost]:
     """A control loop whose arithmetic notes its quantities, what takes them, and what a step costs."""
-    loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing)
-    program = record(scenario, law, indexing, wide=arithmetic.wide)
+    loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing, parameters)
+    program = record(scenario, law, indexing, wide=arithmetic.wide, parameters=parameters)
     # From here on: the constants of the law are made by now.
     arithmetic.noted = []
     return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)
@@ -72,24 +73,35 @@ class Controller:
     :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
         another of :func:`~controller_node.arithmetic.names`.
     :param indexing: set-points by ``time`` or by ``distance``.
-    :raises scenarios.errors.InputError: one of the names is unknown.
+    :param parameters: of the law; None: its own.
+    :raises scenarios.errors.InputError: one of the names is unknown, or the parameters are not those of the law.
     """
 
-    def __init__(self, scenario: Scenario, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time") -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: str = "ipfc",
+        arithmetic: str = "iq",
+        indexing: str = "time",
+        parameters: ParameterSet | None = None,
+    ) -> None:
         number = make(arithmetic)
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing, parameters)
         self._number = number
         self._code: int | None = None
 
-    def step(self, k: int, speed_01mmps: int, position_01mm: int) -> ControlOutput:
+    def step(
+        self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int] = NO_BALISE
+    ) -> ControlOutput:
         """One control period.
 
         :param k: number of the control period; it may start above 0 and skip.
         :param speed_01mmps: measured speed in 0.1 mm/s.
-        :param position_01mm: measured position in 0.1 mm from the start of the run (used by the distance indexing).
+        :param position_01mm: measured position in 0.1 mm from the start of the run (the odometer).
+        :param balise: the last balise passed.
         """
         number = self._number
-        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
+        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         self._code = code = number.raw(outputs.notch, NOTCH_Q)
         error = number.sub(inputs.set_point, inputs.speed)
         self.telemetry.take(number)
@@ -128,16 +140,28 @@ class BatchController:
     """
 
     def __init__(
-        self, scenario: Scenario, trains: int, law: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
+        self,
+        scenario: Scenario,
+        trains: int,
+        law: str = "ipfc",
+        arithmetic: str = "iq",
+        indexing: str = "time",
+        parameters: ParameterSet | None = None,
     ) -> None:
         self._number = make(arithmetic, batch=True)
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number, indexing)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number, indexing, parameters)
         self._trains = trains
 
-    def step(self, k: int, speed_01mmps: NDArray[np.int64], position_01mm: NDArray[np.int64]) -> BatchOutput:
+    def step(
+        self,
+        k: int,
+        speed_01mmps: NDArray[np.int64],
+        position_01mm: NDArray[np.int64],
+        balise: BaliseReading[Any] = NO_BALISE,
+    ) -> BatchOutput:
         """One control period of all trains; arguments as :meth:`Controller.step`, arrays of shape (N,)."""
         number = self._number
-        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm)
+        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         softening = self._raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q)
         satisfaction = self._raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q)
         error = number.sub(inputs.set_point, inputs.speed)

@@ -6,10 +6,12 @@ from typing import Any, Generic
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
 from controller_node.laws import load
-from controller_node.laws.base import SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.setpoint import SetPoints
+from controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
+from controller_node.laws.parameters import law_parameters
+from controller_node.setpoint import INDEXINGS, SetPoints
 from scenarios.errors import InputError, Words
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 
 #: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
@@ -19,15 +21,25 @@ _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
 POSITION_MAX_01MM = 2_000_000_000
 
 
+def limited_01mm(position_mm: int) -> int:
+    """A position from the wire as the law is given it."""
+    return min(max(position_mm * 10, -POSITION_MAX_01MM), POSITION_MAX_01MM)
+
+
+#: Before the first balise.
+NO_BALISE: BaliseReading[int] = BaliseReading(0, 0, 0)
+
+
 def _made(
-    kind: type[Law[T, Any]], name: str, arithmetic: Arithmetic[T], period_s: float, notch_max: float
+    kind: type[Law[T, Any]], name: str, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any
 ) -> Law[T, Any]:
     """The law; whatever its constructor raises is one line about a law that does not fit."""
     try:
-        return kind(arithmetic, period_s, notch_max)
+        return kind(arithmetic, scenario, parameters)
     except InputError:
         raise
     except Exception as error:
+        period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         allowed = f"a law that can be made for {period_s:g} s and {notch_max:g} notches"
         cause = f"{type(error).__name__}: {error}"
         raise InputError("controller", name, Words("a law that fails at its start"), allowed, cause) from error
@@ -36,28 +48,49 @@ def _made(
 class ControlLoop(Generic[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 
-    :raises scenarios.errors.InputError: an unknown law or indexing, or a law that cannot be made for this scenario.
+    :param parameters: of the law, from a file; None: the law's defaults.
+    :raises scenarios.errors.InputError: an unknown law or indexing, a law that cannot be made for this scenario or
+        does not work with this indexing, parameters that are not those of the law.
     """
 
-    def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[T], indexing: str) -> None:
-        period_s = scenario.timing.control_period_ns / 1e9
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: str,
+        arithmetic: Arithmetic[T],
+        indexing: str,
+        parameters: ParameterSet | None = None,
+    ) -> None:
         self.arithmetic = arithmetic
-        self.law: Law[T, Any] = _made(load(law), law, arithmetic, period_s, scenario.train.notch_max)
+        kind = load(law)
+        if indexing in INDEXINGS and indexing not in kind.indexings:
+            raise InputError("indexing", law, indexing, f"{' or '.join(kind.indexings)} with this law")
+        given = law_parameters(law, kind, parameters)
+        self.law: Law[T, Any] = _made(kind, law, arithmetic, scenario, given)
         self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
         self.state: Any = None
 
-    def inputs(self, k: Any, speed_01mmps: Any, position_01mm: Any) -> LawInputs[T]:
+    def inputs(
+        self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
+    ) -> LawInputs[T]:
         """Wire values (whole numbers) and set-points as the law takes them."""
         ar = self.arithmetic
         product = ar.mpy(ar.from_raw(speed_01mmps, 0), self._kmh, _KMH_PER_01MMPS.q - SPEED_Q)
         speed = ar.note("speed", product, SPEED_Q, "km/h")
-        set_point, preview = self.set_points.at(k, ar.from_raw(position_01mm, 0))
-        return LawInputs(speed, ar.note("set_point", set_point, SPEED_Q, "km/h"), preview)
+        position = ar.from_raw(position_01mm, 0)
+        set_point, preview = self.set_points.at(k, position)
+        set_point = ar.note("set_point", set_point, SPEED_Q, "km/h")
+        if not self.law.track:
+            return LawInputs(speed, set_point, preview)
+        reading = BaliseReading(*(ar.from_raw(value, 0) for value in balise))
+        return LawInputs(speed, set_point, preview, TrackInputs(k, position, reading))
 
-    def step(self, k: Any, speed_01mmps: Any, position_01mm: Any) -> tuple[LawInputs[T], LawOutputs[T]]:
+    def step(
+        self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
+    ) -> tuple[LawInputs[T], LawOutputs[T]]:
         """One control period; the first one also makes the law's state."""
-        inputs = self.inputs(k, speed_01mmps, position_01mm)
+        inputs = self.inputs(k, speed_01mmps, position_01mm, balise)
         if self.state is None:
             self.state = self.law.start(inputs)
         self.state, outputs = self.law.step(self.state, inputs)

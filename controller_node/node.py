@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bus.errors import PeerSilent
 from bus.ident import CtlIdent, Ident, Role, make_ident
-from bus.layout import Telegram, flag
+from bus.layout import CHECK_CORRECT, Telegram, flag
 from bus.link import Endpoint
 from bus.responder import Responder
 from bus.schedule import Schedule
@@ -30,11 +30,13 @@ from bus.telegrams import (
 from controller_node.controller import Controller, ControlOutput
 from controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
 from controller_node.guard import Guard
-from controller_node.loop import POSITION_MAX_01MM
+from controller_node.laws.base import BaliseReading
+from controller_node.loop import NO_BALISE, limited_01mm
 from controller_node.watch import Level
 from dbc import wire_contract
 from scenarios.errors import InputError
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 
 _MODES = {
     Level.NORMAL: CtlMode.RUNNING,
@@ -60,7 +62,8 @@ class ControllerOptions:
     """What the command line says about the controller.
 
     ``task_period_ms``: the mailboxes are read by a task with this period of simulation time; 0: each at once, by
-    interrupt. ``bit_rate``: of the bus in bit/s, clocks the time stamps; None: that of the port table.
+    interrupt. ``bit_rate``: of the bus in bit/s, clocks the time stamps; None: that of the port table. ``parameters``:
+    of the law; None: its own.
     """
 
     controller: str = "ipfc"
@@ -69,6 +72,7 @@ class ControllerOptions:
     fd: bool = False
     task_period_ms: int = 0
     bit_rate: int | None = None
+    parameters: ParameterSet | None = None
 
 
 def mailboxes() -> tuple[Mailbox, ...]:
@@ -89,7 +93,9 @@ class ControllerNode:
 
     def __init__(self, scenario: Scenario, options: ControllerOptions) -> None:
         contract = wire_contract()
-        self.controller = Controller(scenario, options.controller, options.arithmetic, options.indexing)
+        self.controller = Controller(
+            scenario, options.controller, options.arithmetic, options.indexing, options.parameters
+        )
         self.options = options
         self.ended: Event | None = None
         bit_rate = contract.bit_rate if options.bit_rate is None else options.bit_rate
@@ -103,10 +109,11 @@ class ControllerNode:
         self._ident = make_ident(
             Role.CONTROLLER,
             scenario.sha256,
-            controller=options.controller,
+            controller=options.controller if options.parameters is None else options.parameters.controller,
             arithmetic=options.arithmetic,
             indexing=options.indexing,
         )
+        self._balise = NO_BALISE
         self._output: ControlOutput | None = None
         self._last_k = -1
         self._steps = 0
@@ -155,10 +162,26 @@ class ControllerNode:
             track, _ = self._store.read(TrkInfo, self._clock.now_ns)
             if track is not None:
                 self.guard.limit(track)
+        elif port == BalisePassed.PORT:
+            self._read_balise()
         elif port == RunEvent.PORT:
             telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
             if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
                 self.ended = Event(telegram.event)
+
+    def _read_balise(self) -> None:
+        """A balise was passed, or the last one is repeated: take what the law may use."""
+        now_ns = self._clock.now_ns
+        passed, _ = self._store.read(BalisePassed, now_ns)
+        position, _ = self._store.read(TrnPos, now_ns)
+        if passed is None or passed.check != CHECK_CORRECT or passed.balise_id == self._balise.number:
+            return
+        here_mm = position.odometer_mm if position is not None else 0
+        # The telegram has the low 16 bit of the odometer: the passing was less than 33 m from here.
+        behind_mm = ((here_mm - passed.odometer_low_mm + 0x8000) & 0xFFFF) - 0x8000
+        self._balise = BaliseReading(
+            passed.balise_id, limited_01mm(passed.surveyed_mm), limited_01mm(here_mm - behind_mm)
+        )
 
     def _control(self) -> None:
         """Run the law when a control period has begun since the last step."""
@@ -170,11 +193,10 @@ class ControllerNode:
         if speed_01mmps is None:
             return
         position, _ = self._store.read(TrnPos, now_ns)
-        odometer_01mm = position.odometer_mm * 10 if position is not None else 0
-        odometer_01mm = min(max(odometer_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM)
+        odometer_mm = position.odometer_mm if position is not None else 0
         if k > self._last_k + 1 and self._last_k >= 0:
             self._overruns += 1
-        self._output = self.controller.step(k, speed_01mmps, odometer_01mm)
+        self._output = self.controller.step(k, speed_01mmps, limited_01mm(odometer_mm), self._balise)
         self._last_k = k
         self._steps += 1
 

@@ -18,12 +18,15 @@ from bus.schedule import Schedule
 from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos
 from controller_node.arithmetic.base import Counters
 from controller_node.controller import Controller
+from controller_node.laws.base import BaliseReading
+from controller_node.loop import NO_BALISE, limited_01mm
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.telemetry_file import telemetry_document
 from plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
 from plant_sim.plant import Plant
 from plant_sim.telegrams import TrainTelegrams
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 from scenarios.perturb import perturbed
 from supervisor.framelog import FrameLog, read_log
 from supervisor.score import Score, score
@@ -71,6 +74,7 @@ def local_run(
     controller: str = "ipfc",
     arithmetic: str = "iq",
     indexing: str = "time",
+    parameters: ParameterSet | None = None,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
     task_period_ms: int = 0,
@@ -87,12 +91,13 @@ def local_run(
         log.write,
         seed=seed,
         perturbed=drawn,
-        controller=controller,
+        controller=controller if parameters is None else parameters.controller,
         arithmetic=arithmetic,
         indexing=indexing,
         fd=fd,
     )
-    node = ControllerNode(scenario, ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms))
+    options = ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms, parameters=parameters)
+    node = ControllerNode(scenario, options)
 
     def to_controller(frame: Frame) -> list[Frame]:
         frames = [frame] if wire is None else wire(frame)
@@ -128,9 +133,10 @@ def direct_run(
     controller: str = "ipfc",
     arithmetic: str = "iq",
     indexing: str = "time",
+    parameters: ParameterSet | None = None,
 ) -> BenchRun:
     """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
-    law = Controller(scenario, controller, arithmetic, indexing)
+    law = Controller(scenario, controller, arithmetic, indexing, parameters)
     run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
     run.arithmetic = law.counters
     return run
@@ -138,7 +144,7 @@ def direct_run(
 
 def coupled_run(
     scenario: Scenario,
-    law: Callable[[int, int, int], int],
+    law: Callable[[int, int, int, BaliseReading[int]], int],
     *,
     seed: int = 0,
     drawn: bool = False,
@@ -149,7 +155,7 @@ def coupled_run(
     As on the bus, the law takes its step in the first poll of NOTCH_CMD of a new control period, with the position as
     TRN_POS last gave it. There is no reaction ladder: the speed must be sent at least as often as NOTCH_CMD is polled.
 
-    :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm -> notch code (1/256).
+    :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
     :param indexing: what the law follows, for the score.
     """
     actual = perturbed(scenario, seed) if drawn else scenario
@@ -167,12 +173,15 @@ def coupled_run(
     last_tick = round((scenario.plan.running_time_s + scenario.plan.overtime_max_s) * 1e9 / tick_ns)
     stop_tick: int | None = None
     ended: Event | None = None
-    last_k, code, position_01mm = -1, 0, 0
+    last_k, code, position_01mm, balise = -1, 0, 0, NO_BALISE
     while ended is None:
         tick = plant.tick
         now_ns = tick * tick_ns
         for event in plant.drain_events():
-            if event.balise is None:
+            if event.balise is not None:
+                surveyed_mm = round(event.balise.surveyed_m * 1000)
+                balise = BaliseReading(event.balise.number, limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm))
+            else:
                 kind = Event[event.kind.upper()]
                 if kind is Event.STOPPED and stop_tick is None:
                     stop_tick = tick
@@ -182,10 +191,10 @@ def coupled_run(
             assert telegram is not None
             trace.add(SimTruth.PORT, now_ns, telegram.encode())
         if tick % position_ticks == 0:
-            position_01mm = plant.odometer_mm * 10
+            position_01mm = limited_01mm(plant.odometer_mm)
         if tick % notch_ticks == 0:
             if (k := now_ns // control_ns) > last_k:
-                last_k, code = k, law(k, plant.speed_01mmps, position_01mm)
+                last_k, code = k, law(k, plant.speed_01mmps, position_01mm, balise)
             plant.command(code, False)
             trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
         if stop_tick is not None and tick >= stop_tick + after_stop:

@@ -16,10 +16,11 @@ from controller_node.arithmetic import make
 from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from controller_node.controller import Controller, ControlOutput
 from controller_node.export import Bundle, make_bundle, write_bundle
-from controller_node.laws.base import SATISFACTION_Q, SOFTENING_Q
-from controller_node.loop import ControlLoop
+from controller_node.laws.base import SATISFACTION_Q, SOFTENING_Q, BaliseReading
+from controller_node.loop import NO_BALISE, ControlLoop
 from controller_node.program.record import leaves
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 
 #: As the issue asks for them, with each compiler.
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")
@@ -64,12 +65,15 @@ class Wire:
     position_01mm: Ints
     told: NDArray[np.bool_]
     sent: Ints
+    #: For a law that is given it.
+    balise: BaliseReading[Ints] | None = None
 
     def records(self) -> bytes:
         """Records of the host program, one train after the other."""
         begin = np.zeros_like(self.k)
         begin[0] = FLAG_BEGIN
         words = (begin | np.where(self.told, FLAG_SENT, 0), self.k, self.speed_01mmps, self.position_01mm, self.sent)
+        words = words if self.balise is None else (*words, *self.balise)
         return np.stack(words, axis=-1).swapaxes(0, 1).astype("<i4").tobytes()
 
 
@@ -89,7 +93,8 @@ def from_python(scenario: Scenario, wire: Wire, indexing: str = "time", law: str
     periods, trains = wire.k.shape
     rows = []
     for s in range(periods):
-        inputs, outputs = loop.step(wire.k[s], wire.speed_01mmps[s], wire.position_01mm[s])
+        balise = NO_BALISE if wire.balise is None else BaliseReading(*(part[s] for part in wire.balise))
+        inputs, outputs = loop.step(wire.k[s], wire.speed_01mmps[s], wire.position_01mm[s], balise)
         loop.sent(np.where(wire.told[s], wire.sent[s], outputs.notch))
         parts = [*leaves(inputs, "in"), *leaves(loop.state, "state"), *leaves(outputs, "out")]
         rows.append([np.broadcast_to(value, (trains,)) for _, value in parts])
@@ -124,8 +129,10 @@ class CompiledController(Controller):
     folder: Path
     bundle: Bundle
 
-    def __init__(self, scenario: Scenario, law: str, arithmetic: str, indexing: str) -> None:
-        super().__init__(scenario, law, arithmetic, indexing)
+    def __init__(
+        self, scenario: Scenario, law: str, arithmetic: str, indexing: str, parameters: ParameterSet | None
+    ) -> None:
+        super().__init__(scenario, law, arithmetic, indexing, parameters)
         self.library = ctypes.CDLL(str(self.folder / f"lib{law}.so"))
         structures = _structures(self.bundle)
         self._in, self._state, self._out, self._events = (
@@ -134,7 +141,9 @@ class CompiledController(Controller):
         self._answered: int | None = None
         self.steps = 0
 
-    def step(self, k: int, speed_01mmps: int, position_01mm: int) -> ControlOutput:
+    def step(
+        self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int] = NO_BALISE
+    ) -> ControlOutput:
         given, state, out, events = map(ctypes.byref, (self._in, self._state, self._out, self._events))
         self.library.ipfc_inputs(k, speed_01mmps, position_01mm, given, events)
         if self._answered is None:

@@ -12,6 +12,7 @@ from controller_node.laws.base import Law, LawInputs, LawOutputs
 from hil_tests.exported import SANITIZED, STRICT, checked, compiled, written
 from scenarios.errors import InputError
 from scenarios.load import load
+from scenarios.model import Scenario
 
 SCENARIO = load("lvshun_tieshan")
 
@@ -31,7 +32,7 @@ class Toy(Law[Any, ToyState]):
     horizon: ClassVar[int] = 2  # type: ignore[assignment]
     constants: ClassVar[tuple[Constant, ...]] = ()
 
-    def __init__(self, arithmetic: Arithmetic[Any], control_period_s: float, notch_max: float) -> None:
+    def __init__(self, arithmetic: Arithmetic[Any], scenario: Scenario, parameters: Any = None) -> None:
         self.ar = ar = arithmetic
         self.low = ar.const(Constant("case", INT32_MIN / 2**20, 20, "ends */ a comment"))
         self.half = ar.const(Constant("Case", 0.5, 20))

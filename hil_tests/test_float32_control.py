@@ -36,7 +36,7 @@ def test_single_steps(name: str, arithmetic: str) -> None:
     notch, tracking_error = operands([state["u_prev"], state["e_prev"]])
     before = IpfcState(operands(state["X"]), notch, operands(state["e_hist"]), tracking_error)
     inputs = LawInputs(number.operand(given["y"]), number.operand(given["r0"]), operands(given["rf"]))
-    _, outputs = Ipfc(number, 0.5, 7.0).step(before, inputs)
+    _, outputs = Ipfc(number, SCENARIO).step(before, inputs)
     assert number.raw(outputs.notch, NOTCH_Q) == expected["notch_code"]
     assert outputs.basis == BASIS[expected["basis"]]
     assert outputs.notch_raw == pytest.approx(expected["u_raw"], abs=NOTCH_TOLERANCE[arithmetic])

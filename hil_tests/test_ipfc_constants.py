@@ -20,6 +20,9 @@ from controller_node.laws.ipfc_constants import (
 )
 from controller_node.laws.pfc_model import InternalModel, polynomial_fit
 from controller_node.laws.table import coarse
+from scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
 
 PAPER = IpfcParameters()
 
@@ -80,25 +83,26 @@ def test_polynomial_fit_returns_the_coefficients_of_a_polynomial() -> None:
 
 
 def test_fixed_point_holds_every_constant_to_1e_4() -> None:
-    assert coarse(Ipfc(make("iq"), 0.5, 7.0).constants) == ()
-    assert all(abs(c.rounding_error) <= 2.0 ** -(c.q + 1) for c in Ipfc(make("iq"), 0.5, 7.0).constants)
+    assert coarse(Ipfc(make("iq"), SCENARIO).constants) == ()
+    assert all(abs(c.rounding_error) <= 2.0 ** -(c.q + 1) for c in Ipfc(make("iq"), SCENARIO).constants)
 
 
 def test_names_of_constants_are_unique() -> None:
-    names = [constant.name for constant in Ipfc(make("iq"), 0.5, 7.0).constants]
+    names = [constant.name for constant in Ipfc(make("iq"), SCENARIO).constants]
     assert len(names) == len(set(names)) > 300
 
 
 def test_single_precision_holds_every_constant_to_half_a_step() -> None:
-    for constant in Ipfc(make("float32"), 0.5, 7.0).constants:
+    for constant in Ipfc(make("float32"), SCENARIO).constants:
         assert abs(rounding_error(constant)) <= abs(constant.value) * 2.0**-24
-    assert any(rounding_error(constant) for constant in Ipfc(make("float32"), 0.5, 7.0).constants)
+    assert any(rounding_error(constant) for constant in Ipfc(make("float32"), SCENARIO).constants)
 
 
 @pytest.mark.parametrize("period_s", [0.5, 0.4])
 def test_softening_curve_is_sampled_in_the_table(period_s: float) -> None:
     """Fixed point takes eq. (27) from the table, loaded or computed, not from the function of this machine."""
-    law = Ipfc(make("iq"), period_s, 7.0)
+    timing = replace(SCENARIO.timing, control_period_ns=round(period_s * 1e9))
+    law = Ipfc(make("iq"), replace(SCENARIO, timing=timing))
     assert law._curve.samples is law.table.softening
     assert len(law.table.softening) == 257
     for i, sample in enumerate(law.table.softening):

@@ -18,6 +18,9 @@ from controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q, LawInpu
 from controller_node.laws.ipfc import Ipfc, IpfcState
 from controller_node.laws.ipfc_constants import GAIN_Q, RISE_Q, IpfcParameters
 from scenarios.errors import InputError
+from scenarios.load import load as load_scenario
+
+SCENARIO = load_scenario("lvshun_tieshan")
 
 VECTORS = json.loads((Path(__file__).parent / "data" / "ipfc" / "ipfc_step_vectors.json").read_text())
 STEPS = {vector["name"]: vector for vector in VECTORS["ipfc_single_step"]}
@@ -46,7 +49,7 @@ def raw(value: float, q: int) -> int:
 
 def float_step(vector: dict[str, Any], law: Ipfc[float] | None = None) -> Any:
     state, given = vector["state"], vector["input"]
-    law = law or Ipfc(Noting(), 0.5, 7.0)
+    law = law or Ipfc(Noting(), SCENARIO)
     before = IpfcState(tuple(state["X"]), state["u_prev"], tuple(state["e_hist"]), state["e_prev"])
     new_state, outputs = law.step(before, LawInputs(given["y"], given["r0"], given["rf"]))
     return new_state, outputs, law._ar.values
@@ -62,7 +65,7 @@ def iq_step(vector: dict[str, Any], arithmetic: Any = None) -> Any:
     )
     preview = [raw(r, SPEED_Q) for r in given["rf"]]
     inputs = LawInputs(raw(given["y"], SPEED_Q), raw(given["r0"], SPEED_Q), preview)
-    return Ipfc(arithmetic or make("iq"), 0.5, 7.0).step(before, inputs)
+    return Ipfc(arithmetic or make("iq"), SCENARIO).step(before, inputs)
 
 
 def test_there_are_ten_steps() -> None:
@@ -114,8 +117,8 @@ def test_fixed_point_is_within_2e_4_notch(name: str) -> None:
 
 @pytest.mark.parametrize("row", VECTORS["mu_ts"])
 def test_satisfaction_with_the_rise_time(row: dict[str, float]) -> None:
-    assert Ipfc(Float64(), 0.5, 7.0).rise_satisfaction(row["t_s"]) == pytest.approx(row["mu"], abs=1e-9)
-    law: Ipfc[int] = Ipfc(make("iq"), 0.5, 7.0)
+    assert Ipfc(Float64(), SCENARIO).rise_satisfaction(row["t_s"]) == pytest.approx(row["mu"], abs=1e-9)
+    law: Ipfc[int] = Ipfc(make("iq"), SCENARIO)
     # 0.06 us is one LSB of t_s: on a flank of 6 ms it moves the satisfaction by 1e-5.
     assert law.rise_satisfaction(raw(row["t_s"], RISE_Q)) / 2**24 == pytest.approx(row["mu"], abs=2e-5)
 
@@ -123,29 +126,29 @@ def test_satisfaction_with_the_rise_time(row: dict[str, float]) -> None:
 @pytest.mark.parametrize("row", VECTORS["mu_y"])
 def test_satisfaction_with_a_predicted_speed(row: dict[str, float]) -> None:
     miss = row["y"] - (row["lo"] + row["hi"]) / 2
-    assert Ipfc(Float64(), 0.5, 7.0).speed_satisfaction(miss, miss) == pytest.approx(row["mu"], abs=1e-9)
-    law: Ipfc[int] = Ipfc(make("iq"), 0.5, 7.0)
+    assert Ipfc(Float64(), SCENARIO).speed_satisfaction(miss, miss) == pytest.approx(row["mu"], abs=1e-9)
+    law: Ipfc[int] = Ipfc(make("iq"), SCENARIO)
     assert law.speed_satisfaction(raw(miss, SPEED_Q), raw(miss, SPEED_Q)) / 2**24 == pytest.approx(row["mu"], abs=2e-4)
 
 
 def test_satisfaction_is_that_of_the_worse_extreme() -> None:
-    law = Ipfc(Float64(), 0.5, 7.0)
+    law = Ipfc(Float64(), SCENARIO)
     assert law.speed_satisfaction(-0.03, 0.01) == pytest.approx(0.5)
     assert law.speed_satisfaction(-0.03, 0.036) == pytest.approx(0.2)
 
 
 @pytest.mark.parametrize("row", VECTORS["alpha"])
 def test_softening_factor(row: dict[str, float]) -> None:
-    law = Ipfc(Float64(), 0.5, 7.0)
+    law = Ipfc(Float64(), SCENARIO)
     assert law.softening(row["mu"]) == pytest.approx(row["alpha"], abs=1e-9)
-    fixed: Ipfc[int] = Ipfc(make("iq"), 0.5, 7.0)
+    fixed: Ipfc[int] = Ipfc(make("iq"), SCENARIO)
     assert fixed.softening(raw(row["mu"], 24)) / 2**30 == pytest.approx(row["alpha"], abs=2e-6)
 
 
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_first_step_of_a_cubic_launch_asks_for_some_brake(arithmetic: str) -> None:
     number = make(arithmetic)
-    law = Ipfc(number, 0.5, 7.0)
+    law = Ipfc(number, SCENARIO)
     # v* = 0.08 t^2 m/s, in km/h: 0.072 i^2 at i half seconds.
     preview = [number.from_raw(raw(0.072 * i**2, SPEED_Q), SPEED_Q) for i in range(1, 11)]
     zero = number.from_raw(0, SPEED_Q)
@@ -156,7 +159,7 @@ def test_first_step_of_a_cubic_launch_asks_for_some_brake(arithmetic: str) -> No
 
 def test_start_takes_earlier_errors_as_the_first() -> None:
     number = Noting()
-    law = Ipfc(number, 0.5, 7.0)
+    law = Ipfc(number, SCENARIO)
     inputs = LawInputs(50.0, 51.0, [51.0] * 10)
     state = law.start(inputs)
     assert state.model_errors == (50.0,) * 8
@@ -167,7 +170,7 @@ def test_start_takes_earlier_errors_as_the_first() -> None:
 
 def test_notch_really_sent_drives_the_model() -> None:
     number = Noting()
-    law = Ipfc(number, 0.5, 7.0)
+    law = Ipfc(number, SCENARIO)
     inputs = LawInputs(50.0, 51.0, [51.0] * 10)
     state, _ = law.step(law.start(inputs), inputs)
     law.step(law.with_sent(state, -2.0), inputs)
@@ -179,7 +182,7 @@ def test_notch_really_sent_drives_the_model() -> None:
 
 def test_a_speed_that_falls_to_zero_saturates_and_does_not_wrap() -> None:
     arithmetic = make("iq")
-    law: Ipfc[int] = Ipfc(arithmetic, 0.5, 7.0)
+    law: Ipfc[int] = Ipfc(arithmetic, SCENARIO)
     speed = raw(78.0, SPEED_Q)
     inputs = LawInputs(speed, speed, [speed] * 10)
     state, _ = law.step(law.start(inputs), inputs)
@@ -193,7 +196,7 @@ def test_polynomial_orders_may_differ() -> None:
     vector = STEPS["run_t_k360"]
     both = float_step(vector)[2]
     for orders in ({"set_point_order": 1}, {"error_order": 1}, {"set_point_order": 3}):
-        law = Ipfc(Noting(), 0.5, 7.0, replace(IpfcParameters(), **orders))
+        law = Ipfc(Noting(), SCENARIO, replace(IpfcParameters(), **orders))
         noted = float_step(vector, law)[2]
         assert len(noted["c"]) == orders.get("set_point_order", 2)
         assert len(noted["e"]) == orders.get("error_order", 2)

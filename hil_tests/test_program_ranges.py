@@ -106,12 +106,13 @@ def at_period(scenario: Scenario, period_s: float) -> Scenario:
     return replace(scenario, timing=replace(scenario.timing, control_period_ns=round(period_s * 1e9)))
 
 
-@pytest.mark.parametrize("indexing", ["time", "distance"])
+@pytest.mark.parametrize(
+    ("name", "indexing"), [(name, indexing) for name in names() for indexing in load_law(name).indexings]
+)
 @pytest.mark.parametrize("period_s", [0.2, 0.25, 0.3, 0.5, 1.0])
-@pytest.mark.parametrize("name", names())
 def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: str) -> None:
     scenario = at_period(SCENARIO, period_s)
-    law = load_law(name)(make("float64"), period_s, SCENARIO.train.notch_max)
+    law = load_law(name)(make("float64"), scenario)
     ranges = analyse_law(record(scenario, name, indexing), law.state_bounds())
     assert [(operation.op, interval) for operation, interval in ranges.may_wrap] == []
 
@@ -121,13 +122,13 @@ def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: st
 def test_no_operation_can_wrap_on_any_shipped_scenario_and_a_long_overtime(name: str, indexing: str) -> None:
     scenario = load(name)
     scenario = replace(scenario, plan=replace(scenario.plan, overtime_max_s=600.0))
-    law = load_law("ipfc")(make("float64"), 0.5, scenario.train.notch_max)
+    law = load_law("ipfc")(make("float64"), scenario)
     assert not analyse_law(record(scenario, "ipfc", indexing), law.state_bounds()).may_wrap
 
 
 def test_a_notch_range_beyond_the_formats_is_found() -> None:
     scenario = replace(SCENARIO, train=replace(SCENARIO.train, notch_max=20.0))
-    law = load_law("ipfc")(make("float64"), 0.5, 20.0)
+    law = load_law("ipfc")(make("float64"), scenario)
     assert "dot" in {
         operation.op for operation, _ in analyse_law(record(scenario, "ipfc"), law.state_bounds()).may_wrap
     }
@@ -184,9 +185,9 @@ def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: in
     seen: list[int] = []
     step = node.controller.step
 
-    def watched(k: int, speed_01mmps: int, position_01mm: int) -> Any:
+    def watched(k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
         seen.append(position_01mm)
-        return step(k, speed_01mmps, position_01mm)
+        return step(k, speed_01mmps, position_01mm, *balise)
 
     node.controller.step = watched  # type: ignore[method-assign]
     for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):

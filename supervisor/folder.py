@@ -124,6 +124,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     """The command line that makes the same run again."""
     words = ["railhil", "run", options.scenario, "--controller", options.controller]
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
+    words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
     words += ["--perturbed"] * options.perturbed + ["--attach"] * options.attach
     words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
@@ -146,6 +147,7 @@ def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
         "pace": options.pace,
         "arithmetic": options.arithmetic,
         "controller": options.controller,
+        "parameters": None if options.parameters is None else options.parameters.digest,
         "indexing": options.indexing,
         "seed": options.seed,
         "perturbed": options.perturbed,
@@ -177,6 +179,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "perturbed": options.perturbed,
         "controller": options.controller,
         "arithmetic": options.arithmetic,
+        "parameters": None if options.parameters is None else options.parameters.as_json(),
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
         "pace": options.pace,

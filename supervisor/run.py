@@ -19,6 +19,7 @@ from bus.select import HUB_INTERFACE, BusChoice
 from bus.telegrams import Event, SupCmd
 from dbc import wire_contract
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 from supervisor.framelog import FrameLog, read_log
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
@@ -55,6 +56,8 @@ class RunOptions:
     perturbed: bool = False
     #: Simulation time between two readings of the controller's mailboxes; 0: each frame at once.
     task_period_ms: int = 0
+    #: Of the law, from a file; None: its own.
+    parameters: ParameterSet | None = None
     #: Attach to nodes that are running already instead of starting them.
     attach: bool = False
     #: Wall time for all nodes to appear.
@@ -110,7 +113,7 @@ class Run:
             self.log.write,
             seed=options.seed,
             perturbed=options.perturbed,
-            controller=options.controller,
+            controller=options.controller if options.parameters is None else options.parameters.controller,
             arithmetic=options.arithmetic,
             indexing=options.indexing,
             pace=options.pace,
@@ -168,6 +171,8 @@ class Run:
         plant += ["--appear-timeout", str(options.appear_s)]
         nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
         law = ["--controller", options.controller, "--arithmetic", options.arithmetic, "--indexing", options.indexing]
+        if options.parameters is not None:
+            law += ["--parameters", str(options.parameters.source)]
         task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
         telemetry = ["--telemetry", str(self.folder / TELEMETRY)]
         nodes.start("controller", "controller_node", [options.scenario, *law, *task, *telemetry, *bus])

@@ -15,6 +15,7 @@ from bus.usage import OneLineParser, parse
 from controller_node.export.bundle import make_bundle, write_bundle
 from controller_node.laws import names
 from scenarios.load import load
+from scenarios.parameters import load_parameters
 
 _FILE_COLUMNS = 100
 
@@ -26,6 +27,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
 
@@ -33,7 +35,8 @@ def arguments() -> argparse.ArgumentParser:
 def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
-    bundle = make_bundle(load(namespace.scenario), namespace.law, namespace.indexing)
+    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
+    bundle = make_bundle(load(namespace.scenario), namespace.law, namespace.indexing, parameters)
     write_bundle(bundle, namespace.out, force=namespace.force)
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:

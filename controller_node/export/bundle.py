@@ -15,11 +15,15 @@ from controller_node.export.note import memory_note
 from controller_node.export.reference import reference_log
 from controller_node.export.source import Source, SourceWriter, c_name
 from controller_node.node import mailboxes
-from controller_node.program.model import BranchError
+from controller_node.program.model import BALISE_INPUTS, BranchError, LawProgram
 from controller_node.program.record import record
 from controller_node.program.tracer import FormatError
 from scenarios.errors import InputError, Words
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
+
+#: Words of a record without a balise.
+_RECORD_WORDS = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +37,13 @@ class Bundle:
 def _template(name: str, law: str) -> str:
     text = files("controller_node.export").joinpath("c", name).read_text(encoding="ascii")
     return text.replace("@LAW@", law)
+
+
+def _host_program(name: str, programs: LawProgram) -> str:
+    """The host program: a record holds the balise only for a law that is given it."""
+    balise = range(_RECORD_WORDS, _RECORD_WORDS + (len(BALISE_INPUTS) if programs.track else 0))
+    text = _template("railhil_run.c", name).replace("@RECORD_WORDS@", str(balise.stop))
+    return text.replace("@BALISE@", "".join(f", record[{word}]" for word in balise))
 
 
 def _names_of_iqmath() -> str:
@@ -51,13 +62,13 @@ def _names_of_iqmath() -> str:
     return "\n".join(lines)
 
 
-def make_bundle(scenario: Scenario, law: str, indexing: str = "time") -> Bundle:
-    """The files of a law on a scenario; the same bytes for the same law and scenario.
+def make_bundle(scenario: Scenario, law: str, indexing: str = "time", parameters: ParameterSet | None = None) -> Bundle:
+    """The files of a law on a scenario; the same bytes for the same law, parameters and scenario.
 
-    :raises InputError: unknown law or indexing, or a law that cannot be written in C.
+    :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
     try:
-        programs = record(scenario, law, indexing)
+        programs = record(scenario, law, indexing, parameters=parameters)
         name = c_name(law)
         source = SourceWriter(programs, scenario, indexing).write()
     except (BranchError, FormatError, ValueError) as error:
@@ -70,8 +81,8 @@ def make_bundle(scenario: Scenario, law: str, indexing: str = "time") -> Bundle:
             f"{name}.h": source.header,
             "railhil_iq.h": _template("railhil_iq.h", name).replace("@NAMES@", _names_of_iqmath()),
             f"{name}_mailboxes.h": mailbox_header(name, mailboxes()),
-            f"{name}_log.txt": reference_log(scenario, programs, indexing, source.columns),
-            "railhil_run.c": _template("railhil_run.c", name),
+            f"{name}_log.txt": reference_log(scenario, programs, indexing, source.columns, parameters),
+            "railhil_run.c": _host_program(name, programs),
             "Makefile": _template("Makefile", name),
             "README.md": memory_note(programs, scenario, indexing, source),
         },

@@ -16,7 +16,9 @@ _KEYWORDS = """
     asm cregister far interrupt ioport near
 """
 #: Parameters of the exported functions, and functions that a C library has.
-_TAKEN = "in out state events k speed_01mmps position_01mm notch_code main abs labs"
+_TAKEN = (
+    "in out state events k speed_01mmps position_01mm balise balise_01mm balise_odometer_01mm notch_code main abs labs"
+)
 
 
 def identifier(text: str) -> str:

@@ -12,9 +12,8 @@ from controller_node.export.names import LENGTH_MAX, Names, comment, identifier,
 from controller_node.program.model import LawProgram, Program, Value
 from scenarios.model import Scenario
 
-#: Set-points and speeds are given to every law in this unit (``LawInputs``).
-_INPUT_UNIT = "km/h"
 _PER_LINE = 5
+_BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
 #: Words (16 bit) on the target: return address of a call, a pointer, an int32.
 _CALL_WORDS = 2
 _POINTER_WORDS = 2
@@ -43,13 +42,13 @@ class Struct:
     """
 
     def __init__(
-        self, law: str, group: str, what: str, leaves: Sequence[tuple[str, Value]], unit_of: Callable[[Value], str]
+        self, law: str, group: str, what: str, leaves: Sequence[tuple[str, Value]], unit_of: Callable[[str, Value], str]
     ) -> None:
         names = Names()
         self.group, self.what = group, what
         self.type = f"{law}_{group}_t"
         self.members = {name: names.new(name.removeprefix(f"{group}.")) for name, _ in leaves}
-        self._remarks = {name: remark(value.q, unit_of(value)) for name, value in leaves}
+        self._remarks = {name: remark(value.q, unit_of(name, value)) for name, value in leaves}
 
     def place(self, leaf: str) -> str:
         """The leaf's member behind the pointer that the functions are given."""
@@ -106,10 +105,10 @@ class SourceWriter:
         given, outputs = programs.inputs.outputs, programs.step.outputs
         units = {quantity.value.number: quantity.unit for quantity in programs.step.quantities}
 
-        def unit_of(value: Value) -> str:
+        def unit_of(_: str, value: Value) -> str:
             return units.get(value.number, "") if value.constant is None else ""
 
-        self._in = Struct(law, "in", "What the law is given each control period.", given, lambda value: _INPUT_UNIT)
+        self._in = Struct(law, "in", "What the law is given each control period.", given, _input_unit)
         self._state = Struct(law, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
         self._out = Struct(law, "out", "What the law answers.", _group(outputs, "out"), unit_of)
         self._data = Data(law)
@@ -139,7 +138,7 @@ class SourceWriter:
         taken = f"const {self._in.type} *in"
         return {
             "inputs": [
-                *("int32_t k", "int32_t speed_01mmps", "int32_t position_01mm"),
+                *(f"int32_t {name}" for name, _ in self._programs.inputs.inputs),
                 f"{self._in.type} *in",
                 events,
             ],
@@ -173,7 +172,8 @@ class SourceWriter:
                 f"#define {law.upper()}_PERIOD_NS {literal(self._period_ns)} /* control period */",
                 "",
                 *structs,
-                "/* Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm). */",
+                "/* Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm)"
+                f"{_BALISE_WORDS if self._programs.track else ''}. */",
                 prototype("inputs"),
                 "",
                 "/* State before the first control period, given what that period is given. */",
@@ -219,7 +219,7 @@ class SourceWriter:
         return lines
 
     def _inputs(self) -> list[str]:
-        places = {"k": "k", "speed_01mmps": "speed_01mmps", "position_01mm": "position_01mm"}
+        places = {name: name for name, _ in self._programs.inputs.inputs}
         return self._function("inputs", self._programs.inputs, places, (self._in,))
 
     def _start(self) -> list[str]:
@@ -253,6 +253,13 @@ class SourceWriter:
         self._stack[f"{self._law}_{name}"] = frame + _HELPER_WORDS
         opening = f"void {self._law}_{name}({', '.join(signature)})"
         return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
+
+
+def _input_unit(leaf: str, value: Value) -> str:
+    """Unit of a leaf of ``LawInputs``: speeds, and positions of the track inputs."""
+    if not leaf.startswith("in.track."):
+        return "km/h"
+    return "0.1 mm" if leaf.endswith("_01mm") else ""
 
 
 def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import ClassVar, Generic, NamedTuple, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
+from scenarios.model import Scenario
 
 State = TypeVar("State")
 
@@ -27,15 +28,37 @@ BASIS_STEP = 1
 BASIS_WAVELET = 2
 
 
-class LawInputs(NamedTuple, Generic[T]):
-    """What a law is given each control period; all in km/h, Q ``SPEED_Q``.
+class BaliseReading(NamedTuple, Generic[T]):
+    """The last balise passed: its number (0: none yet), where it was surveyed, and the odometer at its passing.
 
-    ``preview`` holds the set-points of the next ``horizon`` periods.
+    Whole numbers (Q0), positions in 0.1 mm.
+    """
+
+    number: T
+    position_01mm: T
+    odometer_01mm: T
+
+
+class TrackInputs(NamedTuple, Generic[T]):
+    """What a law with ``track`` is given besides: the number of the control period, for tables over time, the
+    odometer in 0.1 mm and the last balise (Q0)."""
+
+    k: Any
+    position_01mm: T
+    balise: BaliseReading[T]
+
+
+class LawInputs(NamedTuple, Generic[T]):
+    """What a law is given each control period; speeds in km/h, Q ``SPEED_Q``.
+
+    ``preview`` holds the set-points of the next ``horizon`` periods. ``track`` is empty for a law without
+    :attr:`Law.track`.
     """
 
     speed: T
     set_point: T
     preview: Sequence[T]
+    track: TrackInputs[T] | tuple[()] = ()
 
 
 class LawOutputs(NamedTuple, Generic[T]):
@@ -62,10 +85,22 @@ class Law(ABC, Generic[T, State]):
 
     #: Name of the entry point.
     name: ClassVar[str]
+    #: Set-point indexings with which the law works.
+    indexings: ClassVar[tuple[str, ...]] = ("time", "distance")
+    #: True for a law that is given ``LawInputs.track``.
+    track: ClassVar[bool] = False
+    #: Frozen dataclass of the law's parameters; its defaults are the published or textbook ones.
+    parameters_type: ClassVar[type[Any]]
+    #: Parameters that ``railhil tune`` may change, and their bounds.
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {}
 
     @abstractmethod
-    def __init__(self, arithmetic: Arithmetic[T], control_period_s: float, notch_max: float) -> None:
-        """Bind the law: its constants depend on the control period (s) and the notch range (notches)."""
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any = None) -> None:
+        """Bind the law to its constants.
+
+        :param scenario: the nominal one: train, line and timetable as the controller knows them.
+        :param parameters: a :attr:`parameters_type`; None: its defaults.
+        """
 
     @property
     @abstractmethod

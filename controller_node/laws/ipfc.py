@@ -10,7 +10,8 @@ driven by the notch really sent.
 
 from __future__ import annotations
 
-from typing import ClassVar, Generic, NamedTuple
+from collections.abc import Mapping
+from typing import Any, ClassVar, Generic, NamedTuple
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
 from controller_node.laws.base import (
@@ -29,10 +30,12 @@ from controller_node.laws.ipfc_constants import (
     POLYNOMIAL_Q,
     RATE_Q,
     RISE_Q,
+    TUNABLE,
     IpfcParameters,
     make_constants,
     softening_curve,
 )
+from scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _GAIN_TO_GAIN = GAIN_Q
@@ -64,16 +67,14 @@ class Ipfc(Law[T, IpfcState[T]]):
     """
 
     name: ClassVar[str] = "ipfc"
+    parameters_type: ClassVar[type[Any]] = IpfcParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
 
-    def __init__(
-        self,
-        arithmetic: Arithmetic[T],
-        control_period_s: float,
-        notch_max: float,
-        parameters: IpfcParameters | None = None,
-    ) -> None:
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcParameters | None = None) -> None:
         self.parameters = parameters = parameters or IpfcParameters()
-        self.table = table = make_constants(parameters, control_period_s, notch_max)
+        self.table = table = make_constants(
+            parameters, scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
+        )
         self._curve = softening_curve(parameters, table)
         self._ar = ar = arithmetic
         self._fit_points = parameters.fit_points

@@ -92,6 +92,17 @@ class IpfcParameters:
         return range(1, max(self.set_point_order, self.error_order) + 1)
 
 
+#: Bounds of a search. The gains of the paper's model are among them because they are a guess about the train.
+TUNABLE: dict[str, tuple[float, float]] = {
+    "model_gain_mps": (0.05, 0.10),
+    "model_damping_per_s": (0.30, 0.60),
+    "model_stiffness_per_s2": (0.0, 0.05),
+    "wavelet_slope_kmh_per_s": (0.3, 3.0),
+    "softening_max": (0.5, 0.95),
+    "softening_min": (0.4, 0.9),
+    "softening_exponent": (0.5, 2.0),
+}
+
 Row = tuple[Constant, ...]
 
 

@@ -8,6 +8,9 @@ from enum import Enum
 
 from controller_node.arithmetic.base import Constant, Curve
 
+#: Inputs of a law with ``track`` beside k, speed and position: the fields of a ``BaliseReading``.
+BALISE_INPUTS = ("balise", "balise_01mm", "balise_odometer_01mm")
+
 
 class BranchError(Exception):
     """A law asks in Python whether one of its values is true: the recorded operations would hold one branch only."""
@@ -101,8 +104,9 @@ class Program:
 class LawProgram:
     """All functions of a control loop: wire values to law inputs, first state, one control period, notch really sent.
 
-    ``inputs``: control period k, speed in 0.1 mm/s, position in 0.1 mm -> speed, set-point, preview. ``start``:
-    those -> state. ``step``: state and those -> state and outputs. ``sent``: state and notch -> state.
+    ``inputs``: control period k, speed in 0.1 mm/s, position in 0.1 mm, for a law with ``track`` also the last balise
+    (:data:`BALISE_INPUTS`) -> the law's inputs. ``start``: those -> state. ``step``: state and those -> state and
+    outputs. ``sent``: state and notch -> state.
     """
 
     law: str
@@ -110,6 +114,11 @@ class LawProgram:
     start: Program
     step: Program
     sent: Program
+
+    @property
+    def track(self) -> bool:
+        """True when the law is given the last balise too."""
+        return any(name == BALISE_INPUTS[0] for name, _ in self.inputs.inputs)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:

@@ -24,6 +24,9 @@ INT32: Interval = (INT32_MIN, INT32_MAX)
 WIRE: dict[str, Interval] = {
     "speed_01mmps": (0, SPEED_MAX_01MMPS),
     "position_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
+    "balise": (0, 255),
+    "balise_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
+    "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
 }
 
 #: A state that still grows after so many periods is taken to have no bound.

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from controller_node.laws.base import NOTCH_Q
-from controller_node.loop import ControlLoop
-from controller_node.program.model import Kind, LawProgram, Program, Value
+from controller_node.laws.base import NOTCH_Q, BaliseReading
+from controller_node.loop import NO_BALISE, ControlLoop
+from controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from controller_node.program.tracer import FormatError, Tracer
 from scenarios.model import Scenario
+from scenarios.parameters import ParameterSet
 
 
 def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -35,7 +36,14 @@ def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> An
     return make(prefix, template)
 
 
-def record(scenario: Scenario, law: str, indexing: str = "time", *, wide: bool = False) -> LawProgram:
+def record(
+    scenario: Scenario,
+    law: str,
+    indexing: str = "time",
+    *,
+    wide: bool = False,
+    parameters: ParameterSet | None = None,
+) -> LawProgram:
     """Programs of a law on a scenario.
 
     :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
@@ -43,14 +51,18 @@ def record(scenario: Scenario, law: str, indexing: str = "time", *, wide: bool =
     :raises FormatError: the law mixes formats, or its state changes its formats.
     """
     tracer = Tracer(wide)
-    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing)
+    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing, parameters)
 
     def fresh(name: str, old: Value) -> Value:
-        return tracer.input(name, old.q)
+        return tracer.input(name, old.q, old.kind)
 
     inputs = tracer.begin("inputs")
     k = tracer.input("k", None, Kind.INDEX)
-    given = loop.inputs(k, tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0))
+    speed, position = tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0)
+    balise: BaliseReading[Any] = NO_BALISE
+    if loop.law.track:
+        balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
+    given = loop.inputs(k, speed, position, balise)
     inputs.outputs = list(leaves(given, "in"))
 
     start = tracer.begin("start")
@@ -79,7 +91,7 @@ def _formats(tracer: Tracer, loop: ControlLoop[Value], first_state: Any, given: 
     formats = {name: value.q for name, value in leaves(first_state, "state")}
 
     def known(name: str, old: Value) -> Value:
-        return tracer.input(name, formats.get(name, old.q))
+        return tracer.input(name, formats.get(name, old.q), old.kind)
 
     while True:
         tracer.begin("first step")

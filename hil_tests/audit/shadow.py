@@ -15,7 +15,7 @@ import numpy as np
 
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Arithmetic
-from controller_node.laws.base import NOTCH_Q
+from controller_node.laws.base import NOTCH_Q, BaliseReading
 from controller_node.loop import ControlLoop
 from controller_node.program.model import Quantity
 from controller_node.telemetry import VALUE_BITS, Telemetry
@@ -47,9 +47,9 @@ class Watched:
         self._lsb = [1.0 if arithmetic.wide else ldexp(1.0, -quantity.q) for quantity in quantities]
         arithmetic.noted = []
 
-    def step(self, k: int, speed_01mmps: int, position_01mm: int) -> int:
+    def step(self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int]) -> int:
         """One control period; its notch code."""
-        _, outputs = self.loop.step(k, speed_01mmps, position_01mm)
+        _, outputs = self.loop.step(k, speed_01mmps, position_01mm, balise)
         noted = self.arithmetic.noted
         assert noted is not None
         self.rows.append([float(value) * lsb for value, lsb in zip(noted, self._lsb, strict=True)])
@@ -97,10 +97,10 @@ def shadow_run(
         Watched(scenario, law, each, indexing, quantities) for each in (arithmetic, make("float64"), *others)
     )
 
-    def drive(k: int, speed_01mmps: int, position_01mm: int) -> int:
-        code = audited.step(k, speed_01mmps, position_01mm)
+    def drive(*given: Any) -> int:
+        code = audited.step(*given)
         for shadow in (reference, *along):
-            shadow.step(k, speed_01mmps, position_01mm)
+            shadow.step(*given)
             shadow.sent(code)
         return code
 

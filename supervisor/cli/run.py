@@ -21,6 +21,7 @@ from bus.usage import add_run_arguments, add_task_argument
 from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.model import Scenario
+from scenarios.parameters import load_parameters
 from supervisor.cli.dbcfile import check_foreign_dbc
 from supervisor.cli.output import Output, print_json
 from supervisor.cli.show import print_result
@@ -37,6 +38,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     add_run_arguments(parser)
     parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
+    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     add_task_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
@@ -59,6 +61,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
     if namespace.attach and namespace.task_period_ms:
         raise InputError("command line", "--task-period-ms", namespace.task_period_ms, "0 with --attach")
     scenario = namespace.scenario
+    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
     return RunOptions(
         scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
         controller=namespace.controller,
@@ -69,6 +72,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
         seed=namespace.seed,
         perturbed=namespace.perturbed,
         task_period_ms=namespace.task_period_ms,
+        parameters=parameters,
         attach=namespace.attach,
         appear_s=namespace.appear_timeout,
     )

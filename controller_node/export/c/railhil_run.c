@@ -6,7 +6,8 @@
  *   @LAW@_run mailboxes   the eCAN mailbox table
  *
  * A record is one control period: flags (bit 0: a run begins here; bit 1: another notch than the answer was sent), k,
- * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256). A result is: the law's inputs, its state after the period
+ * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law that is given
+ * them: number, surveyed position and odometer at its passing (0.1 mm) of the last balise. A result is: the law's inputs, its state after the period
  * and after the notch sent, its outputs, the two event counters since the run began. A line of the log is a record and
  * its result, each word as 8 hexadecimal digits; lines that begin with # are comments.
  */
@@ -17,7 +18,7 @@
 #include "@LAW@.h"
 #include "@LAW@_mailboxes.h"
 
-enum { RECORD_WORDS = 5, FLAG_BEGIN = 1, FLAG_SENT = 2 };
+enum { RECORD_WORDS = @RECORD_WORDS@, FLAG_BEGIN = 1, FLAG_SENT = 2 };
 
 /* All members have 32 bits, so the words of a result lie next to each other. */
 typedef struct {
@@ -35,7 +36,7 @@ static void run(const int32_t *record, result_t *result)
     if (begins) {
         memset(result, 0, sizeof *result);
     }
-    @LAW@_inputs(record[1], record[2], record[3], &result->in, &result->events);
+    @LAW@_inputs(record[1], record[2], record[3]@BALISE@, &result->in, &result->events);
     if (begins) {
         @LAW@_start(&result->in, &result->state);
     }

@@ -1,0 +1,40 @@
+"""Parameters of a law from a file: names and values become the law's frozen dataclass."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import fields
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from controller_node.laws.base import Law
+from scenarios.errors import InputError, Words, nearest_key
+from scenarios.parameters import ParameterSet
+from scenarios.validation import dotted
+
+
+def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | None) -> Any:
+    """The law's parameters: its defaults with what the file says put in their places; None without a file.
+
+    :param name: name under which the law was asked for.
+    :raises InputError: the file is another law's, names a parameter that the law has not, or gives one a value of
+        another type.
+    """
+    if given is None:
+        return None
+    if given.law != name:
+        raise InputError(given.source, "law", given.law, f"{name}, the controller asked for")
+    known = [item.name for item in fields(kind.parameters_type)]
+    for key in given.values:
+        if key not in known:
+            nearest = nearest_key(key, known)
+            hint = f"did you mean {nearest}?" if nearest else None
+            found = Words(f"the unknown parameter {key}")
+            raise InputError(given.source, "parameters", found, f"only {', '.join(known)}", hint)
+    try:
+        # As JSON: strict about types, but an array is a tuple and a whole number a number.
+        return TypeAdapter(kind.parameters_type).validate_json(json.dumps(dict(given.values), default=str), strict=True)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        raise InputError(given.source, dotted(("parameters", *first["loc"])), first["input"], first["msg"]) from None

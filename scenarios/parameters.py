@@ -1,0 +1,125 @@
+"""Parameter files of control laws: written by ``railhil tune`` or by hand, read by every command that runs a law.
+
+::
+
+    law = "ipfc"
+    [parameters]
+    softening_max = 0.83
+    [training]                       # only in files that a search has written
+    scenario = "lvshun_tieshan"
+    seeds = [0, 1, 2, 3, 4, 5, 6, 7]
+
+What a law does with its parameters, and which it has, only the controller knows: here they are names and values.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from scenarios.errors import InputError, Words
+from scenarios.validation import validated
+
+#: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
+_DIGEST = 8
+
+
+class _Training(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+    #: Name of the scenario.
+    scenario: str
+    seeds: list[int] = Field(min_length=1)
+    #: What the search says about itself.
+    notes: dict[str, Any] = Field(default_factory=dict)
+
+
+class _File(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True)
+    law: str = Field(min_length=1)
+    parameters: dict[str, Any]
+    training: _Training | None = None
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """Parameters of one law, as a file gives them.
+
+    ``training_seeds`` are those of perturbed runs on ``training_scenario`` that a search has seen: the parameters must
+    not be judged by them.
+    """
+
+    law: str
+    values: Mapping[str, Any]
+    source: Path
+    training_scenario: str = ""
+    training_seeds: frozenset[int] = frozenset()
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the law's name and its parameters, whatever the file looks like."""
+        content = json.dumps({"law": self.law, "parameters": self.values}, sort_keys=True, default=str)
+        return hashlib.sha256(content.encode()).hexdigest()
+
+    @property
+    def digest(self) -> str:
+        """First digits of the hash."""
+        return self.sha256[:_DIGEST]
+
+    @property
+    def controller(self) -> str:
+        """Name of law and parameters in the handshake."""
+        return f"{self.law}+{self.digest}"
+
+    def as_json(self) -> dict[str, Any]:
+        """What a certificate says of the parameters: enough to write the file again."""
+        return {"law": self.law, "sha256": self.sha256, "values": dict(self.values)}
+
+    def seen(self, scenario: str, seeds: Iterable[int]) -> list[int]:
+        """Those of the seeds whose perturbed runs on the scenario the search has seen, in order."""
+        return sorted(self.training_seeds.intersection(seeds)) if scenario == self.training_scenario else []
+
+    def check_unseen(self, scenario: str, seeds: Iterable[int]) -> None:
+        """Refuse to judge the parameters by runs that they were made from.
+
+        :raises InputError: one of the seeds is a training seed.
+        """
+        if seen := self.seen(scenario, seeds):
+            raise InputError(
+                self.source,
+                "training.seeds",
+                Words(f"seed {seen[0]}, on which these parameters were tuned"),
+                "other seeds for an evaluation, or --allow-training-seeds, which every table then says",
+            )
+
+
+def load_parameters(path: Path) -> ParameterSet:
+    """Read a parameter file.
+
+    :raises InputError: it cannot be read, or is not what stands in the head of this module.
+    """
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", Words(error.strerror or str(error)), "a parameter file (TOML)") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
+    file = validated(_File, content, lambda keys: path)
+    for key, value in file.parameters.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(path, f"parameters.{key}", value, "a finite number")
+    training = file.training
+    return ParameterSet(
+        file.law,
+        file.parameters,
+        path,
+        training.scenario if training else "",
+        frozenset(training.seeds) if training else frozenset(),
+    )
