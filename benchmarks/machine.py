@@ -10,7 +10,7 @@ from pathlib import Path
 
 import psutil
 
-_LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "apytypes")
+_LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "apytypes", "do-mpc")
 #: A machine counts as busy when others use more than this share of it.
 _BUSY_SHARE = 0.5
 _LOOK_S = 0.5

@@ -20,7 +20,7 @@ from benchmarks.memory import peak_mb
 from benchmarks.processes import RunCommand
 from controller_node.arithmetic import make
 
-UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB"}
+UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB", "km/h s2", "m", "m/s2/km"}
 #: A figure that must be there, and the number of figures, so that none is dropped without notice.
 EXPECTED = {
     "lockstep": (6, "iq: command to first frame, median"),
@@ -29,6 +29,7 @@ EXPECTED = {
     "controller_step": (20, "float32: step of 1000 trains, per train, median"),
     "plant": (4, "direct run with iq, per core"),
     "codec": (14, "SIM_TRUTH (3 frames): receive, all checks and decode"),
+    "predictive_peer": (10, "do-mpc: step, median"),
     "memory": (4, "controller: peak resident set"),
 }
 
