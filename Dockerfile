@@ -9,7 +9,7 @@ WORKDIR /src
 # Dependencies before sources: a change of code does not fetch them again.
 COPY pyproject.toml ./
 RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-print("\n".join(p["dependencies"] + p["optional-dependencies"]["plot"]))' >/requirements.txt \
+print("\n".join(p["dependencies"] + p["optional-dependencies"]["report"]))' >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
 COPY . ./
 # pip itself and the libraries' own test suites have no use at run time (a third of the size).

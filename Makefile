@@ -5,8 +5,10 @@ VENV   ?= .venv
 BIN    := $(VENV)/bin
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
+# Laws whose parameters `make tuned` searches.
+TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
 
-.PHONY: run test test-fast lint bench dbc tables install clean
+.PHONY: run test test-fast lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -36,6 +38,12 @@ dbc: $(VENV)/.installed
 tables: $(VENV)/.installed
 	$(BIN)/python -m controller_node.laws.generate
 
+# Parameters of every law by the same protocol (docs/tuning.md); takes minutes each.
+tuned: $(TUNED_LAWS:%=tuned-%)
+
+$(TUNED_LAWS:%=tuned-%): tuned-%: $(VENV)/.installed-dev
+	$(BIN)/railhil tune $* lvshun_tieshan --out controller_node/laws/tuned/lvshun_tieshan/$*.toml
+
 install: $(VENV)/.installed
 
 $(VENV)/bin/pip:
@@ -44,7 +52,7 @@ $(VENV)/bin/pip:
 	  && apt-get update -q && apt-get install -y -q python3-venv && $(PYTHON) -m venv $(VENV); }
 
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/pip
-	$(BIN)/pip install -q --disable-pip-version-check -e '.[plot]'
+	$(BIN)/pip install -q --disable-pip-version-check -e '.[report]'
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip

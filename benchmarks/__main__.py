@@ -20,7 +20,18 @@ from bus.exitcodes import guarded
 from scenarios.errors import InputError
 
 #: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
-NAMES = ("lockstep", "round_trip", "arithmetic", "controller_step", "plant", "codec", "memory", "predictive_peer")
+NAMES = (
+    "lockstep",
+    "round_trip",
+    "arithmetic",
+    "controller_step",
+    "plant",
+    "batch",
+    "campaign",
+    "codec",
+    "memory",
+    "predictive_peer",
+)
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -26,8 +26,8 @@ _UNIPOLAR2_Q = 14
 class ControlOutput:
     """What one control period gives.
 
-    ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet. ``softening_raw`` and
-    ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h in Q20.
+    ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet, bit 2 ramp.
+    ``softening_raw`` and ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h, Q20.
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
     ``cycles``: estimated C28x cycles of this step, as of every other, program in RAM, 0 for float64.
     """

@@ -12,6 +12,7 @@ import pytest
 
 from bus.select import vcan_available
 from hil_tests.bench import BenchRun
+from hil_tests.browser import browser
 from scenarios.load import load
 from scenarios.model import Scenario
 
@@ -31,6 +32,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         missing["needs_docker"] = "MISSING CAPABILITY Docker engine (make test brings it up as root)"
     if not os.environ.get("RAILHIL_REQUIRE_ALL") and not all(shutil.which(name) for name in ("gcc", "clang")):
         missing["needs_compiler"] = "MISSING CAPABILITY C compilers gcc and clang (make test installs them as root)"
+    if browser() is None and not os.environ.get("RAILHIL_REQUIRE_ALL"):
+        missing["needs_browser"] = "MISSING CAPABILITY Chromium (make test installs it as root)"
     for item in items:
         for mark, reason in missing.items():
             if item.get_closest_marker(mark) is not None:

@@ -1,6 +1,6 @@
 """All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything``.
 
-Three parts: what runs anywhere (with gcc and clang for the exported C, installed where they are missing); kernel
+Three parts: what runs anywhere (with gcc, clang and Chromium installed where they are missing); kernel
 SocketCAN (the host's vcan0, else a throw-away virtual machine); a Docker engine (the host's, else a private one). A
 capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous
 integration never skips silently.
@@ -58,11 +58,12 @@ def parts() -> list[Part]:
 def main() -> int:
     """Run all parts; 0 when everything that could run passed and nothing that must run was missing."""
     failed, missing = [], []
-    try:
-        debian.install_compilers()
-    except (debian.CapabilityError, debian.MachineError) as error:
-        debian.say(f"exported C: {error}")
-        missing.append("exported C")
+    for name, install in (("exported C", debian.install_compilers), ("report in a browser", debian.install_browser)):
+        try:
+            install()
+        except (debian.CapabilityError, debian.MachineError) as error:
+            debian.say(f"{name}: {error}")
+            missing.append(name)
     everything = parts()
     for part in everything:
         code = part.run()

@@ -24,7 +24,7 @@ from hil_tests.audit.result import Options, audit, bars
 from hil_tests.audit.shadow import QuantityError, ShadowRun, compare_codes, errors, shadow_run
 from hil_tests.audit.standstill import standstill
 from hil_tests.audit.tables import show
-from hil_tests.perturbed_runs import Outcome
+from hil_tests.perturbed_runs import Outcomes
 from scenarios.load import load
 from supervisor.cli.output import Output
 
@@ -221,17 +221,7 @@ def test_effect_bars():
 
 
 def test_effect_runs_the_same_draws_in_both(short):
-    calls: list[None] = []
-    found = effect(
-        short,
-        2,
-        controller="ipfc",
-        arithmetic="float64",
-        indexing="time",
-        processes=1,
-        progress=lambda: calls.append(None),
-    )
-    assert len(calls) == 4
+    found = effect(short, 2, controller="ipfc", arithmetic="float64", indexing="time")
     assert found.counters == Counters()
     assert [one.score for one in found.scores] == ["itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"]
     for one in found.scores:
@@ -245,12 +235,17 @@ def test_effect_runs_the_same_draws_in_both(short):
 def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
     """Fixed point: ITAE 12, 11, 10, no stop in the last; float64: 10, 10, 10."""
 
-    def made(jobs, processes):
-        for job in jobs:
-            i, fixed = job.seed - 1000, job.arithmetic == "iq"
-            stop = None if fixed and i == 2 else 0.1
-            score = replace(sound.run.score, itae=12.0 - i if fixed else 10.0, stop_error_m=stop)
-            yield Outcome(score, Counters(i, 10 * i, 100 * i) if fixed else Counters(7, 7, 7))
+    def made(scenario, runs, *, controller, arithmetic, indexing):
+        fixed = arithmetic == "iq"
+        scores = [
+            replace(
+                sound.run.score,
+                itae=12.0 - i if fixed else 10.0,
+                stop_error_m=None if fixed and i == 2 else 0.1,
+            )
+            for i in range(runs)
+        ]
+        return Outcomes(scores, Counters(3, 30, 300) if fixed else Counters(7, 7, 7))
 
     monkeypatch.setattr("hil_tests.audit.effect.outcomes", made)
     over_runs = effect(short, 3, controller="ipfc", arithmetic="iq", indexing="time")
@@ -264,8 +259,8 @@ def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
 
 
 def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(monkeypatch, short, sound):
-    def made(jobs, processes):
-        return (Outcome(sound.run.score, Counters(job.seed == 1001, 5, 2 * (job.seed == 1000))) for job in jobs)
+    def made(scenario, runs, **case):
+        return Outcomes([sound.run.score] * runs, Counters(1, 10, 2))
 
     monkeypatch.setattr("hil_tests.audit.effect.outcomes", made)
     result = audit(short, Options(runs=2))

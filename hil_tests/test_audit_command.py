@@ -56,7 +56,7 @@ def short(tmp_path):
 @pytest.mark.loop
 def test_an_audit_from_the_command_line(short, tmp_path):
     file = tmp_path / "audit.json"
-    done = railhil("audit", short, "--runs", "4", "--jobs", "2", "--json", file, cwd=tmp_path)
+    done = railhil("audit", short, "--runs", "4", "--json", file, cwd=tmp_path)
     assert done.exit_code == 0, done.out + done.err
     assert done.err == ""
     assert max(map(len, done.out.splitlines())) <= 100
@@ -102,7 +102,6 @@ def test_a_missed_bar_is_exit_code_1(short, capsys, monkeypatch):
         (["--arithmetic", "float64"], "--arithmetic"),
         (["--runs", "-1"], "found -1, allowed 0..100000"),
         (["--runs", "many"], "found many, allowed 0..100000"),
-        (["--jobs", "0"], "found 0, allowed 1..1024"),
         (["--seed", "4294967296"], "found 4294967296, allowed 0..4294967295"),
         (["--json", "/nowhere/audit.json"], "--json: found '/nowhere/audit.json', allowed a file that can be written"),
         (["--json", "."], "is a directory"),

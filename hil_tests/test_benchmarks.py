@@ -28,6 +28,8 @@ EXPECTED = {
     "arithmetic": (58, "rsmpy, 100,000 at once: apytypes"),
     "controller_step": (20, "float32: step of 1000 trains, per train, median"),
     "plant": (4, "direct run with iq, per core"),
+    "batch": (8, "float64: runs of one core"),
+    "campaign": (9, "joblib: 2 processes"),
     "codec": (14, "SIM_TRUTH (3 frames): receive, all checks and decode"),
     "predictive_peer": (10, "do-mpc: step, median"),
     "memory": (4, "controller: peak resident set"),

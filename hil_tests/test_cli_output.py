@@ -24,7 +24,7 @@ from hil_tests.cli import Done, command, railhil, wait_for
 from scenarios.load import load, names
 from supervisor.cli import parser
 from supervisor.cli.output import Output
-from supervisor.cli.show import print_score, print_verdict
+from supervisor.cli.show import print_scores, print_verdict
 from supervisor.folder import RecordFailed, write_folder
 from supervisor.framelog import FrameLog, log_line, read_log
 from supervisor.run import Run, RunOptions
@@ -158,7 +158,7 @@ def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = io.StringIO()
     monkeypatch.setattr("sys.stdout", text)
-    print_score(Output(), lvshun, _SCORE, "ipfc float64 (measured)" if columns > 60 else "from the log")
+    print_scores(Output(), lvshun, [("ipfc float64 (measured)" if columns > 60 else "from the log", _SCORE)])
     lines = text.getvalue().splitlines()
     table = lines[1:]
     assert max(map(len, table)) <= columns
@@ -210,7 +210,7 @@ def test_text_of_users_is_printed_as_it_is(monkeypatch, lvshun):
     monkeypatch.setattr("sys.stdout", text)
     odd = "[/x] [bold]a[/] :train:"
     row = replace(lvshun.published[0], controller=odd)
-    print_score(Output(), replace(lvshun, title=odd, published=(row,)), _SCORE, odd)
+    print_scores(Output(), replace(lvshun, title=odd, published=(row,)), [(odd, _SCORE)])
     print_verdict(Output(), "FAIL", odd)
     assert text.getvalue().count(odd) == 4
 

@@ -132,9 +132,17 @@ class Lost(Toy):
         return super().step(state, inputs)
 
 
+class CountingStart(Toy):
+    """A counted limit where the C function has no counters."""
+
+    def start(self, inputs: LawInputs[Any]) -> ToyState:
+        return ToyState(self.ar.sat(inputs.speed, self.half, self.zero), inputs.set_point, self.zero)
+
+
 @pytest.mark.parametrize(
     ("law", "words"),
     [
+        (CountingStart, "start of the law counts saturations"),
         (Deep, "div with 31 fraction bits"),
         (Lost, "convert from Q20 to Q52"),
         (Branching, "a branch in Python"),

@@ -10,14 +10,8 @@ import pytest
 from controller_node.arithmetic import make
 from controller_node.arithmetic.float32 import rounding_error
 from controller_node.laws.ipfc import Ipfc
-from controller_node.laws.ipfc_constants import (
-    IpfcParameters,
-    Wavelet,
-    bases,
-    compute_constants,
-    internal_model,
-    make_constants,
-)
+from controller_node.laws.ipfc_constants import IpfcParameters, compute_constants, make_constants
+from controller_node.laws.pfc_constants import Wavelet, internal_model, wavelet_basis
 from controller_node.laws.pfc_model import InternalModel, polynomial_fit
 from controller_node.laws.table import coarse
 from scenarios.load import load
@@ -32,8 +26,7 @@ def values(row: tuple) -> list[float]:
 
 
 def test_basis_functions_at_zero() -> None:
-    step, wavelets = bases(PAPER, 0.5)
-    assert step.shape == (1, 10)
+    wavelets = wavelet_basis(PAPER.wavelets, PAPER.horizon, 0.5)
     assert wavelets.shape == (2, 10)
     np.testing.assert_allclose(wavelets[:, 0], [1.0, -0.2096], atol=5e-5)
 
@@ -69,7 +62,7 @@ def test_free_rows_and_step_response_replay_the_model() -> None:
 def test_gains_minimise_the_squared_deviation() -> None:
     """The gains applied to a reachable d give back the input that reaches it."""
     model = internal_model(PAPER, 0.5)
-    _, wavelets = bases(PAPER, 0.5)
+    wavelets = wavelet_basis(PAPER.wavelets, PAPER.horizon, 0.5)
     weights = np.array([0.4, -1.3])
     d = weights @ model.responses(wavelets)[:, [2, 4, 7, 8]]
     assert model.gains(wavelets, (3, 5, 8, 9)) @ d == pytest.approx(weights @ wavelets[:, 0], abs=1e-9)
@@ -125,6 +118,9 @@ def test_other_control_periods_fit_the_formats(period_s: float) -> None:
         ({"fit_points": (3,)}, "as many fitting points"),
         ({"error_order": 8}, "too high for their windows"),
         ({"set_point_order": 11}, "too high for their windows"),
+        ({"softening_span": -0.01}, "softening_min 0.86, softening_max 0.85: not 0 < min <= max < 1"),
+        ({"softening_span": 0.85}, "softening_min 0, softening_max 0.85"),
+        ({"softening_max": 1.0}, "softening_min 0.92, softening_max 1"),
     ],
 )
 def test_parameters_that_do_not_fit_each_other_are_refused(change: dict, words: str) -> None:

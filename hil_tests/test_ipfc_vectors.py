@@ -16,7 +16,8 @@ from controller_node.arithmetic.float64 import Float64
 from controller_node.laws import load, names
 from controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q, LawInputs
 from controller_node.laws.ipfc import Ipfc, IpfcState
-from controller_node.laws.ipfc_constants import GAIN_Q, RISE_Q, IpfcParameters
+from controller_node.laws.ipfc_constants import RISE_Q, IpfcParameters
+from controller_node.laws.pfc_constants import GAIN_Q
 from scenarios.errors import InputError
 from scenarios.load import load as load_scenario
 

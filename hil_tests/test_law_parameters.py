@@ -8,8 +8,9 @@ import pytest
 
 from bus.ident import CtlIdent, law_code
 from controller_node.laws.ipfc import Ipfc
-from controller_node.laws.ipfc_constants import IpfcParameters, Wavelet
+from controller_node.laws.ipfc_constants import IpfcParameters
 from controller_node.laws.parameters import law_parameters
+from controller_node.laws.pfc_constants import Wavelet
 from hil_tests.bench import direct_run, local_run
 from scenarios.errors import InputError
 from scenarios.load import load

@@ -131,7 +131,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
 )
 def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, role):
     folder = tmp_path / "run"
-    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20")
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", "--pace", "realtime", "--rate", "20")
     log = folder / "frames.log"
     wait_for(lambda: log.stat().st_size > 200_000)
     others = psutil.Process(run.process.pid).children()
@@ -152,7 +152,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
 
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     folder = tmp_path / "run"
-    run = Started("run", "--seed", "1", "--out", folder, "--quiet")
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
     log = folder / "frames.log"
     wait_for(lambda: log.exists() and log.stat().st_size > 800_000)
     run.child("controller_node").send_signal(signal.SIGKILL)

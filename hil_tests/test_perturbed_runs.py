@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from math import ceil
-from multiprocessing.pool import ThreadPool
-from types import SimpleNamespace
 
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from controller_node.arithmetic.base import Constant
+from controller_node.arithmetic.base import Constant, Counters
 from controller_node.laws.ipfc import Ipfc
 from hil_tests.bench import direct_run, local_run
-from hil_tests.perturbed_runs import FIRST_SEED, SCORES, jobs, outcomes, scores
+from hil_tests.perturbed_runs import FIRST_SEED, SCORES, outcomes
 from scenarios.load import load
 
 
@@ -35,7 +33,7 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
-def test_an_outcome_counts_what_went_wrong_in_its_own_run(short, monkeypatch, arithmetic):
+def test_outcomes_are_those_of_single_runs(short, monkeypatch, arithmetic):
     """The notch made in a way that wraps in fixed point, in every period."""
 
     def wrapping(self, state, inputs):
@@ -45,18 +43,13 @@ def test_an_outcome_counts_what_went_wrong_in_its_own_run(short, monkeypatch, ar
 
     step = Ipfc.step
     monkeypatch.setattr(Ipfc, "step", wrapping)
-    work = jobs(short, 2, arithmetic=arithmetic)
-    monkeypatch.setattr("multiprocessing.get_context", lambda method: SimpleNamespace(Pool=ThreadPool))
-    for job, outcome in zip(work, outcomes(work, processes=1), strict=True):
-        run = direct_run(short, seed=job.seed, drawn=True, arithmetic=arithmetic)
-        assert outcome.score == run.score
-        # 25 polls of 20 ms in a control period.
-        assert outcome.arithmetic.wraps == (ceil(len(run.notches) / 25) if arithmetic == "iq" else 0)
-
-
-def test_scores_come_in_the_order_of_the_jobs(short):
-    work = jobs(short, 5, indexing="distance")
-    assert [job.seed for job in work] == list(range(FIRST_SEED, FIRST_SEED + 5))
-    alone = [direct_run(short, seed=job.seed, drawn=True, indexing="distance").score for job in work]
-    assert list(scores(work, processes=2)) == alone
-    assert len({score.energy_kj for score in alone}) == 5
+    found = outcomes(short, 3, arithmetic=arithmetic, indexing="distance")
+    runs = [
+        direct_run(short, seed=FIRST_SEED + i, drawn=True, arithmetic=arithmetic, indexing="distance") for i in range(3)
+    ]
+    for name in SCORES:
+        assert [getattr(score, name) for score in found.scores] == [getattr(run.score, name) for run in runs]
+    # 25 polls of 20 ms in a control period.
+    wraps = sum(ceil(len(run.notches) / 25) for run in runs) if arithmetic == "iq" else 0
+    assert found.arithmetic == Counters(wraps, 0, 0)
+    assert len({score.energy_kj for score in found.scores}) == 3

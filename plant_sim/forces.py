@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scenarios.model import Effort, Profile, Train
-from scenarios.profiles import MeanGrade
+from scenarios.profiles import Floats, MeanGrade
 
 _KMH = 3.6
 
@@ -70,12 +70,22 @@ def train_constants(train: Train) -> TrainConstants:
     )
 
 
-def grade_table(grade_permil: Profile, length_m: float) -> GradeTable:
-    """Breakpoints of ``(height(x) - height(x - length)) / length``, height being the integral of the grade."""
+def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, Floats]:
+    """Breakpoints of ``(height(x) - height(x - length)) / length``, height being the integral of the grade.
+
+    :returns: the fields of a :class:`GradeTable` as arrays of shape (rows,); all but the first of shape (N, rows) when
+        the grades of the profile are arrays over N runs.
+    """
     mean = MeanGrade(grade_permil, length_m)
     from_m = mean.breakpoints_m
     permil = mean(from_m)
-    slope = np.append(np.diff(permil) / np.diff(from_m), 0.0)
+    slope = np.diff(permil) / np.diff(from_m)
+    return from_m, permil, np.concatenate((slope, np.zeros((*slope.shape[:-1], 1))), axis=-1)
+
+
+def grade_table(grade_permil: Profile, length_m: float) -> GradeTable:
+    """The table of one run."""
+    from_m, permil, slope = grade_rows(grade_permil, length_m)
     return GradeTable(tuple(from_m.tolist()), tuple(permil.tolist()), tuple(slope.tolist()))
 
 
@@ -93,7 +103,7 @@ def effort_limit_n(table: EffortTable, speed_mps: float) -> float:
     if limit_n * speed_mps > table.power_max_w:
         limit_n = table.power_max_w / speed_mps
     speeds = table.curve_mps
-    if speeds:
+    if len(speeds):
         row = bisect_right(speeds, speed_mps)
         forces = table.curve_n
         if row == 0:

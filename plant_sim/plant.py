@@ -20,7 +20,7 @@ NOTCH_LSB_PER_NOTCH = 256
 PARKING_BRAKE_PERMIL = 40.0
 
 #: Pieces of a tick shorter than this are not worth a step of their own.
-_SLIVER_TICKS = 1e-9
+SLIVER_TICKS = 1e-9
 
 
 class PlantError(Exception):
@@ -107,11 +107,11 @@ class Plant:
         now, end = float(self.tick), self.tick + 1
         while staged and staged[0][0] <= end:
             due, code = staged.popleft()
-            if due - now > _SLIVER_TICKS:
+            if due - now > SLIVER_TICKS:
                 self._move(now, due - now)
                 now = due
             self._acting_code = code
-        if end - now > _SLIVER_TICKS:
+        if end - now > SLIVER_TICKS:
             self._move(now, end - now)
         self.tick = end
         self._sensors.begin_tick(end)

@@ -80,7 +80,13 @@ class ParameterSet:
 
     def as_json(self) -> dict[str, Any]:
         """What a certificate says of the parameters: enough to write the file again."""
-        return {"law": self.law, "sha256": self.sha256, "values": dict(self.values)}
+        training = {"scenario": self.training_scenario, "seeds": sorted(self.training_seeds)}
+        return {
+            "law": self.law,
+            "sha256": self.sha256,
+            "values": dict(self.values),
+            "training": training if self.training_seeds else None,
+        }
 
     def seen(self, scenario: str, seeds: Iterable[int]) -> list[int]:
         """Those of the seeds whose perturbed runs on the scenario the search has seen, in order."""

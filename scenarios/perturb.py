@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from scenarios import streams
 from scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
@@ -16,12 +19,24 @@ class _Draws:
     So the draw of one quantity does not depend on which other quantities a scenario perturbs.
     """
 
-    def __init__(self, generator: np.random.Generator) -> None:
-        self._generator = generator
+    def __init__(self, units: Sequence[Any]) -> None:
+        self._units = iter(units)
 
-    def between(self, bounds: Uniform | None, nominal: float) -> float:
-        unit = float(self._generator.random())
+    def between(self, bounds: Uniform | None, nominal: float) -> Any:
+        unit = next(self._units)
         return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
+
+
+#: Draws of a run besides one for each balise.
+_DRAWS = 9
+
+
+def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
+    """Numbers in 0..1 from which the perturbations of a run follow, shape (draws,).
+
+    Raises ``ValueError`` for a negative seed.
+    """
+    return streams.generator(seed, streams.PERTURBATION).random(_DRAWS + len(scenario.line.balises))
 
 
 def perturbed(scenario: Scenario, seed: int) -> Scenario:
@@ -33,8 +48,16 @@ def perturbed(scenario: Scenario, seed: int) -> Scenario:
     with the seed it names the run, and a controller that knows only the nominal train compares the same
     hash. Raises ``ValueError`` for a negative seed.
     """
+    return with_draws(scenario, unit_draws(scenario, seed).tolist())
+
+
+def with_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
+    """:func:`perturbed` with given draws.
+
+    :param units: one for each draw; with arrays of shape (N,) the perturbed quantities are such arrays, too.
+    """
     given = scenario.perturbations
-    draws = _Draws(streams.generator(seed, streams.PERTURBATION))
+    draws = _Draws(units)
     mass = draws.between(given.mass_factor, 1.0)
     davis = draws.between(given.davis_factor, 1.0)
     grade_factor = draws.between(given.grade_factor, 1.0)

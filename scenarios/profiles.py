@@ -36,19 +36,24 @@ def front_speed_limit(line: Line, train: Train) -> Profile:
 
 
 class MeanGrade:
-    """Grade in permil averaged over the train, by position of its front (m, scalar or array of any shape)."""
+    """Grade in permil averaged over the train, by position of its front (m, scalar or array of any shape).
+
+    The grades of a profile may be arrays of shape (N,), one for each of N runs: then positions have the shape (n,) and
+    results (N, n).
+    """
 
     def __init__(self, grade_permil: Profile, length_m: float) -> None:
         self._length_m = length_m
         self._from = np.array([row[0] for row in grade_permil])
-        self._grade = np.array([row[1] for row in grade_permil])
+        self._grade = np.array([row[1] for row in grade_permil]).T
         # Height in mm over the first row: the integral of permil over metres, exact at every row.
-        self._height = np.concatenate(([0.0], np.cumsum(self._grade[:-1] * np.diff(self._from))))
+        climbs = self._grade[..., :-1] * np.diff(self._from)
+        self._height = np.concatenate((np.zeros((*self._grade.shape[:-1], 1)), np.cumsum(climbs, axis=-1)), axis=-1)
         self.breakpoints_m: Floats = np.unique(np.concatenate((self._from, self._from + length_m)))
 
     def _height_at(self, position_m: Floats) -> Floats:
         row = np.clip(np.searchsorted(self._from, position_m, side="right") - 1, 0, None)
-        return np.asarray(self._height[row] + self._grade[row] * (position_m - self._from[row]))
+        return np.asarray(self._height[..., row] + self._grade[..., row] * (position_m - self._from[row]))
 
     def __call__(self, front_m: ArrayLike) -> Floats:
         front = np.asarray(front_m, dtype=np.float64)

@@ -12,14 +12,53 @@ planned stop (IPFC reading 5: clamping it at zero costs 5.8 s of punctuality). B
 
 from __future__ import annotations
 
-from typing import overload
+from typing import Any, overload
 
 import numpy as np
+from numpy import all as all_of
+from numpy import maximum, minimum, sqrt, where
 from numpy.typing import ArrayLike, NDArray
 
 from scenarios.model import TargetCurve
 
 Floats = NDArray[np.float64]
+
+
+#: Newton steps end when they are this short.
+_SETTLED_S = 1e-12
+#: More than bisection alone would need.
+_STEPS_MAX = 80
+
+
+def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2: Any, jerk_mps3: Any) -> Any:
+    """Time into a piece of the curve at which it has covered a distance; numbers, or arrays of one shape.
+
+    Newton steps kept inside a bisection bracket, from where the piece would be without jerk. An element that has
+    settled stays, so one number gives what it gives in an array.
+
+    :param longest_s: length of the piece, inside which the distance is covered.
+    :param speed_mps: at the start of the piece, as acceleration and jerk; the speed stays above 0 inside.
+    """
+    low, high = 0.0 * longest_s, longest_s
+    twice_mean = speed_mps + sqrt(maximum(speed_mps * speed_mps + 2.0 * accel_mps2 * distance_m, 0.0))
+    moves = twice_mean > 0.0
+    time_s = minimum(where(moves, 2.0 * distance_m / where(moves, twice_mean, 1.0), longest_s), longest_s)
+    settled = low > high
+    for _ in range(_STEPS_MAX):
+        missing = time_s * (speed_mps + time_s * (accel_mps2 / 2 + time_s * jerk_mps3 / 6)) - distance_m
+        now_mps = speed_mps + time_s * (accel_mps2 + time_s * jerk_mps3 / 2)
+        low = where(missing < 0.0, time_s, low)
+        high = where(missing < 0.0, high, time_s)
+        moves = now_mps > 0.0
+        newton = time_s - missing / where(moves, now_mps, 1.0)
+        inside = moves & (newton >= low) & (newton <= high)
+        better = where(inside, newton, (low + high) / 2)
+        step_s = abs(better - time_s)
+        time_s = where(settled, time_s, better)
+        settled = settled | (step_s <= _SETTLED_S)
+        if all_of(settled):
+            break
+    return time_s
 
 
 class Target:
@@ -89,19 +128,18 @@ class Target:
         return value if value.ndim else float(value)
 
     def time_s(self, position_m: ArrayLike) -> Floats:
-        """Time at which the target passes each position, between departure and the stop (clipped outside).
+        """Time at which the target first passes each position, between departure and the stop (clipped outside).
 
-        Newton steps kept inside a bisection bracket, to 1e-9 s; used for the distance-indexed set-point.
+        To rounding; used for the distance-indexed set-point.
         """
         goal = np.clip(np.asarray(position_m, dtype=np.float64), 0.0, self.stop_position_m)
-        low = np.zeros_like(goal)
-        high = np.full_like(goal, self.stop_time_s)
-        for _ in range(60):
-            middle = (low + high) / 2
-            behind = self.position_m(middle) < goal
-            low = np.where(behind, middle, low)
-            high = np.where(behind, high, middle)
-        return np.asarray((low + high) / 2)
+        ahead = self._time < self.stop_time_s
+        piece = np.maximum(np.searchsorted(self._position[ahead], goal, side="left") - 1, 0)
+        lengths = np.append(self._time[1:], np.inf)
+        longest = np.minimum(lengths, self.stop_time_s)[piece] - self._time[piece]
+        covered = goal - self._position[piece]
+        after = time_in_piece_s(covered, longest, self._speed[piece], self._accel[piece], self._jerk[piece])
+        return np.asarray(self._time[piece] + after)
 
     def _first_stop(self) -> float:
         """First time at which the speed, having been positive, is back at rest."""

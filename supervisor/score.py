@@ -8,17 +8,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from bus.ident import INDEXINGS, CtlIdent
 from bus.schedule import Schedule
 from bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
-from scenarios.model import Profile, Scenario
+from scenarios.model import Scenario
 from scenarios.target import Target
+from supervisor import measures
+from supervisor.measures import limits_under_train
 from supervisor.trace import FloatArray, Trace
 
-_KMH = 3.6
 #: How the failure of a run begins in which the controller's fixed point has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
 
@@ -61,58 +64,71 @@ class Score:
         }
 
 
-def limits_under_train(limits: Profile, front_m: FloatArray, length_m: float) -> FloatArray:
-    """Speed limit in force for the whole train at each front position, m/s, shape of ``front_m``.
+def _samples(scenario: Scenario) -> float:
+    """Time between two SIM_TRUTH telegrams in s."""
+    timing = scenario.timing
+    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+    return schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
 
-    A lower limit holds from the front's passing, a higher one when the rear has passed.
+
+@dataclass(frozen=True, slots=True)
+class ErrorGrid:
+    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the timetable's end.
+
+    ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,), ``counts`` (cycles,) says how many
+    there are in each cycle.
     """
-    allowed = np.full(front_m.shape, np.inf)
-    for index, (start_m, limit) in enumerate(limits):
-        end_m = limits[index + 1][0] if index + 1 < len(limits) else np.inf
-        begin_m = -np.inf if index == 0 else start_m
-        touched = (front_m >= begin_m) & (front_m - length_m < end_m)
-        allowed = np.where(touched, np.minimum(allowed, limit), allowed)
-    return allowed
+
+    step_s: float
+    period_s: float
+    time_s: FloatArray
+    cycle: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> ErrorGrid:
+        """Grid of a scenario."""
+        period_s = scenario.timing.control_period_ns / 1e9
+        cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
+        step_s = _samples(scenario)
+        time_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
+        cycle = np.ceil(np.round(time_s / period_s, 9)).astype(np.int64) - 1
+        inside = (cycle >= 0) & (cycle < cycles)
+        time_s, cycle = time_s[inside], cycle[inside]
+        return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles))
 
 
 def _itae(scenario: Scenario, target: Target, indexing: str, time_s: FloatArray, truth: dict[str, FloatArray]) -> float:
-    """Eq. (4): sum of k Tc^2 times the mean |e| of cycle k, e in km/h; standstill counts to the timetable's end."""
-    period_s = scenario.timing.control_period_ns / 1e9
-    cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
-    timing = scenario.timing
-    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
-    step_s = schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
-    grid_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
-    index = np.minimum(np.searchsorted(time_s, grid_s - step_s / 2), len(time_s) - 1)
-    speed = np.where(grid_s > time_s[-1] + step_s / 2, 0.0, truth["speed"][index])
+    """Eq. (4), e in km/h; standstill counts to the timetable's end."""
+    grid = ErrorGrid.of(scenario)
+    index = np.minimum(np.searchsorted(time_s, grid.time_s - grid.step_s / 2), len(time_s) - 1)
+    speed = np.where(grid.time_s > time_s[-1] + grid.step_s / 2, 0.0, truth["speed"][index])
     if indexing == "distance":
         wanted = np.asarray(target.speed_mps(target.time_s(truth["position"][index])))
     else:
-        wanted = np.asarray(target.speed_mps(grid_s))
-    cycle = np.ceil(np.round(grid_s / period_s, 9)).astype(int)
-    error = np.abs(wanted - speed) * _KMH
-    sums = np.bincount(cycle, weights=error, minlength=cycles + 1)[1 : cycles + 1]
-    counts = np.bincount(cycle, minlength=cycles + 1)[1 : cycles + 1]
-    return float(np.sum(np.arange(1, cycles + 1) * period_s**2 * sums / np.maximum(counts, 1)))
+        wanted = np.asarray(target.speed_mps(grid.time_s))
+    sums = np.bincount(grid.cycle, weights=measures.error_kmh(wanted, speed), minlength=len(grid.counts))
+    return float(measures.itae_kmh_s2(sums, grid.counts, grid.period_s))
 
 
 def _energy_kj(scenario: Scenario, time_s: FloatArray, truth: dict[str, FloatArray], stop_s: float) -> float:
-    """Eq. (5): traction work / xi_M + auxiliary power * time + xi_B * brake work."""
+    """Eq. (5) up to the stop."""
     moving = time_s <= stop_s
-    seconds = time_s[moving]
-    traction_j = np.trapezoid((truth["traction"] * truth["speed"])[moving], seconds)
-    brake_j = np.trapezoid((truth["brake"] * truth["speed"])[moving], seconds)
-    energy = scenario.energy
-    return float(traction_j / energy.xi_m + energy.auxiliary_power_w * stop_s + energy.xi_b * brake_j) / 1000
+    steps_s = np.diff(time_s[moving])
+
+    def work_j(force: str) -> Any:
+        power_w = (truth[force] * truth["speed"])[moving]
+        return measures.total(measures.work_j(steps_s, power_w[:-1], power_w[1:]))
+
+    return float(measures.energy_kj(scenario.energy, work_j("traction"), work_j("brake"), stop_s))
 
 
 def _comfort(scenario: Scenario, time_s: FloatArray, accel_mps2: FloatArray) -> float:
-    """Eq. (6): sum of |a_k - a_(k-1)| over control ticks, with the last drop to zero, per km of the plan."""
+    """Eq. (6), from the first SIM_TRUTH of each control period on."""
     period_s = scenario.timing.control_period_ns / 1e9
     ticks_s = np.arange(0, int(time_s[-1] / period_s) + 1) * period_s
     samples = accel_mps2[np.minimum(np.searchsorted(time_s, ticks_s - 1e-9), len(time_s) - 1)]
-    travelled = np.abs(np.diff(samples)).sum() + abs(samples[-1])
-    return float(travelled / (scenario.plan.distance_m / 1000))
+    return float(measures.comfort_mps2_per_km(samples, scenario.plan.distance_m))
 
 
 def _events(trace: Trace) -> dict[Event, tuple[float, float]]:
@@ -131,6 +147,58 @@ def _wrap(trace: Trace) -> str:
     """The failure of a controller that says its arithmetic has wrapped: a notch after that means nothing."""
     wrapped = np.flatnonzero(trace.raw(CtlStat.PORT, "OverflowFlags") & ControllerFlag.WRAP)
     return f"{WRAP_FAILURE}, reported at {trace.times_s(CtlStat.PORT)[wrapped[0]]:.2f} s" if len(wrapped) else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What a whole run has been measured to be: see :class:`Score`.
+
+    ``stop``: instant in s and true position in m of the first stop, ``emergency_s`` instant of the first emergency
+    brake, ``wrap`` the failure of a controller whose arithmetic has wrapped.
+    """
+
+    ended: Event
+    itae: float
+    energy_kj: float
+    comfort: float
+    overspeed_mps: float
+    stop: tuple[float, float] | None
+    emergency_s: float | None
+    wrap: str = ""
+
+
+def judged(scenario: Scenario, run: Measured) -> Score:
+    """Score of a whole run with its verdict: what of the limits in the plan it misses."""
+    plan = scenario.plan
+    time_error = run.stop[0] - plan.running_time_s if run.stop else None
+    stop_error = run.stop[1] - plan.distance_m if run.stop else None
+    failures = []
+    if stop_error is None or time_error is None:
+        failures.append(f"not stopped {plan.overtime_max_s:g} s after the timetable")
+    else:
+        if abs(stop_error) > plan.stop_error_max_m:
+            failures.append(f"stop error {stop_error:+.3f} m, allowed +-{plan.stop_error_max_m:g} m")
+        if abs(time_error) > plan.time_error_max_s:
+            failures.append(f"time error {time_error:+.3f} s, allowed +-{plan.time_error_max_s:g} s")
+    if run.overspeed_mps > 0:
+        failures.append(f"overspeed {run.overspeed_mps * measures.KMH:.2f} km/h, allowed 0")
+    if run.emergency_s is not None:
+        failures.append(f"emergency brake at {run.emergency_s:.2f} s")
+    if run.wrap:
+        failures.append(run.wrap)
+    return Score(
+        verdict="FAIL" if failures else "PASS",
+        itae=run.itae,
+        energy_kj=run.energy_kj,
+        punctuality_s=None if time_error is None else abs(time_error),
+        stop_error_m=None if stop_error is None else abs(stop_error),
+        comfort=run.comfort,
+        signed_time_error_s=time_error,
+        signed_stop_error_m=stop_error,
+        overspeed_mps=run.overspeed_mps,
+        failures=tuple(failures),
+        ended=run.ended.name.lower(),
+    )
 
 
 def score(scenario: Scenario, trace: Trace) -> Score:
@@ -152,45 +220,27 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     # A telegram that was recorded twice counts once: the times of the rest increase.
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
-    ended_name = ended.name.lower() if ended is not None else "record_incomplete"
     whole = (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
     if ended not in whole or len(time_s) < 2:
-        return Score("INVALID", None, None, None, None, None, None, None, 0.0, (f"run {ended_name}",), ended_name)
+        name = ended.name.lower() if ended is not None else "record_incomplete"
+        return Score("INVALID", None, None, None, None, None, None, None, 0.0, (f"run {name}",), name)
     ident = trace.ident(CtlIdent)
     indexing = INDEXINGS[ident.indexing] if ident is not None and ident.indexing < len(INDEXINGS) else "time"
     over = truth["speed"] - limits_under_train(
         scenario.line.speed_limit_mps, truth["position"], scenario.train.length_m
     )
-    overspeed_mps = float(max(0.0, over.max()))
     stop = events.get(Event.STOPPED)
-    plan = scenario.plan
-    time_error = stop[0] - plan.running_time_s if stop else None
-    stop_error = stop[1] - plan.distance_m if stop else None
-    end_s = stop[0] if stop else float(time_s[-1])
-    failures = []
-    if stop_error is None or time_error is None:
-        failures.append(f"not stopped {plan.overtime_max_s:g} s after the timetable")
-    else:
-        if abs(stop_error) > plan.stop_error_max_m:
-            failures.append(f"stop error {stop_error:+.3f} m, allowed +-{plan.stop_error_max_m:g} m")
-        if abs(time_error) > plan.time_error_max_s:
-            failures.append(f"time error {time_error:+.3f} s, allowed +-{plan.time_error_max_s:g} s")
-    if overspeed_mps > 0:
-        failures.append(f"overspeed {overspeed_mps * _KMH:.2f} km/h, allowed 0")
-    if Event.EMERGENCY in events:
-        failures.append(f"emergency brake at {events[Event.EMERGENCY][0]:.2f} s")
-    if wrap := _wrap(trace):
-        failures.append(wrap)
-    return Score(
-        verdict="FAIL" if failures else "PASS",
-        itae=_itae(scenario, Target(scenario.target), indexing, time_s, truth),
-        energy_kj=_energy_kj(scenario, time_s, truth, end_s),
-        punctuality_s=None if time_error is None else abs(time_error),
-        stop_error_m=None if stop_error is None else abs(stop_error),
-        comfort=_comfort(scenario, time_s, truth["accel"]),
-        signed_time_error_s=time_error,
-        signed_stop_error_m=stop_error,
-        overspeed_mps=overspeed_mps,
-        failures=tuple(failures),
-        ended=ended_name,
+    emergency = events.get(Event.EMERGENCY)
+    return judged(
+        scenario,
+        Measured(
+            ended=ended,
+            itae=_itae(scenario, Target(scenario.target), indexing, time_s, truth),
+            energy_kj=_energy_kj(scenario, time_s, truth, stop[0] if stop else float(time_s[-1])),
+            comfort=_comfort(scenario, time_s, truth["accel"]),
+            overspeed_mps=float(max(0.0, over.max())),
+            stop=stop,
+            emergency_s=emergency[0] if emergency else None,
+            wrap=_wrap(trace),
+        ),
     )

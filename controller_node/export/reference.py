@@ -136,7 +136,8 @@ def _settled(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
 
     def unsteadiness(k: int) -> int:
         given = loop.inputs(k, 0, 0)
-        return max(abs(point - given.set_point) for point in given.preview)
+        following = given.preview or [loop.inputs(k + 1, 0, 0).set_point]
+        return max(abs(point - given.set_point) for point in following)
 
     steady = min(range(last + 1), key=unsteadiness)
     right = _wire_speed(loop.inputs(steady, 0, 0).set_point)

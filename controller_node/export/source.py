@@ -248,6 +248,8 @@ class SourceWriter:
         signature = self._signatures()[name]
         text = "\n".join(lines)
         parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
+        if "events" not in parameters and _uses(text, "events"):
+            raise ValueError(f"{name} of the law counts saturations or divisions by zero: clip limits without counting")
         unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
         frame = _CALL_WORDS + LONG_WORDS * body.locals + _POINTER_WORDS * len(parameters)
         self._stack[f"{self._law}_{name}"] = frame + _HELPER_WORDS

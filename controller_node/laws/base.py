@@ -26,6 +26,7 @@ SATISFACTION_Q = 24
 #: Bits of ``LawOutputs.basis`` (CTL_STAT, BasisInUse).
 BASIS_STEP = 1
 BASIS_WAVELET = 2
+BASIS_RAMP = 4
 
 
 class BaliseReading(NamedTuple, Generic[T]):

@@ -10,11 +10,17 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from controller_node.laws import ipfc_constants
+from controller_node.laws import fuzzy_pid_constants, ipfc_constants, tdmc_constants, tpfc1, tpfc2
 from controller_node.laws.table import LawTable, coarse, flatten
 
 #: One table per law.
-TABLES: tuple[LawTable[Any], ...] = (ipfc_constants.TABLE,)
+TABLES: tuple[LawTable[Any], ...] = (
+    ipfc_constants.TABLE,
+    tpfc1.TABLE,
+    tpfc2.TABLE,
+    tdmc_constants.TABLE,
+    fuzzy_pid_constants.TABLE,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

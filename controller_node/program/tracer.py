@@ -126,6 +126,8 @@ class Tracer(Arithmetic[Value]):
     def neg(self, a: Value) -> Value:
         if a.constant is not None:
             constant = a.constant
+            if self.wide:
+                return self.const(Constant(f"-{constant.name}", -constant.value, constant.q, constant.origin))
             # From the integer, as the fixed point does it: a value between two integers would be rounded anew.
             raw = constant.raw if constant.raw == INT32_MIN else -constant.raw
             return self.const(Constant(f"-{constant.name}", math.ldexp(raw, -constant.q), constant.q, constant.origin))

@@ -9,9 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 from bus.exitcodes import FAIL, PASS, guarded
 from bus.usage import SEED_MAX, OneLineParser, parse, whole_number
 from bus.wholefile import check_writable, whole_file
@@ -27,7 +24,6 @@ from scenarios.load import load
 from supervisor.cli.output import Output, accept_any_text
 
 _RUNS_MAX = 100_000
-_JOBS_MAX = 1024
 _EXIT_CODES = """\
 exit codes:
   0    all bars are met
@@ -59,9 +55,6 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
     )
-    parser.add_argument(
-        "--jobs", type=whole_number(1, _JOBS_MAX), default=None, metavar="N", help="processes (default: all processors)"
-    )
     parser.add_argument("--json", metavar="FILE", help="write the whole result there")
     return parser
 
@@ -92,13 +85,8 @@ def main() -> int:
         namespace.indexing,
         namespace.seed,
         namespace.runs,
-        namespace.jobs,
     )
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("perturbed runs", total=2 * options.runs, visible=options.runs > 0)
-        result = audit(scenario, options, lambda: bar.advance(task))
+    result = audit(scenario, options)
     show(Output(), result)
     if file is not None:
         text = json.dumps(document(result), indent=2, allow_nan=False) + "\n"

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
 
 from controller_node.arithmetic.base import Counters
-from hil_tests.perturbed_runs import SCORES, jobs, outcomes
+from hil_tests.perturbed_runs import SCORES, outcomes
 from scenarios.model import Scenario
 from supervisor.score import Score
 
@@ -66,32 +65,10 @@ def _effect(name: str, audited: list[Score], reference: list[Score]) -> ScoreEff
     )
 
 
-def effect(
-    scenario: Scenario,
-    runs: int,
-    *,
-    controller: str,
-    arithmetic: str,
-    indexing: str,
-    processes: int | None = None,
-    progress: Callable[[], None] = lambda: None,
-) -> Effect:
-    """Run ``runs`` draws twice and compare their scores.
-
-    :param progress: called after each run.
-    """
-    work = [
-        job
+def effect(scenario: Scenario, runs: int, *, controller: str, arithmetic: str, indexing: str) -> Effect:
+    """Run ``runs`` draws twice and compare their scores."""
+    audited, reference = (
+        outcomes(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
         for name in (arithmetic, "float64")
-        for job in jobs(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
-    ]
-    found: list[Score] = []
-    counters = Counters()
-    for i, outcome in enumerate(outcomes(work, processes)):
-        found.append(outcome.score)
-        if i < runs:
-            counters.wraps += outcome.arithmetic.wraps
-            counters.saturations += outcome.arithmetic.saturations
-            counters.zero_divisions += outcome.arithmetic.zero_divisions
-        progress()
-    return Effect([_effect(name, found[:runs], found[runs:]) for name in SCORES], counters)
+    )
+    return Effect([_effect(name, audited.scores, reference.scores) for name in SCORES], audited.arithmetic)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -35,7 +35,6 @@ class Options:
     indexing: str = "time"
     seed: int = 0
     runs: int = 200
-    processes: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,10 +82,9 @@ class Result:
         return all(bar.met for bar in self.bars)
 
 
-def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = lambda: None) -> Result:
+def audit(scenario: Scenario, options: Options) -> Result:
     """Audit a law in an arithmetic on a scenario.
 
-    :param progress: called after each perturbed run (``2 * options.runs`` of them).
     :raises scenarios.errors.InputError: an unknown law, arithmetic or indexing.
     """
     law, indexing = options.controller, options.indexing
@@ -126,8 +124,6 @@ def audit(scenario: Scenario, options: Options, progress: Callable[[], None] = l
             controller=law,
             arithmetic=options.arithmetic,
             indexing=indexing,
-            processes=options.processes,
-            progress=progress,
         )
         if options.runs
         else None

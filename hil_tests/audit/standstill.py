@@ -2,7 +2,8 @@
 
 Rounding inside a loop can keep it going for ever where exact numbers come to rest. Two looks at a train that is held
 at standstill: untouched, where the notch must not move at all; and after one reading of the smallest speed, where a
-law may well swing by itself (its model runs on while the train is held), but no other than in float64.
+law may well swing by itself (its model runs on while the train is held), but no other than in float64. A law that
+follows the timetable by itself is held where it ends.
 """
 
 from __future__ import annotations
@@ -13,13 +14,15 @@ from typing import Any
 
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Arithmetic
-from controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs
+from controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
 from controller_node.loop import ControlLoop
 from scenarios.model import Scenario
 
 HELD_S = 60.0
 #: One reading of 1 mm/s, in km/h with Q ``SPEED_Q``.
 _KICK_RAW = round(0.0036 * 2**SPEED_Q)
+#: Number of a control period after every timetable.
+_PERIODS_MAX = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,11 +45,15 @@ class _Held:
     def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[Any]) -> None:
         self._arithmetic = arithmetic
         self._law = ControlLoop(scenario, law, arithmetic, "time").law
+        # Beyond the end of every timetable the last entry holds.
+        stop, none = (arithmetic.from_raw(raw, 0) for raw in (round(scenario.plan.distance_m * 1e4), 0))
+        self._track: Any = TrackInputs(_PERIODS_MAX, stop, BaliseReading(none, none, none)) if self._law.track else ()
         self._state: Any = self._law.start(self._inputs(0))
 
     def _inputs(self, speed_raw: int) -> LawInputs[Any]:
         zero = self._arithmetic.from_raw(0, SPEED_Q)
-        return LawInputs(self._arithmetic.from_raw(speed_raw, SPEED_Q), zero, (zero,) * self._law.horizon)
+        speed = self._arithmetic.from_raw(speed_raw, SPEED_Q)
+        return LawInputs(speed, zero, (zero,) * self._law.horizon, self._track)
 
     def step(self, speed_raw: int = 0) -> int:
         self._state, outputs = self._law.step(self._state, self._inputs(speed_raw))

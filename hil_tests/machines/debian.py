@@ -24,6 +24,8 @@ EXIT_TIMEOUT = 124
 #: Code of ``timeout(1)`` and ``docker run`` for "the wrapper failed, not the command".
 EXIT_MACHINE_FAILED = 125
 
+#: Names under which systems have Chromium.
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 _APT_TIMEOUT_S = 900.0
 _APT_OPTIONS = ("-o", "DPkg::Lock::Timeout=300", "-o", "Acquire::Retries=1")
 _PATH_OF_ROOT = "/usr/local/sbin:/usr/sbin:/sbin"
@@ -156,6 +158,17 @@ def install_compilers() -> None:
     if not all(find_command(command) for command in packages):
         require_debian_root("exported C")
         install_commands(packages, "exported C")
+
+
+def install_browser() -> None:
+    """Have Chromium, which opens the report.
+
+    Raises:
+        CapabilityError: it is missing and cannot be had.
+    """
+    if not any(find_command(command) for command in BROWSERS):
+        require_debian_root("report")
+        install_commands({"chromium": "chromium"}, "report")
 
 
 def download_package(package: str, folder: Path, purpose: str) -> Path:

@@ -9,10 +9,10 @@ from importlib.metadata import version
 from bus.exitcodes import guarded
 from bus.usage import OneLineParser, parse
 from dbc import wire_contract
-from supervisor.cli import bus, doctor, outside, plot, ports, run, scenarios, score
+from supervisor.cli import bus, compare, doctor, outside, plot, ports, report, run, scenarios, score
 from supervisor.cli.output import accept_any_text, flush_output
 
-_MODULES = (run, score, plot, scenarios, ports, doctor, outside, bus)
+_MODULES = (run, compare, score, report, plot, scenarios, ports, doctor, outside, bus)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -14,19 +14,10 @@ from typing import Any
 import can
 from can.cli import add_bus_arguments
 
+from bus.limits import LIMITS
 from bus.select import choose_bus, vcan_available
 from dbc import wire_contract
 from supervisor.cli.output import Output, print_json, table
-
-#: What a user of each transport must know before trusting a result.
-LIMITS = {
-    "railhil": "no bit errors, no TEC/REC, no bus-off; arbitration and bit-rate delay only with the hub's models on",
-    "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small buffer can drop frames",
-    "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
-    "slcan, serial adapters": "latency of the serial line; the adapter may drop frames without telling",
-    "virtual": "one process only",
-    "udp_multicast": "neither delivery nor order guaranteed: not for runs",
-}
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

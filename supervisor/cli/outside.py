@@ -19,7 +19,12 @@ _PROGRAMS = {
         "hil_tests.audit",
         "a law's fixed point: ranges, quantisation, cycles, effect on the scores",
     ),
+    "campaign": (
+        "hil_tests.campaign",
+        "thousands of perturbed runs of several laws: statistics, worst runs, resume",
+    ),
     "export-c": ("controller_node.export", "write a control law as C99 for the target"),
+    "tune": ("hil_tests.tuning", "tune the parameters of a law on training runs, compare on others"),
 }
 
 

@@ -18,7 +18,7 @@ _POINTS_MIN = 2
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("plot", help="draw a recorded run (needs the extra [plot])")
+    parser = commands.add_parser("plot", help="draw a recorded run (needs the extra [report])")
     parser.add_argument("log", help="frames.log, or the run folder that holds it")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument("--out", metavar="FILE", help="picture (.svg, .png, .pdf; default: run.svg beside the log)")
@@ -28,9 +28,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Draw and say where."""
     try:
-        from supervisor.picture import draw
+        from supervisor.report.picture import draw
     except ImportError:
-        raise InputError("railhil plot", "matplotlib", Words("not installed"), "pip install 'railhil[plot]'") from None
+        raise InputError(
+            "railhil plot", "matplotlib", Words("not installed"), "pip install 'railhil[report]'"
+        ) from None
     record = checked_record(namespace.log, namespace.scenario)
     points = record.trace.count(SimTruth.PORT)
     if points < _POINTS_MIN:

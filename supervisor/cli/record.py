@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +21,16 @@ _BESIDE = "a certificate beside the log, or --scenario"
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record whose parts fit together. ``invalid``: why the bench could not be trusted when it was made."""
+    """A record whose parts fit together.
+
+    ``invalid``: why the bench could not be trusted when it was made; ``certificate``: empty when none is of this log.
+    """
 
     log: Path
     scenario: Scenario
     trace: Trace
     invalid: str = ""
+    certificate: dict[str, Any] = field(default_factory=dict)
 
 
 def log_path(text: str) -> Path:
@@ -100,7 +104,7 @@ def checked_record(text: str, name: str | None) -> Record:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
         document = {}
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
-    return Record(log, scenario, trace, invalid)
+    return Record(log, scenario, trace, invalid, document)
 
 
 def _trace(log: Path, scenario: Scenario) -> Trace:

@@ -7,7 +7,7 @@ import argparse
 from bus.exitcodes import FAIL, INVALID, PASS
 from supervisor.cli.output import Output, print_json
 from supervisor.cli.record import checked_record
-from supervisor.cli.show import print_score, print_verdict
+from supervisor.cli.show import print_scores, print_verdict
 from supervisor.score import score
 
 
@@ -33,6 +33,6 @@ def work(namespace: argparse.Namespace) -> int:
         print_json({**found.as_json(), "verdict": verdict, "line": line})
     else:
         console = Output()
-        print_score(console, record.scenario, found, "from the log")
+        print_scores(console, record.scenario, [("from the log", found)])
         print_verdict(console, verdict, line)
     return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

@@ -1,58 +1,42 @@
-"""Printing a score beside the published ones."""
+"""Printing scores beside the published ones."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.table import Table
 
 from scenarios.model import Scenario
 from supervisor.cli.output import Output, table
+from supervisor.report.table import COLUMNS, shown, value_of
 from supervisor.run import RunOptions, RunResult
 from supervisor.score import Score
 
-_COLUMNS = ("ITAE\nkm/h s2", "energy\nkJ", "time\nerror s", "stop\nerror m", "comfort\nm/s2/km")
 #: Below this width the columns stand one blank apart, so that no number is cut.
 _TIGHT_COLUMNS = 66
 _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 
 
-def _number(value: float | None, digits: int) -> str:
-    return "-" if value is None else f"{value:.{digits}f}"
-
-
-def score_table(scenario: Scenario, found: Score, label: str, tight: bool = False) -> Table:
-    """Measured scores, then the rows of the published table (time and stop error without sign, as published)."""
+def score_table(scenario: Scenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
+    """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
     rows = table(tight)
     rows.add_column("", no_wrap=True)
-    for title in _COLUMNS:
-        rows.add_column(title, justify="right", no_wrap=True)
-    rows.add_row(
-        label,
-        _number(found.itae, 1),
-        _number(found.energy_kj, 0),
-        _number(found.punctuality_s, 4),
-        _number(found.stop_error_m, 4),
-        _number(found.comfort, 3),
-        style="bold",
-    )
+    for column in COLUMNS:
+        rows.add_column(column.heading, justify="right", no_wrap=True)
+    for label, score in found:
+        rows.add_row(label, *(shown(value_of(score, column), column.digits) for column in COLUMNS), style="bold")
     for row in scenario.published:
-        rows.add_row(
-            f"{row.controller} (published)",
-            _number(row.itae, 0),
-            _number(row.energy_kj, 0),
-            _number(row.punctuality_s, 4),
-            _number(row.stop_error_m, 4),
-            _number(row.comfort, 3),
-        )
+        values = (shown(value_of(row, column), column.published_digits) for column in COLUMNS)
+        rows.add_row(f"{row.controller} (published)", *values)
     return rows
 
 
-def print_score(console: Output, scenario: Scenario, found: Score, label: str) -> None:
-    """Title and table of a run that came to its end; nothing for one that did not."""
-    if found.itae is not None:
+def print_scores(console: Output, scenario: Scenario, found: Sequence[tuple[str, Score]]) -> None:
+    """Title and table of runs that came to their end; nothing when none did."""
+    if any(score.itae is not None for _, score in found):
         console.say(scenario.title, style="italic")
-        console.print(score_table(scenario, found, label, tight=console.width < _TIGHT_COLUMNS))
+        console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
 
 
 def print_verdict(console: Output, verdict: str, line: str) -> None:
@@ -60,10 +44,16 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def print_result(console: Output, scenario: Scenario, result: RunResult, options: RunOptions, folder: Path) -> None:
-    """Table, run facts, verdict."""
+def print_result(
+    console: Output, scenario: Scenario, result: RunResult, options: RunOptions, folder: Path, report: str
+) -> None:
+    """Table, run facts, verdict.
+
+    :param report: the line on ``report.html``, empty when none was asked for.
+    """
     verdict = result.score.verdict if result.exit_code in (0, 1) else "INVALID"
-    print_score(console, scenario, result.score, f"{options.controller} {options.arithmetic} (measured)")
+    tuned = " tuned" if options.parameters is not None else ""
+    print_scores(console, scenario, [(f"{options.controller}{tuned} {options.arithmetic} (measured)", result.score)])
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
     console.say(
@@ -80,4 +70,6 @@ def print_result(console: Output, scenario: Scenario, result: RunResult, options
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     console.say(f"run folder {folder}")
+    if report:
+        console.say(report)
     print_verdict(console, verdict, result.line)

@@ -1,0 +1,108 @@
+"""Campaigns: how the engines scale, and what the frame around the runs costs."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from time import process_time
+
+from benchmarks.figures import Figure, MeasurementError, Setting
+from hil_tests.batch import Case, run_batch
+from hil_tests.campaign.engines import running
+from hil_tests.campaign.folder import opened
+from hil_tests.campaign.plan import Plan, Request, make_plan
+from hil_tests.campaign.summary import summary
+from hil_tests.campaign.table import file_bytes, table_of
+from hil_tests.campaign.work import Task, task_of
+from hil_tests.cli import command
+from hil_tests.dask_cluster import loopback_cluster
+
+TITLE = "campaign"
+METHOD = (
+    "Law ipfc in float64, perturbed runs in chunks of 500. Rate of an engine: runs per wall second from its first part "
+    "(per worker) to its last, so that the start of workers and of the compiled plant is left out; parts are made, "
+    "handed to the parent and not written. Frame: CPU time besides the runs themselves. Memory: peak resident set of a "
+    "whole command. MB = 10^6 bytes."
+)
+_WORKERS = 2
+
+
+def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | None = None) -> float:
+    """Runs per wall second.
+
+    :raises MeasurementError: a part is missing.
+    """
+    done: list[tuple[float, int]] = []
+    runs = {task.chunk.name: task.chunk.runs for task in tasks}
+    with running(engine, workers, scheduler, lambda sentence: None) as start:
+        for name, _ in start(tasks):
+            done.append((time.perf_counter(), runs.pop(name)))
+    if runs:
+        raise MeasurementError(f"campaign: {engine} has left {len(runs)} chunks out")
+    # Each worker's first chunk pays for its start.
+    counted = sum(count for _, count in done[workers:])
+    return counted / (done[-1][0] - done[workers - 1][0])
+
+
+def _frame(plan: Plan, task: Task, folder: Path) -> list[Figure]:
+    """CPU time of a part around its runs, and of the end of a campaign, per run."""
+    chunk = task.chunk
+    case = Case(plan.scenario, chunk.entry.law, task.arithmetic, task.indexing)
+    start_s = process_time()
+    result = run_batch(case, list(chunk.seeds))
+    runs_s, start_s = process_time() - start_s, process_time()
+    content = file_bytes(table_of(chunk.entry.label, result, ()), task.origin)
+    part_s = process_time() - start_s
+    with opened(str(folder), plan) as campaign:
+        start_s = time.perf_counter()
+        campaign.write_part(chunk.name, content)
+        write_s = time.perf_counter() - start_s
+        start_s = process_time()
+        table = campaign.write_results()
+        summary(plan, table)
+        end_s = process_time() - start_s
+    share = part_s / (runs_s + part_s)
+    return [
+        Figure("frame: rows and file of a part, per run", part_s / chunk.runs * 1e6, "us", share, "of its CPU time"),
+        Figure("frame: part on the disk, wall, per run", write_s / chunk.runs * 1e6, "us"),
+        Figure("frame: results and statistics, per run", end_s / chunk.runs * 1e6, "us"),
+        Figure("results in memory, 1000 runs", table.nbytes / chunk.runs * 1e-3, "MB"),
+        Figure("results on the disk, 1000 runs", len(content) / chunk.runs * 1e-3, "MB"),
+    ]
+
+
+def _peak_mb(setting: Setting, runs: int) -> float:
+    """Peak resident set of a campaign in one process.
+
+    :raises MeasurementError: it failed.
+    """
+    words = ["campaign", setting.scenario_name, "--runs", str(runs), "--out", str(setting.folder / "memory")]
+    process = subprocess.Popen(command(*words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    if process.returncode:
+        raise MeasurementError(f"campaign: exit code {process.returncode}")
+    return usage.ru_maxrss * 1024 / 1e6
+
+
+def measure(setting: Setting) -> list[Figure]:
+    """Rates of the engines, cost of the frame, memory."""
+    chunks = setting.count(8, 4)
+    chunk = setting.count(500, 5)
+    plan = make_plan(Request(scenario=setting.scenario_name, runs=chunks * chunk, chunk=chunk))
+    tasks = [task_of(plan, one) for one in plan.chunks()]
+    alone = _rate(tasks, "batch", 1)
+    figures = [Figure("batch: one process", alone, "runs/s")]
+    cores = _rate(tasks, "joblib", _WORKERS)
+    figures.append(Figure(f"joblib: {_WORKERS} processes", cores, "runs/s", cores / alone, "to one process"))
+    with loopback_cluster(_WORKERS) as cluster:
+        machines = _rate(tasks, "dask", _WORKERS, cluster.scheduler_address)
+    figures.append(Figure(f"dask: {_WORKERS} workers", machines, "runs/s", machines / alone, "to one process"))
+    part = make_plan(Request(scenario=setting.scenario_name, runs=chunk, chunk=chunk))
+    (task,) = [task_of(part, one) for one in part.chunks()]
+    figures += _frame(part, task, setting.folder / "frame")
+    peak_mb = _peak_mb(setting, chunks * chunk)
+    return [*figures, Figure(f"one process, {chunks * chunk} runs: peak resident set", peak_mb, "MB")]

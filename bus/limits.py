@@ -1,0 +1,22 @@
+"""What each transport does not model: a user must know it before trusting a result."""
+
+from __future__ import annotations
+
+LIMITS = {
+    "railhil": "no bit errors, no TEC/REC, no bus-off; arbitration and bit-rate delay only with the hub's models on",
+    "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small buffer can drop frames",
+    "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
+    "slcan, serial adapters": "latency of the serial line; the adapter may drop frames without telling",
+    "virtual": "one process only",
+    "udp_multicast": "neither delivery nor order guaranteed: not for runs",
+}
+_OTHER = "an adapter that this bench does not know: timing and losses are the adapter's and its driver's"
+_SERIAL = ("slcan", "serial", "robotell")
+
+
+def limits_of(transport: str) -> str:
+    """The sentence for a transport ``interface:channel``."""
+    interface, _, channel = transport.partition(":")
+    if interface == "socketcan":
+        return LIMITS["socketcan vcan" if channel.startswith("vcan") else "socketcan can"]
+    return LIMITS["slcan, serial adapters"] if interface in _SERIAL else LIMITS.get(interface, _OTHER)

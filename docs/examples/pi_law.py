@@ -1,0 +1,119 @@
+"""A complete law in one file: proportional-integral control of the speed, led by the slope of the set-point.
+
+The worked example of CONTRIBUTING.md, "Add a controller". It is no comparator of the others; it is short.
+
+    notch = Kf (slope of the set-point) + Kp e + I,   I = I before + Ki Ts e inside the notch range
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Generic, NamedTuple
+
+from controller_node.arithmetic.base import Arithmetic, Constant, T
+from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from controller_node.laws.table import build, flatten, held
+from scenarios.model import Scenario
+
+#: Gains, notch per km/h.
+GAIN_Q = 24
+#: Of the gains times speeds: as the notch before it is clipped.
+_SPEED_TO_NOTCH = GAIN_Q + SPEED_Q - NOTCH_RAW_Q
+#: Control periods over which the slope of the set-point is taken.
+_AHEAD = 2
+
+
+@dataclass(frozen=True, slots=True)
+class PiParameters:
+    """What a parameter file may set; the defaults are chosen by hand."""
+
+    #: Notch per km/h, and per km/h and second.
+    proportional: float = 3.0
+    integral_per_s: float = 0.1
+    #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s on the train of lvshun_tieshan.
+    lead_s: float = 1.3
+
+
+@dataclass(frozen=True)
+class PiConstants:
+    """Everything the run needs as numbers, each with its format and its origin."""
+
+    proportional: Constant = field(metadata=held(GAIN_Q, "Kp"))
+    integral: Constant = field(metadata=held(GAIN_Q, "Ki times the control period"))
+    lead: Constant = field(metadata=held(GAIN_Q, "Kf over the periods ahead"))
+    speed_max: Constant = field(metadata=held(SPEED_Q, "fixed-point limit of errors, km/h"))
+    notch_max: Constant = field(metadata=held(NOTCH_RAW_Q, "notch range of the train"))
+    zero: Constant = field(metadata=held(0, "0"))
+
+
+class PiState(NamedTuple, Generic[T]):
+    """Memory of the law: the integral, in notches (Q19)."""
+
+    integral: T
+
+
+class PiLaw(Law[T, PiState[T]]):
+    """The law on one arithmetic. Raises ``ValueError`` for gains that do not fit their format."""
+
+    name: ClassVar[str] = "pi"
+    parameters_type: ClassVar[type[Any]] = PiParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
+        "proportional": (0.5, 5.0),
+        "integral_per_s": (0.0, 0.5),
+        "lead_s": (0.5, 2.0),
+    }
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: PiParameters | None = None) -> None:
+        p = parameters or PiParameters()
+        period_s = scenario.timing.control_period_ns / 1e9
+        values = {
+            "proportional": p.proportional,
+            "integral": p.integral_per_s * period_s,
+            "lead": p.lead_s / (_AHEAD * period_s),
+            "speed_max": 100.0,
+            "notch_max": scenario.train.notch_max,
+            "zero": 0.0,
+        }
+        self.table = table = build(PiConstants, values)
+        self._ar = ar = arithmetic
+        self._gains = ar.load((table.proportional, table.lead))
+        self._integral = ar.const(table.integral)
+        self._speed_max = ar.const(table.speed_max)
+        self._speed_min = ar.neg(self._speed_max)
+        self._notch_max = ar.const(table.notch_max)
+        self._notch_min = ar.neg(self._notch_max)
+        self._zero = ar.const(table.zero)
+
+    @property
+    def horizon(self) -> int:
+        return _AHEAD
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return flatten(self.table)
+
+    def start(self, inputs: LawInputs[T]) -> PiState[T]:
+        return PiState(self._zero)
+
+    def with_sent(self, state: PiState[T], notch: T) -> PiState[T]:
+        """Another notch than the law's was sent: it keeps no notch, so there is nothing to correct."""
+        return state
+
+    def step(self, state: PiState[T], inputs: LawInputs[T]) -> tuple[PiState[T], LawOutputs[T]]:
+        ar = self._ar
+        error = ar.note("error", self._limited(ar.sub(inputs.set_point, inputs.speed)), SPEED_Q, "km/h")
+        rise = ar.note("rise", self._limited(ar.sub(inputs.preview[-1], inputs.set_point)), SPEED_Q, "km/h")
+        # One factor in Q24, one in Q20, the sum in Q19.
+        grown = ar.add(state.integral, ar.rmpy(error, self._integral, _SPEED_TO_NOTCH))
+        integral = ar.note("integral", ar.clip(grown, self._notch_max, self._notch_min), NOTCH_RAW_Q, "notch")
+        led = ar.dot(self._gains, (error, rise), _SPEED_TO_NOTCH)
+        notch_raw = ar.note("notch_raw", ar.add(led, integral), NOTCH_RAW_Q, "notch")
+        clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
+        notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
+        # No basis functions, softening factor or satisfaction to report.
+        return PiState(integral), LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+
+    def _limited(self, speed: T) -> T:
+        """What the formats hold; whether there are formats is known beforehand, so this is no branch on data."""
+        return speed if self._ar.wide else self._ar.sat(speed, self._speed_max, self._speed_min)

@@ -1,0 +1,11 @@
+"""``railhil campaign``: thousands of perturbed runs of several laws, in parts that survive whatever happens to them.
+
+::
+
+    plan.py     what is run: laws, seeds, chunks; its identity stands in campaign.json
+    work.py     one chunk -> the bytes of its part (any process, any machine)
+    engines.py  chunks -> parts, in this process or over the cores; dask_engine.py: over machines
+    folder.py   campaign.json (the lock too), parts/, results.parquet, summary.json
+    summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
+    verify.py   some of the runs again, on the real bench
+"""

@@ -1,0 +1,97 @@
+"""``python -m hil_tests.campaign`` (the same as ``railhil campaign``)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+
+from bus.exitcodes import FAIL, PASS, guarded
+from bus.usage import parse
+from bus.wholefile import check_writable, whole_file
+from hil_tests.campaign.command import arguments, check_combination, request_from
+from hil_tests.campaign.extras import need
+from hil_tests.campaign.plan import Request, make_plan
+from scenarios.errors import InputError
+from supervisor.cli.output import Output, accept_any_text, flush_output
+
+_VERIFIED_RUNS = 3
+
+
+@contextmanager
+def _complaining(path: Path) -> Iterator[None]:
+    """A file that cannot be written is bad input."""
+    try:
+        yield
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
+
+
+def _verify(namespace: argparse.Namespace) -> int:
+    need("numba", "campaign")
+    from hil_tests.campaign.verify import code_changed, verify
+
+    folder, runs = Path(namespace.verify), namespace.runs or _VERIFIED_RUNS
+    console = Output()
+    if code_changed(folder):
+        console.say("the code is not the campaign's any more: a difference may come from that", style="bold yellow")
+    found = verify(folder, runs, namespace.draw)
+    for one in found:
+        if not one.differences:
+            console.say(f"{one.law}, seed {one.seed}: the bench gives the same notches and scores")
+        for name, (ours, theirs) in one.differences.items():
+            console.say(
+                f"{one.law}, seed {one.seed}: {name} {ours} in the campaign, {theirs} on the bench", style="red"
+            )
+    bad = sum(bool(one.differences) for one in found)
+    console.say(f"{len(found) - bad} of {len(found)} runs are the same on the bench")
+    return FAIL if bad else PASS
+
+
+def _run(namespace: argparse.Namespace) -> int:
+    from hil_tests.campaign.engines import running
+    from hil_tests.campaign.folder import request_of
+    from hil_tests.campaign.run import execute
+    from hil_tests.campaign.show import show
+
+    begun = Request() if namespace.resume is None else request_of(Path(namespace.resume))
+    plan = make_plan(request_from(namespace, begun))
+    file = None if namespace.json is None else Path(namespace.json)
+    if file is not None:
+        # Before the work, not after it.
+        with _complaining(file):
+            check_writable(file)
+    console = Console(stderr=True)
+
+    def say(sentence: str) -> None:
+        console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+
+    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say) as engine:
+        folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
+    show(Output(), found, folder)
+    if file is not None:
+        with _complaining(file), whole_file(file) as draft:
+            draft.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    return PASS
+
+
+def main() -> int:
+    """Run, go on with or verify a campaign."""
+    accept_any_text()
+    namespace = parse(arguments())
+    check_combination(namespace)
+    need("pyarrow", "campaign")
+    try:
+        return _verify(namespace) if namespace.verify is not None else _run(namespace)
+    finally:
+        flush_output()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil campaign", main))

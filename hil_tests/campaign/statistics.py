@@ -1,0 +1,90 @@
+"""Quantiles, shares and their confidence intervals, without an assumption on the distribution of the scores."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import binom, binomtest
+
+#: Of every interval.
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class Estimate:
+    """A quantile and its confidence interval; an infinite bound where the sample gives none."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """``count`` of ``runs``, and the confidence interval of the share."""
+
+    count: int
+    runs: int
+    low: float
+    high: float
+
+    @property
+    def share(self) -> float:
+        """Share that was found."""
+        return self.count / self.runs
+
+
+def order_ranks(n: int, q: float) -> tuple[int, int]:
+    """Ranks (from 1) of the order statistics between which the ``q`` quantile lies with :data:`CONFIDENCE`.
+
+    The number of values at or below the quantile is binomial (n, q), whatever the distribution; each side is left out
+    with at most half of the rest. Rank 0 or n + 1: the sample is too small for a bound on that side. See David and
+    Nagaraja, Order Statistics, 3rd ed., section 7.1.
+    """
+    tail = (1 - CONFIDENCE) / 2
+    return int(binom.ppf(tail, n, q)), int(binom.ppf(1 - tail, n, q)) + 1
+
+
+def quantile(ordered: NDArray[np.float64], q: float) -> float:
+    """Quantile of sorted values, linear between neighbours; infinite as soon as an infinite neighbour takes part."""
+    position = (len(ordered) - 1) * q
+    # 0.95 * 20 must be 19: a last bit must not pull the next value in.
+    position = round(position, 9)
+    below = math.floor(position)
+    part = position - below
+    if part == 0:
+        return float(ordered[below])
+    low, high = float(ordered[below]), float(ordered[below + 1])
+    # Equal first: between two infinite neighbours there is no difference to take a part of.
+    return low if low == high else low + part * (high - low) if math.isfinite(low) else low
+
+
+def estimate(values: NDArray[np.float64], q: float) -> Estimate:
+    """``q`` quantile of the values, shape (n,), n >= 1, and its confidence interval. NaN counts as +infinity."""
+    ordered = np.sort(np.where(np.isnan(values), np.inf, values))
+    low, high = order_ranks(len(ordered), q)
+    return Estimate(
+        quantile(ordered, q),
+        float(ordered[low - 1]) if low >= 1 else -math.inf,
+        float(ordered[high - 1]) if high <= len(ordered) else math.inf,
+    )
+
+
+def share(hits: NDArray[np.bool_]) -> Share:
+    """Share of the runs for which ``hits`` is true, with the exact interval of Clopper and Pearson (1934)."""
+    count, runs = int(np.count_nonzero(hits)), len(hits)
+    interval = binomtest(count, runs).proportion_ci(CONFIDENCE, method="exact")
+    return Share(count, runs, float(interval.low), float(interval.high))
+
+
+def differences(values: NDArray[np.float64], baseline: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values minus those of the baseline in the same runs, shape (n,).
+
+    NaN counts as +infinity; where both are missing the runs are equally bad, difference 0.
+    """
+    ours, theirs = (np.where(np.isnan(side), np.inf, side) for side in (values, baseline))
+    both = np.isinf(ours) & np.isinf(theirs)
+    return np.subtract(ours, theirs, out=np.zeros(len(ours)), where=~both)

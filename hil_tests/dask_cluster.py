@@ -1,0 +1,17 @@
+"""A dask cluster on this machine, for tests and benchmarks."""
+
+from __future__ import annotations
+
+from distributed import LocalCluster
+
+
+def loopback_cluster(workers: int) -> LocalCluster:
+    """Scheduler and workers with nannies, all on loopback; their pages get any free port, and nobody looks at them."""
+    pages = "127.0.0.1:0"
+    return LocalCluster(
+        n_workers=workers,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address=pages,
+        worker_dashboard_address=pages,
+    )

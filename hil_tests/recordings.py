@@ -1,0 +1,35 @@
+"""Run folders without sockets and processes, as ``railhil run`` leaves them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hil_tests.bench import local_run
+from scenarios.model import Scenario
+from supervisor.folder import write_folder, write_json
+from supervisor.report.recorded import RecordedRun, read_document, recorded_run
+from supervisor.run import RunOptions, RunResult
+from supervisor.telemetry import read_summary
+
+
+def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
+    """One run in this process, its folder written as the command writes it."""
+    folder.mkdir()
+    run = local_run(scenario, folder, seed=seed, arithmetic=arithmetic)
+    write_json(folder / "telemetry.json", run.telemetry)
+    result = RunResult(
+        score=run.score,
+        exit_code={"PASS": 0, "FAIL": 1}[run.score.verdict],
+        line="; ".join(run.score.failures),
+        frames=1,
+        frames_sha256=run.frames_sha256,
+        wall_time_s=float(seed) + 1.25,
+        sim_time_s=9.0,
+        first_frame_s=0.5,
+        transport=f"railhil:{folder}/hub.sock",
+        jitter=None,
+        telemetry=read_summary(folder),
+    )
+    options = RunOptions(scenario.name, arithmetic=arithmetic, seed=seed)
+    write_folder(folder, scenario, options, result, run.trace, [])
+    return recorded_run(folder, read_document(folder / "certificate.json"), scenario, run.trace, run.score)

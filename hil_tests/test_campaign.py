@@ -1,0 +1,296 @@
+"""``railhil campaign`` in this process: results, going on, refusals, the bench as the judge."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from bus.exitcodes import guarded
+from hil_tests.bench import direct_run
+from hil_tests.campaign import __main__ as command
+from hil_tests.campaign import extras
+from hil_tests.cli import Done, railhil
+from hil_tests.perturbed_runs import SCORES
+from scenarios.load import load
+
+#: Of every campaign here that is to give the same results.
+SAME = ("--runs", "24", "--first-seed", "50")
+Campaign = Callable[..., Done]
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+@pytest.fixture
+def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
+    """The command in this process, in an empty folder: faster than in one of its own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("signal.signal", lambda *given: None)
+
+    def call(*arguments: str | Path) -> Done:
+        monkeypatch.setattr(sys, "argv", ["campaign", *map(str, arguments)])
+        try:
+            code = guarded("railhil campaign", command.main)
+        except SystemExit as end:
+            code = int(end.code or 0)
+        said = capsys.readouterr()
+        return Done(code, said.out, said.err)
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def finished(short, tmp_path_factory):
+    """An undisturbed campaign."""
+    folder = tmp_path_factory.mktemp("campaign") / "finished"
+    done = railhil("campaign", short, *SAME, "--chunk", "24", "--out", folder)
+    assert done.exit_code == 0, done.err
+    return folder
+
+
+def same_results(folder: Path, finished: Path) -> bool:
+    return all(
+        (folder / name).read_bytes() == (finished / name).read_bytes() for name in ("results.parquet", "summary.json")
+    )
+
+
+def test_results_are_those_of_the_bench(finished, short):
+    rows = pq.read_table(finished / "results.parquet").to_pylist()
+    assert [(row["law"], row["seed"]) for row in rows] == [("ipfc", seed) for seed in range(50, 74)]
+    for row in rows[::8]:
+        score = direct_run(load(short), seed=row["seed"], drawn=True, arithmetic="float64").score
+        assert {name: row[name] for name in SCORES} == {name: getattr(score, name) for name in SCORES}
+        assert (row["verdict"], tuple(row["failures"])) == (score.verdict, score.failures)
+
+
+def test_manifest_and_summary(finished, short):
+    manifest = json.loads((finished / "campaign.json").read_text())
+    scenario = load(short)
+    assert manifest["campaign"]["scenario_sha256"] == scenario.sha256
+    assert manifest["scenario"]["plan"]["distance_m"] == scenario.plan.distance_m
+    assert (manifest["campaign"]["runs"], manifest["campaign"]["first_seed"]) == (24, 50)
+    summary = json.loads((finished / "summary.json").read_text())
+    assert (summary["runs"], summary["first_seed"], summary["last_seed"]) == (24, 50, 73)
+    assert summary["laws"]["ipfc"]["scores"].keys() == SCORES.keys()
+    assert summary["warnings"] == []
+
+
+def test_chunks_do_not_change_results(campaign, finished, short):
+    done = campaign(short, *SAME, "--chunk", "7", "--out", "mine", "--json", "again.json")
+    assert (done.exit_code, done.err) == (0, "")
+    assert [path.name for path in sorted(Path("mine/parts").iterdir())] == [f"ipfc-0000{i}.parquet" for i in range(4)]
+    assert same_results(Path("mine"), finished)
+    assert Path("again.json").read_bytes() == (finished / "summary.json").read_bytes()
+    assert sorted(path.name for path in Path("mine").iterdir()) == [
+        "campaign.json",
+        "parts",
+        "results.parquet",
+        "summary.json",
+    ]
+    assert max(map(len, done.out.split("Worst runs")[0].splitlines())) <= 100
+
+
+def test_it_goes_on_with_what_is_missing(campaign, finished, short):
+    same = (short, *SAME, "--chunk", "5", "--out", "mine")
+    assert campaign(*same).exit_code == 0
+    parts = [Path("mine/parts") / f"ipfc-0000{i}.parquet" for i in range(5)]
+    times_ns = [part.stat().st_mtime_ns for part in parts]
+    parts[1].unlink()
+    parts[2].write_bytes(parts[2].read_bytes()[:1000])
+    parts[3].write_bytes(parts[0].read_bytes())
+    Path("mine/parts/.part-abc.parquet").touch()
+    Path("mine/results.parquet").unlink()
+    done = campaign("--resume", "mine")
+    assert done.exit_code == 0
+    assert done.err.splitlines() == [
+        "mine/parts/ipfc-00002.parquet is torn or damaged: its 5 runs are made again",
+        "mine/parts/ipfc-00003.parquet is of other runs: its 5 runs are made again",
+        "mine: 9 of 24 runs are there already",
+    ]
+    assert same_results(Path("mine"), finished)
+    again_ns = [part.stat().st_mtime_ns for part in parts]
+    assert [a == b for a, b in zip(times_ns, again_ns, strict=True)] == [True, False, False, False, True]
+    # The same command on the same folder goes on too, here with nothing to do.
+    assert campaign(*same).err.splitlines() == ["mine: 24 of 24 runs are there already"]
+    assert [part.stat().st_mtime_ns for part in parts] == again_ns
+    assert not list(Path("mine/parts").glob(".part-*"))
+
+
+def test_a_manifest_that_was_never_finished_begins_anew(campaign, short):
+    Path("mine").mkdir()
+    Path("mine/campaign.json").write_text('{"format": 1, "camp')
+    assert campaign(short, "--runs", "2", "--out", "mine").exit_code == 0
+    assert json.loads(Path("mine/campaign.json").read_text())["campaign"]["runs"] == 2
+
+
+def test_a_default_folder(campaign, short):
+    done = campaign(short, "--runs", "1")
+    (folder,) = Path("runs").iterdir()
+    assert folder.name.endswith("-benchmark_quick-campaign")
+    assert done.out.rstrip().endswith(f"campaign folder {folder}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--runs", "25"), "campaign.runs: found 24, allowed 25 to go on with it; another --out begins a new campaign"),
+        (("--first-seed", "51"), "campaign.first_seed: found 50, allowed 51"),
+        (("--arithmetic", "iq"), 'campaign.arithmetic: found "float64", allowed "iq"'),
+        (("--indexing", "distance"), 'campaign.indexing: found "time", allowed "distance"'),
+        (("--chunk", "3"), "campaign.chunk: found 24, allowed 3"),
+        (("lvshun_tieshan",), 'campaign.scenario: found "benchmark_quick", allowed "lvshun_tieshan"'),
+    ],
+)
+def test_another_campaign_in_the_folder_is_refused(campaign, finished, arguments, words):
+    before = {path: path.read_bytes() for path in finished.rglob("*.*")}
+    done = campaign("--resume", finished, *arguments)
+    assert done.exit_code == 2
+    assert words in done.one_line()
+    assert {path: path.read_bytes() for path in finished.rglob("*.*")} == before
+
+
+def test_other_code_and_another_scenario_are_refused(campaign, tmp_path, monkeypatch):
+    own = tmp_path / "own.toml"
+    own.write_text(QUICK_TOML)
+    assert campaign(own, "--runs", "1", "--out", "mine").exit_code == 0
+    own.write_text(QUICK_TOML.replace("overtime_max_s = 1", "overtime_max_s = 2"))
+    assert "campaign.scenario_sha256: found " in campaign("--resume", "mine").one_line()
+    own.write_text(QUICK_TOML)
+    monkeypatch.setattr("hil_tests.campaign.plan.bench_sha256", lambda: "0" * 64)
+    assert 'campaign.code_sha256: found "' in campaign("--resume", "mine").one_line()
+
+
+def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
+    tuned = tmp_path / "tuned.toml"
+    tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1001]\n')
+    refused = campaign(short, "--runs", "3", "--parameters", tuned, "--out", "mine")
+    assert refused.exit_code == 2
+    assert "tuned.toml: training.seeds: found seed 1001" in refused.one_line()
+    assert not Path("mine").exists()
+    same = (short, "--runs", "3", "--parameters", tuned, "--both", "--out", "mine")
+    done = campaign(*same, "--allow-training-seeds")
+    assert done.exit_code == 0
+    assert done.out.count("NOT AN EVALUATION") == 3
+    rows = pq.read_table("mine/results.parquet").to_pylist()
+    labels = [row["law"] for row in rows]
+    assert labels[:3] == ["ipfc"] * 3
+    assert labels[3].startswith("ipfc+")
+    assert [row["training"] for row in rows] == [False] * 4 + [True, False]
+    # No parameter differs from the law's own, so no run does.
+    summary = json.loads(Path("mine/summary.json").read_text())
+    assert summary["against_baseline"][labels[3]]["itae"]["equal_runs"] == 3
+    tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1002]\n')
+    assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "nowhere"),
+        (["--laws", "ipfc,ipcf"], "--laws: found 'ipcf', allowed all, or some of "),
+        (["--laws", "ipfc,ipfc"], "found ipfc twice"),
+        (["--runs", "0"], "found 0, allowed 1..10000000"),
+        (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
+        (["--arithmetic", "nix"], "--arithmetic: invalid choice: 'nix'"),
+        (["--engine", "nix"], "--engine: invalid choice: 'nix'"),
+        (["--jobs", "2"], "--jobs: found 2, allowed only with --engine joblib"),
+        (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: found 'tcp://127.0.0.1:9', allowed only with"),
+        (["--parameters", "none.toml"], "none.toml: found No such file"),
+        (["--resume", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
+        (["--verify", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--verify", "x", "--out", "y"], "--verify: found '--out', allowed beside it only --runs and --draw"),
+        (["--json", "/nowhere/a.json"], "--json: found '/nowhere/a.json', allowed a file that can be written"),
+        (["--out", "/proc/nothing"], "--out: found '/proc/nothing'"),
+    ],
+)
+def test_bad_input_is_one_line(campaign, tmp_path, arguments, words):
+    done = campaign(*arguments)
+    assert done.exit_code == 2, done.err
+    assert done.out == ""
+    assert words in done.one_line()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_with_something_else_is_refused(campaign, short):
+    Path("mine").mkdir()
+    Path("mine/notes.txt").touch()
+    assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
+    Path("mine/campaign.json").write_text("[]")
+    assert "campaign.json: format: found something else" in campaign("--resume", "mine").one_line()
+
+
+@pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])
+def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, module):
+    real = extras.importlib.import_module
+
+    def without(name: str):
+        if name == module:
+            raise ModuleNotFoundError(f"No module named {name!r}")
+        return real(name)
+
+    monkeypatch.setattr(extras.importlib, "import_module", without)
+    done = campaign(short, "--engine", "joblib", "--out", "mine")
+    assert done.exit_code == 2
+    assert f"module {module}: found not installed" in done.one_line()
+    assert "pip install 'railhil[campaign]'" in done.one_line()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, monkeypatch):
+    def full(descriptor: int) -> None:
+        if written.append(descriptor) or len(written) > 5:
+            raise OSError(28, "No space left on device")
+
+    written: list[int] = []
+    monkeypatch.setattr("os.fsync", full)
+    done = campaign(short, "--runs", "6", "--chunk", "1", "--out", "mine")
+    assert done.exit_code == 2
+    assert "no space left on device" in done.one_line()
+    assert "--resume" in done.one_line()
+    # One synchronisation for the manifest, two for each part.
+    assert [path.name for path in sorted(Path("mine/parts").iterdir())] == ["ipfc-00000.parquet", "ipfc-00001.parquet"]
+
+
+@pytest.mark.loop
+def test_the_bench_verifies(campaign, finished):
+    done = campaign("--verify", finished, "--runs", "1")
+    assert (done.exit_code, done.err) == (0, "")
+    assert done.out.rstrip().endswith("1 of 1 runs are the same on the bench")
+
+
+@pytest.mark.loop
+def test_the_bench_finds_a_forged_figure(campaign, short):
+    assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0
+    table = pq.read_table("mine/results.parquet")
+    forged = table.to_pylist()
+    forged[0] |= {"itae": forged[0]["itae"] + 1e-9, "notch_digest": "0" * 16}
+    pq.write_table(table.from_pylist(forged, schema=table.schema), "mine/results.parquet")
+    done = campaign("--verify", "mine")
+    assert done.exit_code == 1
+    assert "seed 1000: itae " in done.out
+    assert f"seed 1000: notch_digest {'0' * 16} in the campaign" in done.out
+    assert "0 of 1 runs are the same" in done.out
+
+
+def test_an_unfinished_campaign_cannot_be_verified(campaign, short):
+    assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0
+    Path("mine/results.parquet").unlink()
+    assert "mine: found no results.parquet, allowed a finished campaign" in campaign("--verify", "mine").one_line()
+
+
+def test_help_in_the_list_of_commands():
+    done = railhil("campaign", "--help")
+    assert done.exit_code == 0
+    assert "every run was made (whatever its verdict)" in done.out

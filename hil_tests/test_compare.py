@@ -1,0 +1,217 @@
+"""``railhil compare``: real processes, one law after another, and ``railhil report`` of what they left."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.cli import Done, Started, railhil, wait_for
+
+_PLUGGED = """\
+from controller_node.laws.ipfc import Ipfc
+
+class Twin(Ipfc):
+    name = "twin"
+    indexings = ("time",)
+"""
+_TUNED = """\
+law = "ipfc"
+[parameters]
+softening_max = 0.8
+[training]
+scenario = "benchmark_quick"
+seeds = [0, 1]
+"""
+_FILES = ["compare.csv", "compare.json", "report.html"]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Folder of a short scenario, a parameter file, and a second law that the processes find."""
+    folder = tmp_path_factory.mktemp("compare")
+    package = folder / "plug" / "plugged-0.1.dist-info"
+    package.mkdir(parents=True)
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 0.1\n")
+    (package / "entry_points.txt").write_text("[railhil.laws]\ntwin = plugged_twin:Twin\n")
+    (package.parent / "plugged_twin.py").write_text(_PLUGGED)
+    (folder / "short.toml").write_text(QUICK_TOML)
+    (folder / "tuned.toml").write_text(_TUNED)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(package.parent))
+        yield folder
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A finished comparison: what was printed, and ``compare.json``."""
+
+    done: Done
+    folder: Path
+    document: dict[str, Any]
+
+
+def compare(place: Path, out: str, *arguments: str) -> Done:
+    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments)
+
+
+@pytest.fixture(scope="module")
+def compared(place: Path) -> Compared:
+    """Three runs: the law of the paper, the same tuned, and the twin."""
+    arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--both", "--seed", "7")
+    done = compare(place, "whole", *arguments)
+    assert done.exit_code in (0, 1), done.err
+    document = json.loads((place / "whole" / "compare.json").read_text(encoding="utf-8"))
+    return Compared(done, place / "whole", document)
+
+
+@pytest.mark.loop
+def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
+    runs = compared.document["runs"]
+    assert [run["label"] for run in runs] == ["ipfc", "ipfc tuned", "twin"]
+    assert [run["folder"] for run in runs] == ["ipfc", "ipfc-tuned", "twin"]
+    assert sorted(path.name for path in compared.folder.iterdir() if path.is_file()) == _FILES
+    for run in runs:
+        certificate = json.loads((compared.folder / run["folder"] / "certificate.json").read_text(encoding="utf-8"))
+        assert (certificate["frames_sha256"], certificate["seed"]) == (run["frames_sha256"], 7)
+        assert railhil("score", compared.folder / run["folder"], "--json").json["scores"] == run["scores"]
+        assert f"{run['label']} (measured)" in compared.done.out
+        line = f"{run['verdict']}: {run['label']}" + (f": {run['line']}" if run["line"] else "")
+        assert line in compared.done.out.splitlines()
+    assert runs[0]["published"]["itae"] == 262
+    assert runs[2]["published"] is None
+    # The twin is the same law, the tuned one is not.
+    assert runs[0]["scores"] == runs[2]["scores"] != runs[1]["scores"]
+    assert (runs[0]["parameters_sha256"], len(runs[1]["parameters_sha256"])) == (None, 64)
+    assert compared.done.exit_code == max({"PASS": 0, "FAIL": 1}[run["verdict"]] for run in runs)
+
+
+@pytest.mark.loop
+def test_csv_holds_the_same_figures(compared: Compared) -> None:
+    with (compared.folder / "compare.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row, run in zip(rows, compared.document["runs"], strict=True):
+        assert (row["label"], row["verdict"], row["frames_sha256"]) == (
+            run["label"],
+            run["verdict"],
+            run["frames_sha256"],
+        )
+        assert {key: float(row[key]) for key in run["scores"]} == run["scores"]
+        published = run["published"] or dict.fromkeys(run["scores"], "")
+        assert {key: row[f"published_{key}"] for key in run["scores"]} == {k: str(v) for k, v in published.items()}
+
+
+@pytest.mark.loop
+def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, tmp_path: Path) -> None:
+    first = (compared.folder / "report.html").read_bytes()
+    assert b"3 runs, compared" in first
+    out = tmp_path / "again.html"
+    done = railhil("report", compared.folder, "--out", out)
+    assert (done.exit_code, done.out) == (0, f"{out}\n")
+    assert out.read_bytes() == first
+    folders = [compared.folder / name for name in ("ipfc", "ipfc-tuned", "twin")]
+    assert railhil("report", *folders, cwd=tmp_path).exit_code == 0
+    assert (tmp_path / "report.html").read_bytes() == first
+
+
+@pytest.mark.loop
+def test_a_law_that_refuses_ends_the_comparison(place: Path) -> None:
+    done = compare(place, "refused", "--laws", "ipfc,twin", "--indexing", "distance")
+    assert done.exit_code == 2
+    assert "twin" in done.one_line()
+    assert "time" in done.one_line()
+    # What was recorded stays, and nothing looks like a comparison.
+    assert [path.name for path in (place / "refused").iterdir()] == ["ipfc"]
+    assert (place / "refused" / "ipfc" / "certificate.json").is_file()
+    done = compare(place, "never", "--laws", "twin", "--indexing", "distance")
+    assert done.exit_code == 2
+    assert not (place / "never").exists()
+
+
+@pytest.mark.loop
+def test_an_interrupted_comparison_keeps_what_was_recorded(place: Path) -> None:
+    folder = place / "stopped"
+    started = Started(
+        "compare", place / "short.toml", "--laws", "ipfc,twin", "--out", folder, "--pace", "realtime", "--rate", "2"
+    )
+    wait_for(lambda: (folder / "ipfc" / "frames.log").is_file() and (folder / "ipfc" / "frames.log").stat().st_size)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert done.exit_code == 130
+    assert "1 of 2 runs recorded" in done.out
+    assert [path.name for path in folder.iterdir()] == ["ipfc"]
+    assert json.loads((folder / "ipfc" / "score.json").read_text(encoding="utf-8"))["verdict"] == "INVALID"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--laws", "ipfc,pid"), "--laws: found 'pid', allowed "),
+        (("--laws", "ipfc,ipfc"), "allowed each law once"),
+        (("--laws", "twin", "--parameters", "tuned.toml"), "law: found 'ipfc', allowed a law that is compared: twin"),
+        (("--both",), "--both: found no parameter file"),
+        (("--parameters", "tuned.toml", "--parameters", "tuned.toml"), "allowed one parameter file per law"),
+        (("--parameters", "gone.toml"), "gone.toml"),
+        (
+            ("--parameters", "tuned.toml", "--perturbed", "--seed", "1"),
+            "training.seeds: found seed 1, on which these parameters were tuned, allowed other seeds",
+        ),
+    ],
+)
+def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments: tuple[str, ...], words: str) -> None:
+    given = [str(place / word) if word.endswith(".toml") else word for word in arguments]
+    done = compare(place, "bad", *given)
+    assert done.exit_code == 2
+    assert words in done.one_line()
+    assert not (place / "bad").exists()
+
+
+@pytest.mark.loop
+def test_training_seed_is_said_when_it_is_allowed(place: Path) -> None:
+    arguments = ("--laws", "ipfc", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
+    done = compare(place, "trained", *arguments, "--allow-training-seeds")
+    assert done.exit_code in (0, 1), done.err
+    assert "ipfc tuned (on this seed) (measured)" in done.out
+    assert json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"][0]["seed_was_trained"]
+    assert "TUNED ON THIS VERY SEED" in (place / "trained" / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.mark.loop
+def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: Path, tmp_path: Path) -> None:
+    (place / "other.toml").write_text(QUICK_TOML.replace("benchmark_quick", "another"))
+    done = railhil("run", place / "other.toml", "--quiet", "--no-report", "--out", tmp_path / "other")
+    assert done.exit_code in (0, 1), done.err
+    assert "report.html" not in done.out
+    assert not (tmp_path / "other" / "report.html").exists()
+    done = railhil("report", compared.folder / "ipfc", tmp_path / "other", cwd=tmp_path)
+    assert done.exit_code == 2
+    assert "scenario: found 'another', allowed benchmark_quick" in done.one_line()
+    assert not (tmp_path / "report.html").exists()
+    done = railhil("report", tmp_path / "other", "--out", tmp_path / "no" / "x.html")
+    assert "no such file or directory" in done.one_line()
+    assert railhil("report", tmp_path / "other").exit_code == 0
+    assert (tmp_path / "other" / "report.html").is_file()
+    (tmp_path / "compare.json").write_text("[]")
+    assert "compare.json: runs: found no list of run folders" in railhil("report", tmp_path).one_line()
+
+
+@pytest.mark.loop
+def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = 'raise ModuleNotFoundError("No module named \'jinja2\'", name="jinja2")\n'
+    (tmp_path / "lacking").mkdir()
+    (tmp_path / "lacking" / "jinja2.py").write_text(lacking)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "lacking"))
+    done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run")
+    assert done.exit_code in (0, 1), done.err
+    assert "no report: jinja2 is not installed (pip install 'railhil[report]')" in done.out
+    assert (tmp_path / "run" / "certificate.json").is_file()
+    done = railhil("report", tmp_path / "run")
+    assert done.exit_code == 2
+    assert "found jinja2 is not installed, allowed pip install 'railhil[report]'" in done.one_line()

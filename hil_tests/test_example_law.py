@@ -1,0 +1,76 @@
+"""The worked example of CONTRIBUTING.md, plugged in as anybody would plug in a law."""
+
+from __future__ import annotations
+
+import importlib
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from controller_node.arithmetic import make
+from controller_node.laws import load as load_law
+from controller_node.loop import ControlLoop
+from controller_node.program.ranges import analyse_law
+from controller_node.program.record import record
+from hil_tests.bench import direct_run
+from hil_tests.exported import STRICT, checked, compiled, written
+from scenarios.load import load
+from scenarios.parameters import load_parameters
+
+SCENARIO = load("lvshun_tieshan")
+ROOT = Path(__file__).parents[1]
+ENTRY = 'pi = "pi_law:PiLaw"'
+
+
+@pytest.fixture(autouse=True)
+def plugged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The example and its registration, on the path of this process."""
+    package = tmp_path / "plug" / "pi_law-1.dist-info"
+    package.mkdir(parents=True)
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: pi-law\nVersion: 1\n")
+    (package / "entry_points.txt").write_text(f"[railhil.laws]\n{ENTRY.replace(chr(34), '')}\n")
+    shutil.copy(ROOT / "docs" / "examples" / "pi_law.py", package.parent)
+    monkeypatch.syspath_prepend(str(package.parent))
+    monkeypatch.delitem(sys.modules, "pi_law", raising=False)
+    importlib.invalidate_caches()
+
+
+def test_the_registration_is_the_one_of_the_text() -> None:
+    assert ENTRY in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    assert load_law("pi").name == "pi"
+
+
+def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:
+    wide, fixed, single = (
+        direct_run(SCENARIO, controller="pi", arithmetic=arithmetic) for arithmetic in ("float64", "iq", "float32")
+    )
+    for run in (wide, fixed, single):
+        assert run.score.overspeed_mps == 0
+        assert abs(run.score.signed_stop_error_m or 99) < 1
+        assert run.score.itae < 5000
+    assert fixed.arithmetic is not None
+    assert fixed.arithmetic.flags == 0
+    equal = sum(a == b for a, b in zip(wide.notches, fixed.notches, strict=False))
+    assert equal > 0.5 * len(wide.notches)
+
+
+@pytest.mark.parametrize("corner", [0, 1])
+def test_no_operation_can_wrap_inside_the_bounds_of_its_search(corner: int, tmp_path: Path) -> None:
+    tunable = load_law("pi").tunable
+    lines = "\n".join(f"{name} = {bounds[corner]}" for name, bounds in tunable.items())
+    path = tmp_path / "pi.toml"
+    path.write_text(f'law = "pi"\n[parameters]\n{lines}\n', encoding="utf-8")
+    parameters = load_parameters(path)
+    bounds = ControlLoop(SCENARIO, "pi", make("iq"), "time", parameters).law.state_bounds()
+    assert not analyse_law(record(SCENARIO, "pi", parameters=parameters), bounds).may_wrap
+
+
+@pytest.mark.needs_compiler
+def test_it_is_exported_without_a_line_more(tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    written(SCENARIO, folder, law="pi")
+    done = checked(compiled(folder, "gcc", STRICT, "pi_run", "pi"), folder / "pi_log.txt")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "control periods identical" in done.stdout

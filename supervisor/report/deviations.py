@@ -1,0 +1,22 @@
+"""Where the bench departs from the paper of its published scores; the sentences stand in ``deviations.toml``."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from importlib.resources import files
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """``at``: place in the paper; ``reading``: what is done here; ``other``: what the other reading does, or empty."""
+
+    at: str
+    reading: str
+    other: str
+
+
+def deviations() -> tuple[str, tuple[Deviation, ...]]:
+    """The paper, and every deviation from it in the order of its equations."""
+    content = tomllib.loads(files(__package__).joinpath("deviations.toml").read_text(encoding="utf-8"))
+    return content["source"], tuple(Deviation(**row) for row in content["deviation"])

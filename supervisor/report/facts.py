@@ -1,0 +1,152 @@
+"""What a reader must know to make a run again and to judge it.
+
+Wall-clock figures stand here for realtime runs only: a lockstep run gives the same report wherever it runs.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+from typing import Any
+
+from bus.limits import limits_of
+from supervisor.report.recorded import RecordedRun
+from supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
+
+_UNKNOWN = "not recorded"
+#: Folders of an absolute path within a sentence; devices keep theirs.
+_FOLDERS = re.compile(r"(?<![\w./])/(?!dev/)(?:[^\s/:]+/)+")
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """``common``: what holds for all runs; ``own``: per run, its label and what differs; rows are ``(name, text)``."""
+
+    common: tuple[tuple[str, str], ...]
+    own: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+
+
+def without_folders(text: str) -> str:
+    """A file's name for its absolute path: where a run was made is no part of its report. Devices keep theirs."""
+    path = PurePosixPath(text)
+    return path.name if path.is_absolute() and not text.startswith("/dev/") else text
+
+
+def without_paths(text: str) -> str:
+    """A sentence with the names of files in place of their absolute paths."""
+    return _FOLDERS.sub("", text)
+
+
+def _transport(text: str) -> str:
+    interface, _, channel = text.partition(":")
+    return f"{interface}:{without_folders(channel)}"
+
+
+def _command(text: str) -> str:
+    try:
+        return shlex.join(map(without_folders, shlex.split(text)))
+    except ValueError:
+        return text
+
+
+def _telemetry(document: Any) -> str:
+    """One sentence from the telemetry of ``score.json``."""
+    if document is None:
+        return "the controller has said nothing about its arithmetic"
+    try:
+        least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
+        if "source" in document:
+            return ShownTelemetry(tuple(document["happened"]), least, document["cycles"], ()).sentence()
+        return TelemetrySummary(**{**document, "least_headroom": least}).sentence()
+    except (TypeError, LookupError, ValueError):
+        return "cannot be read from score.json"
+
+
+def _parameters(run: RecordedRun) -> str:
+    """Which parameters the controller ran with."""
+    given = run.certificate.get("parameters")
+    if not isinstance(given, dict):
+        return "the law's own defaults (the paper's, or a textbook's where it prints none)"
+    values = given.get("values")
+    names = [f"{name} = {value}" for name, value in values.items()] if isinstance(values, dict) else []
+    words = f"from a file, digest {str(given.get('sha256', '?'))[:8]}: {', '.join(names)}"
+    if run.seed_was_trained:
+        words += "; TUNED ON THIS VERY SEED, so the result is no evaluation"
+    return words
+
+
+def _signed(run: RecordedRun) -> str:
+    late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
+    if late_s is None or past_m is None:
+        return "did not stop"
+    return (
+        f"{abs(late_s):.4f} s {'late' if late_s > 0 else 'early'}, "
+        f"{abs(past_m):.4f} m {'past' if past_m > 0 else 'short of'} the stopping point"
+    )
+
+
+def _jitter(score_document: dict[str, Any]) -> list[tuple[str, str]]:
+    rows = []
+    jitter, run = score_document.get("jitter"), score_document.get("run")
+    if isinstance(jitter, dict):
+        names = (("p50", "p50_ms"), ("p99", "p99_ms"), ("p99.9", "p999_ms"), ("max", "max_ms"))
+        text = ", ".join(f"{name} {jitter.get(key, float('nan')):.3f} ms" for name, key in names)
+        rows.append(("Jitter", f"lateness of {jitter.get('cycles')} cycles: {text}"))
+    if isinstance(run, dict) and run.get("wall_time_s"):
+        text = f"{run['sim_time_s']:.2f} s simulated in {run['wall_time_s']:.2f} s of wall time"
+        rows.append(("Wall time", text))
+    return rows
+
+
+def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
+    """All facts of one run, in reading order."""
+    certificate, scenario = run.certificate, run.scenario
+
+    def said(key: str) -> str:
+        return str(certificate.get(key, _UNKNOWN))
+
+    transport = said("transport")
+    realtime = certificate.get("pace") == "realtime"
+    rows = [
+        ("Scenario", f"{scenario.title} ({scenario.name})"),
+        ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
+        ("Controller", said("controller")),
+        ("Parameters", _parameters(run)),
+        ("Arithmetic", f"{said('arithmetic')} (profile {said('arithmetic_profile')})"),
+        ("Set-point over", said("indexing")),
+        ("Seed", said("seed")),
+        ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
+        ("Stopped", _signed(run)),
+        ("Arithmetic telemetry", _telemetry(run.score_document.get("telemetry"))),
+        ("Pacing", said("pace")),
+        *(_jitter(run.score_document) if realtime else ()),
+        ("Transport", _transport(transport)),
+        ("Not modelled there", limits_of(transport)),
+        ("Frames", said("frames")),
+        ("SHA-256 of frames.log", said("frames_sha256")),
+        ("SHA-256 of the scenario", scenario.sha256),
+        ("SHA-256 of the DBC", said("dbc_sha256")),
+        ("SHA-256 of the code", said("code_sha256")),
+        ("railhil", said("railhil")),
+        ("Again with", _command(said("command"))),
+    ]
+    if certificate.get("attached"):
+        rows.append(("Attached", "plant and controller were started elsewhere; the command is the supervisor's part"))
+    return rows
+
+
+def facts(runs: Sequence[RecordedRun]) -> Facts:
+    """Facts of all runs, what they share said once."""
+    each = [facts_of(run) for run in runs]
+    shared = set(each[0]).intersection(*map(set, each[1:]))
+    return Facts(
+        tuple(row for row in each[0] if row in shared),
+        tuple(
+            (run.label, tuple(row for row in rows if row not in shared)) for run, rows in zip(runs, each, strict=True)
+        )
+        if len(runs) > 1
+        else (),
+    )

@@ -1,0 +1,175 @@
+"""A recorded run as the report takes it: what stands in its folder, and nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bus.ident import INDEXINGS, CtlIdent
+from bus.telegrams import CtlStat, NotchCmd, SimTruth
+from scenarios.model import PublishedScore, Scenario
+from scenarios.target import Target
+from supervisor.measures import KMH
+from supervisor.score import Score
+from supervisor.trace import FloatArray, Trace
+
+#: Name of the report in the folder of a run or of a comparison.
+REPORT = "report.html"
+#: A curve needs two points.
+_POINTS_MIN = 2
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRun:
+    """One run: scenario, telegrams, score, and the documents beside the log (empty where there are none).
+
+    ``label`` is the law as the tables call it, with what tells it from other runs of the same law.
+    """
+
+    label: str
+    scenario: Scenario
+    trace: Trace
+    score: Score
+    verdict: str
+    line: str
+    certificate: dict[str, Any]
+    score_document: dict[str, Any]
+
+    @property
+    def controller(self) -> str:
+        """Name of the law; ``?`` for a record without certificate."""
+        return str(self.certificate.get("controller", "?"))
+
+    @property
+    def published(self) -> PublishedScore | None:
+        """The published row of this law, if there is one."""
+        return next((row for row in self.scenario.published if row.controller == self.controller), None)
+
+    @property
+    def seed_was_trained(self) -> bool:
+        """True when the controller's parameters were tuned on this very run: then it is no evaluation."""
+        return seed_was_trained(self.certificate, self.scenario)
+
+    @property
+    def can_be_drawn(self) -> bool:
+        """True when the train's state was recorded more than once."""
+        return self.trace.count(SimTruth.PORT) >= _POINTS_MIN
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """JSON object in a file; empty when there is none that can be read."""
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return document if isinstance(document, dict) else {}
+
+
+def seed_was_trained(certificate: Mapping[str, Any], scenario: Scenario) -> bool:
+    """True when the certificate says that the parameters were tuned on the perturbed run that it certifies."""
+    parameters = certificate.get("parameters")
+    training = parameters.get("training") if isinstance(parameters, dict) else None
+    if not isinstance(training, dict) or not certificate.get("perturbed"):
+        return False
+    return training.get("scenario") == scenario.name and certificate.get("seed") in training.get("seeds", ())
+
+
+def recorded_run(
+    folder: Path, certificate: dict[str, Any], scenario: Scenario, trace: Trace, score: Score, invalid: str = ""
+) -> RecordedRun:
+    """The run whose folder this is.
+
+    :param certificate: of this run; empty when there is none, and then no document of the folder belongs to the log.
+    :param invalid: why the bench could not be trusted, empty when it could.
+    """
+    verdict, line = score.verdict, "; ".join(score.failures)
+    if invalid:
+        verdict, line = "INVALID", invalid
+    label = str(certificate.get("controller", folder.name))
+    if certificate.get("parameters"):
+        label += " tuned (on this seed)" if seed_was_trained(certificate, scenario) else " tuned"
+    document = read_document(folder / "score.json") if certificate else {}
+    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document)
+
+
+def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
+    """The same runs with labels that differ: what differs between runs of one label is added to it."""
+    found = list(runs)
+    for key in ("arithmetic", "indexing", "perturbed", "seed", "pace"):
+        labels = [run.label for run in found]
+        for label in {text for text in labels if labels.count(text) > 1}:
+            same = [index for index, text in enumerate(labels) if text == label]
+            values = [found[index].certificate.get(key) for index in same]
+            if len(set(map(str, values))) > 1:
+                for index, value in zip(same, values, strict=True):
+                    word = f"seed {value}" if key == "seed" else value
+                    word = ("perturbed" if value else "nominal") if key == "perturbed" else word
+                    found[index] = replace(found[index], label=f"{label} {word}")
+    labels = [run.label for run in found]
+    for label in {text for text in labels if labels.count(text) > 1}:
+        same = [index for index, text in enumerate(labels) if text == label]
+        for serial, index in enumerate(same, start=1):
+            found[index] = replace(found[index], label=f"{label} #{serial}")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """What is drawn of one run: arrays of equal length per source, in the units of their names.
+
+    ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT.
+    """
+
+    time_s: FloatArray
+    position_m: FloatArray
+    speed_kmh: FloatArray
+    error_kmh: FloatArray
+    traction_kn: FloatArray
+    brake_kn: FloatArray
+    notch_s: FloatArray
+    notch: FloatArray
+    status_s: FloatArray
+    basis: FloatArray
+    softening: FloatArray
+    satisfaction: FloatArray
+
+    @property
+    def has_basis(self) -> bool:
+        """True for a law that says which basis functions it uses."""
+        return bool(np.any(self.basis))
+
+    @property
+    def has_softening(self) -> bool:
+        """True for a law with a softening factor."""
+        return bool(np.any(self.softening))
+
+
+def curves(scenario: Scenario, trace: Trace) -> Curves:
+    """Curves of a record; the speed error is set-point minus speed, against the set-point that the law followed."""
+    time_s = trace.times_s(SimTruth.PORT)
+    position_m = trace.values(SimTruth.PORT, "TruePos")
+    speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
+    target = Target(scenario.target)
+    ident = trace.ident(CtlIdent)
+    over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
+    wanted_mps = np.asarray(target.speed_mps(target.time_s(position_m) if over_distance else time_s))
+    return Curves(
+        time_s=time_s,
+        position_m=position_m,
+        speed_kmh=speed_kmh,
+        # After the planned stop the target goes on below zero, which no train can follow.
+        error_kmh=np.maximum(wanted_mps, 0.0) * KMH - speed_kmh,
+        traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
+        brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
+        notch_s=trace.times_s(NotchCmd.PORT),
+        notch=trace.values(NotchCmd.PORT, "NotchCmd"),
+        status_s=trace.times_s(CtlStat.PORT),
+        basis=trace.raw(CtlStat.PORT, "BasisInUse").astype(np.float64),
+        softening=trace.values(CtlStat.PORT, "SofteningFactor"),
+        satisfaction=trace.values(CtlStat.PORT, "Satisfaction"),
+    )
