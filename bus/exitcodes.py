@@ -8,7 +8,6 @@ import sys
 from collections.abc import Callable
 
 from bus.errors import BusLost, BusUnavailable, PeerSilent
-from dbc import ContractError
 
 PASS = 0
 #: The run is good, the limits of the scenario are missed.
@@ -17,12 +16,15 @@ FAIL = 1
 USAGE = 2
 #: The bench cannot be trusted (a node was lost, timing broken); says nothing about the controller.
 INVALID = 3
-#: A defect of the bench itself.
+#: A defect of the bench itself, or the record could not be written (disk full).
 TOOL_ERROR = 4
 
 
 def exit_code_of(error: BaseException) -> int:
     """Exit code of an exception; exceptions may carry their own as ``exit_code``."""
+    # Here, because this module is what every command loads before it can end in good order.
+    from dbc import ContractError
+
     if isinstance(error, (BusUnavailable, ContractError)):
         return USAGE
     if isinstance(error, (BusLost, PeerSilent)):

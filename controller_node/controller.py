@@ -13,6 +13,7 @@ from controller_node.arithmetic.base import Arithmetic, Counters
 from controller_node.cost import Cost, cost_of
 from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
 from controller_node.loop import NO_BALISE, ControlLoop
+from controller_node.program.ranges import refuse_wraps
 from controller_node.program.record import record
 from controller_node.telemetry import Telemetry
 from scenarios.model import Scenario
@@ -59,6 +60,8 @@ def _watched(
     """A control loop whose arithmetic notes its quantities, what takes them, and what a step costs."""
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing, parameters)
     program = record(scenario, law, indexing, wide=arithmetic.wide, parameters=parameters)
+    if not arithmetic.wide:
+        refuse_wraps(program, loop.law, scenario)
     # From here on: the constants of the law are made by now.
     arithmetic.noted = []
     return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)
@@ -74,7 +77,8 @@ class Controller:
         another of :func:`~controller_node.arithmetic.names`.
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law; None: its own.
-    :raises scenarios.errors.InputError: one of the names is unknown, or the parameters are not those of the law.
+    :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
+        fixed-point format of the law may wrap for this scenario.
     """
 
     def __init__(

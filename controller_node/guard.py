@@ -8,6 +8,7 @@ from bus.layout import CHECK_CORRECT
 from bus.lifesign import Life, LifeSign
 from bus.telegrams import TrkInfo, TrnSpeed
 from controller_node.ecan import BitCounter, MessageAge
+from controller_node.odometer import Odometer
 from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
 from dbc import wire_contract
 from scenarios.model import Scenario
@@ -21,12 +22,13 @@ class Guard:
     """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
 
     :param counter: what stamped the messages; default: one at the bit rate of the port table.
+    :param odometer: is told every accepted speed; a position lost brakes the train. Default: one that nobody needs.
 
     ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``)
     and ``gap`` for accepted ones after lost ones.
     """
 
-    def __init__(self, scenario: Scenario, counter: BitCounter | None = None) -> None:
+    def __init__(self, scenario: Scenario, counter: BitCounter | None = None, odometer: Odometer | None = None) -> None:
         self.counters: Counter[str] = Counter()
         #: Speed of the last accepted telegram, None before the first.
         self.speed_01mmps: int | None = None
@@ -35,6 +37,7 @@ class Guard:
         self._life = LifeSign()
         self._counter = counter or BitCounter(wire_contract().bit_rate)
         self._age = MessageAge(self._counter)
+        self._odometer = odometer or Odometer(scenario)
         self._sent_ns = 0
         self._limit_01mmps: int | None = None
 
@@ -71,6 +74,7 @@ class Guard:
         else:
             self.speed_01mmps = telegram.speed_01mmps
             self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
+            self._odometer.speed(telegram.speed_01mmps, now_ns - self._age.ns(now_ns))
             self._observe(Telegram.GOOD, now_ns)
 
     def _observe(self, telegram: Telegram, now_ns: int) -> None:
@@ -84,6 +88,7 @@ class Guard:
                 telegram=telegram,
                 standstill=speed == 0,
                 overspeed=speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit),
+                channel_lost=self._odometer.lost(now_ns),
             ),
         )
 

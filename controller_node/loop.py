@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Generic
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
@@ -30,12 +32,11 @@ def limited_01mm(position_mm: int) -> int:
 NO_BALISE: BaliseReading[int] = BaliseReading(0, 0, 0)
 
 
-def _made(
-    kind: type[Law[T, Any]], name: str, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any
-) -> Law[T, Any]:
-    """The law; whatever its constructor raises is one line about a law that does not fit."""
+@contextmanager
+def _starting(name: str, scenario: Scenario) -> Iterator[None]:
+    """Whatever a law raises while it is made, or a horizon for which there is no memory, is one line about the law."""
     try:
-        return kind(arithmetic, scenario, parameters)
+        yield
     except InputError:
         raise
     except Exception as error:
@@ -66,8 +67,9 @@ class ControlLoop(Generic[T]):
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", law, indexing, f"{' or '.join(kind.indexings)} with this law")
         given = law_parameters(law, kind, parameters)
-        self.law: Law[T, Any] = _made(kind, law, arithmetic, scenario, given)
-        self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
+        with _starting(law, scenario):
+            self.law: Law[T, Any] = kind(arithmetic, scenario, given)
+            self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
         self.state: Any = None
 

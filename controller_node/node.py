@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bus.errors import PeerSilent
 from bus.ident import CtlIdent, Ident, Role, make_ident
-from bus.layout import CHECK_CORRECT, Telegram, flag
+from bus.layout import Telegram, flag
 from bus.link import Endpoint
 from bus.responder import Responder
 from bus.schedule import Schedule
@@ -27,11 +27,12 @@ from bus.telegrams import (
     TrnPos,
     TrnSpeed,
 )
+from controller_node.balises import Balises
 from controller_node.controller import Controller, ControlOutput
 from controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
 from controller_node.guard import Guard
-from controller_node.laws.base import BaliseReading
-from controller_node.loop import NO_BALISE, limited_01mm
+from controller_node.laws import load
+from controller_node.odometer import Odometer
 from controller_node.watch import Level
 from dbc import wire_contract
 from scenarios.errors import InputError
@@ -104,7 +105,10 @@ class ControllerNode:
         if options.fd and options.task_period_ms:
             raise InputError("command line", "--task-period-ms", options.task_period_ms, "0 with CAN FD")
         counter = BitCounter(bit_rate)
-        self.guard = Guard(scenario, counter)
+        needed = load(options.controller).track or options.indexing == "distance"
+        self._odometer = Odometer(scenario, options.task_period_ms * _NS_PER_MS, needed=needed)
+        self.guard = Guard(scenario, counter, self._odometer)
+        self._balises = Balises()
         self._control_ns = scenario.timing.control_period_ns
         self._ident = make_ident(
             Role.CONTROLLER,
@@ -113,7 +117,6 @@ class ControllerNode:
             arithmetic=options.arithmetic,
             indexing=options.indexing,
         )
-        self._balise = NO_BALISE
         self._output: ControlOutput | None = None
         self._last_k = -1
         self._steps = 0
@@ -151,7 +154,8 @@ class ControllerNode:
     @property
     def counters(self) -> dict[str, int]:
         """What was refused or lost, by cause."""
-        return {**self._store.counters, **self.guard.counters, **self.receiver.counters}
+        watched = (self._store, self.guard, self._odometer, self._balises, self.receiver)
+        return {cause: count for part in watched for cause, count in part.counters.items()}
 
     def _committed(self, port: str) -> None:
         if port == TrnSpeed.PORT:
@@ -162,26 +166,18 @@ class ControllerNode:
             track, _ = self._store.read(TrkInfo, self._clock.now_ns)
             if track is not None:
                 self.guard.limit(track)
+        elif port == TrnPos.PORT:
+            position, age_ns = self._store.read(TrnPos, self._clock.now_ns)
+            if position is not None:
+                self._odometer.position(position, self._clock.now_ns - age_ns)
         elif port == BalisePassed.PORT:
-            self._read_balise()
+            passed, _ = self._store.read(BalisePassed, self._clock.now_ns)
+            if passed is not None:
+                self._balises.take(passed, *self._odometer.reckoned(self._clock.now_ns))
         elif port == RunEvent.PORT:
             telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
             if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
                 self.ended = Event(telegram.event)
-
-    def _read_balise(self) -> None:
-        """A balise was passed, or the last one is repeated: take what the law may use."""
-        now_ns = self._clock.now_ns
-        passed, _ = self._store.read(BalisePassed, now_ns)
-        position, _ = self._store.read(TrnPos, now_ns)
-        if passed is None or passed.check != CHECK_CORRECT or passed.balise_id == self._balise.number:
-            return
-        here_mm = position.odometer_mm if position is not None else 0
-        # The telegram has the low 16 bit of the odometer: the passing was less than 33 m from here.
-        behind_mm = ((here_mm - passed.odometer_low_mm + 0x8000) & 0xFFFF) - 0x8000
-        self._balise = BaliseReading(
-            passed.balise_id, limited_01mm(passed.surveyed_mm), limited_01mm(here_mm - behind_mm)
-        )
 
     def _control(self) -> None:
         """Run the law when a control period has begun since the last step."""
@@ -192,11 +188,9 @@ class ControllerNode:
         speed_01mmps = self.guard.speed_01mmps
         if speed_01mmps is None:
             return
-        position, _ = self._store.read(TrnPos, now_ns)
-        odometer_mm = position.odometer_mm if position is not None else 0
         if k > self._last_k + 1 and self._last_k >= 0:
             self._overruns += 1
-        self._output = self.controller.step(k, speed_01mmps, limited_01mm(odometer_mm), self._balise)
+        self._output = self.controller.step(k, speed_01mmps, self._odometer.at(now_ns), self._balises.last)
         self._last_k = k
         self._steps += 1
 

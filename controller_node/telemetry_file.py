@@ -11,6 +11,7 @@ from typing import Any
 
 from bus import wholefile
 from bus.ident import PROFILES
+from controller_node.laws import load
 from controller_node.node import ControllerNode
 from controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from controller_node.telemetry import QuantityTelemetry
@@ -25,6 +26,22 @@ def _row(row: QuantityTelemetry) -> dict[str, Any]:
     }
 
 
+def law_document(name: str) -> dict[str, Any]:
+    """What a law says of itself; seeds as the arguments of Python's ``range``, by name of the scenario.
+
+    :raises InputError: there is no such law.
+    """
+    law = load(name)
+    return {
+        "law": name,
+        "indexings": list(law.indexings),
+        "parameters_origin": law.parameters_origin,
+        "design_seeds": {
+            scenario: [seeds.start, seeds.stop, seeds.step] for scenario, seeds in law.design_seeds.items()
+        },
+    }
+
+
 def telemetry_document(node: ControllerNode) -> dict[str, Any]:
     """Everything that the controller knows about its arithmetic so far; times in us.
 
@@ -34,7 +51,7 @@ def telemetry_document(node: ControllerNode) -> dict[str, Any]:
     controller, options = node.controller, node.options
     counters, cost = controller.counters, controller.cost
     return {
-        "law": options.controller,
+        **law_document(options.controller),
         "arithmetic": options.arithmetic,
         "profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,

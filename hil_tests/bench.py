@@ -15,7 +15,7 @@ from bus.frame import Frame
 from bus.ident import CtlIdent, Role, make_ident
 from bus.local import LocalBus
 from bus.schedule import Schedule
-from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos
+from bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos, TrnSpeed
 from controller_node.arithmetic.base import Counters
 from controller_node.controller import Controller
 from controller_node.laws.base import BaliseReading
@@ -25,6 +25,7 @@ from controller_node.telemetry_file import telemetry_document
 from plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
 from plant_sim.plant import Plant
 from plant_sim.telegrams import TrainTelegrams
+from scenarios.errors import InputError, Words
 from scenarios.model import Scenario
 from scenarios.parameters import ParameterSet
 from scenarios.perturb import perturbed
@@ -142,6 +143,21 @@ def direct_run(
     return run
 
 
+def coupled_schedule(scenario: Scenario) -> Schedule:
+    """Periods of the ports for a run without a bus.
+
+    :raises InputError: the speed is sent less often than NOTCH_CMD is polled: then the law sees an old one, and the
+        controller's watch acts, which only the nodes have.
+    """
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
+    speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
+    if speed > notch:
+        found = Words(f"TRN_SPEED every {speed} ticks, NOTCH_CMD polled every {notch}")
+        allowed = "TRN_SPEED at least as often as NOTCH_CMD, or the run over a bus (railhil run)"
+        raise InputError(scenario.name, "timing.port_period_ms", found, allowed)
+    return schedule
+
+
 def coupled_run(
     scenario: Scenario,
     law: Callable[[int, int, int, BaliseReading[int]], int],
@@ -153,10 +169,11 @@ def coupled_run(
     """One run of the plant under any law.
 
     As on the bus, the law takes its step in the first poll of NOTCH_CMD of a new control period, with the position as
-    TRN_POS last gave it. There is no reaction ladder: the speed must be sent at least as often as NOTCH_CMD is polled.
+    TRN_POS last gave it. There is no reaction ladder in the controller.
 
     :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
     :param indexing: what the law follows, for the score.
+    :raises InputError: as :func:`coupled_schedule`.
     """
     actual = perturbed(scenario, seed) if drawn else scenario
     plant = Plant(actual, seed)
@@ -165,7 +182,7 @@ def coupled_run(
     ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
     trace.add(CtlIdent.PORT, 0, ident.encode())
     tick_ns, control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
-    schedule = Schedule.from_contract(tick_ns, scenario.timing.port_period_ns)
+    schedule = coupled_schedule(scenario)
     position_ticks, truth_ticks, notch_ticks = (
         schedule.ticks(telegram.PORT) for telegram in (TrnPos, SimTruth, NotchCmd)
     )

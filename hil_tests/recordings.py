@@ -6,10 +6,12 @@ from pathlib import Path
 
 from hil_tests.bench import local_run
 from scenarios.model import Scenario
+from supervisor.documents import read_certificate
 from supervisor.folder import write_folder, write_json
-from supervisor.report.recorded import RecordedRun, read_document, recorded_run
-from supervisor.run import RunOptions, RunResult
-from supervisor.telemetry import read_summary
+from supervisor.options import RunOptions
+from supervisor.report.recorded import RecordedRun, recorded_run
+from supervisor.run import RunResult
+from supervisor.telemetry import read_origin, read_summary
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
@@ -29,7 +31,8 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         transport=f"railhil:{folder}/hub.sock",
         jitter=None,
         telemetry=read_summary(folder),
+        origin=read_origin(folder),
     )
     options = RunOptions(scenario.name, arithmetic=arithmetic, seed=seed)
     write_folder(folder, scenario, options, result, run.trace, [])
-    return recorded_run(folder, read_document(folder / "certificate.json"), scenario, run.trace, run.score)
+    return recorded_run(folder, read_certificate(folder) or {}, scenario, run.trace, run.score)

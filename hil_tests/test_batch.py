@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+import controller_node.controller
 from benchmarks.figures import QUICK_TOML
 from controller_node.arithmetic.base import Constant
 from controller_node.controller import Controller
@@ -132,7 +137,6 @@ def starved() -> Scenario:
 @pytest.mark.parametrize(
     ("make", "expected"),
     [
-        (braked, "emergency brake at"),
         (unstopped, "not stopped 3.5 s after the timetable"),
         (late, "time error"),
         (weak, "not stopped 0 s after the timetable"),
@@ -146,6 +150,44 @@ def test_runs_that_go_wrong_are_the_same_too(make, expected):
     scores = same_as_the_bench(Case(scenario), (21, 22))
     assert all(any(expected in text for text in score.failures) for score in scores) or not expected
     same_as_the_bench(Case(scenario, indexing="distance"), (21,))
+
+
+def test_runs_with_an_emergency_brake_are_those_of_the_nodes(tmp_path):
+    """Behind the brake the controller's watch answers, not its law."""
+    case = Case(braked(), arithmetic="iq")
+    batch = run_batch(case, (21, 22), keep_notches=True)
+    nodes = local_run(case.scenario, tmp_path, seed=21, drawn=True, arithmetic="iq")
+    assert any("emergency brake at" in text for text in batch.failures[0])
+    assert batch.scores[0] == nodes.score
+    assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
+    assert -1792 in batch.notch_codes[0]
+
+
+def test_speed_that_is_sent_less_often_than_notches_are_asked_for_is_refused():
+    scenario = load("yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan")
+    slow = replace(scenario, timing=replace(scenario.timing, port_period_ns={"TRN_SPEED": 40_000_000}))
+    for run in (lambda: run_batch(Case(slow), [1]), lambda: direct_run(slow)):
+        with pytest.raises(InputError, match="TRN_SPEED every 4 ticks, NOTCH_CMD polled every 2"):
+            run()
+
+
+def test_a_damaged_cache_is_no_harm(short, tmp_path):
+    """A process was killed while it wrote machine code: the next one compiles anew and says nothing."""
+    here = run_batch(Case(short), [3])
+    home = Path(os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    shutil.copytree(home / "railhil", tmp_path / "railhil")
+    files = list((tmp_path / "railhil").rglob("*.nb?"))
+    assert files
+    for i, path in enumerate(files):
+        path.write_bytes(path.read_bytes()[: 40 * (i % 2)])
+    (tmp_path / "quick.toml").write_text(QUICK_TOML)
+    code = (
+        "from hil_tests.batch import Case, run_batch; from scenarios.load import load;"
+        f"print(run_batch(Case(load({str(tmp_path / 'quick.toml')!r})), [3]).notch_digest[0])"
+    )
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "NUMBA_CACHE_DIR": ""}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    assert (done.stdout.strip(), done.stderr) == (here.notch_digest[0], "")
 
 
 def test_an_unperturbed_batch_differs_in_its_noise_only(short):
@@ -242,6 +284,8 @@ def test_a_wrap_belongs_to_the_run_in_which_it_was(short, tmp_path, monkeypatch)
 
     step = Ipfc.step
     monkeypatch.setattr(Ipfc, "step", wrapping)
+    # Else it would not start.
+    monkeypatch.setattr(controller_node.controller, "refuse_wraps", lambda *given: None)
     batch = run_batch(Case(short, arithmetic="iq"), range(4))
     for seed in range(4):
         alone = direct_run(short, seed=seed, drawn=True)

@@ -1,27 +1,22 @@
-"""``railhil campaign`` in this process: results, going on, refusals, the bench as the judge."""
+"""``railhil campaign`` in this process: results, going on, the bench as the judge."""
 
 from __future__ import annotations
 
 import json
-import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from bus.exitcodes import guarded
 from hil_tests.bench import direct_run
-from hil_tests.campaign import __main__ as command
-from hil_tests.campaign import extras
-from hil_tests.cli import Done, railhil
+from hil_tests.campaign_command import Campaign, campaign_here
+from hil_tests.cli import railhil
 from hil_tests.perturbed_runs import SCORES
 from scenarios.load import load
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")
-Campaign = Callable[..., Done]
 
 
 @pytest.fixture(scope="module")
@@ -33,20 +28,9 @@ def short(tmp_path_factory):
 
 @pytest.fixture
 def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
-    """The command in this process, in an empty folder: faster than in one of its own."""
+    """The command, in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("signal.signal", lambda *given: None)
-
-    def call(*arguments: str | Path) -> Done:
-        monkeypatch.setattr(sys, "argv", ["campaign", *map(str, arguments)])
-        try:
-            code = guarded("railhil campaign", command.main)
-        except SystemExit as end:
-            code = int(end.code or 0)
-        said = capsys.readouterr()
-        return Done(code, said.out, said.err)
-
-    return call
+    return campaign_here(monkeypatch, capsys)
 
 
 @pytest.fixture(scope="module")
@@ -191,76 +175,6 @@ def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     assert summary["against_baseline"][labels[3]]["itae"]["equal_runs"] == 3
     tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1002]\n')
     assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["nowhere"], "nowhere"),
-        (["--laws", "ipfc,ipcf"], "--laws: found 'ipcf', allowed all, or some of "),
-        (["--laws", "ipfc,ipfc"], "found ipfc twice"),
-        (["--runs", "0"], "found 0, allowed 1..10000000"),
-        (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
-        (["--arithmetic", "nix"], "--arithmetic: invalid choice: 'nix'"),
-        (["--engine", "nix"], "--engine: invalid choice: 'nix'"),
-        (["--jobs", "2"], "--jobs: found 2, allowed only with --engine joblib"),
-        (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
-        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: found 'tcp://127.0.0.1:9', allowed only with"),
-        (["--parameters", "none.toml"], "none.toml: found No such file"),
-        (["--resume", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
-        (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
-        (["--verify", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
-        (["--verify", "x", "--out", "y"], "--verify: found '--out', allowed beside it only --runs and --draw"),
-        (["--json", "/nowhere/a.json"], "--json: found '/nowhere/a.json', allowed a file that can be written"),
-        (["--out", "/proc/nothing"], "--out: found '/proc/nothing'"),
-    ],
-)
-def test_bad_input_is_one_line(campaign, tmp_path, arguments, words):
-    done = campaign(*arguments)
-    assert done.exit_code == 2, done.err
-    assert done.out == ""
-    assert words in done.one_line()
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_folder_with_something_else_is_refused(campaign, short):
-    Path("mine").mkdir()
-    Path("mine/notes.txt").touch()
-    assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
-    Path("mine/campaign.json").write_text("[]")
-    assert "campaign.json: format: found something else" in campaign("--resume", "mine").one_line()
-
-
-@pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])
-def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, module):
-    real = extras.importlib.import_module
-
-    def without(name: str):
-        if name == module:
-            raise ModuleNotFoundError(f"No module named {name!r}")
-        return real(name)
-
-    monkeypatch.setattr(extras.importlib, "import_module", without)
-    done = campaign(short, "--engine", "joblib", "--out", "mine")
-    assert done.exit_code == 2
-    assert f"module {module}: found not installed" in done.one_line()
-    assert "pip install 'railhil[campaign]'" in done.one_line()
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, monkeypatch):
-    def full(descriptor: int) -> None:
-        if written.append(descriptor) or len(written) > 5:
-            raise OSError(28, "No space left on device")
-
-    written: list[int] = []
-    monkeypatch.setattr("os.fsync", full)
-    done = campaign(short, "--runs", "6", "--chunk", "1", "--out", "mine")
-    assert done.exit_code == 2
-    assert "no space left on device" in done.one_line()
-    assert "--resume" in done.one_line()
-    # One synchronisation for the manifest, two for each part.
-    assert [path.name for path in sorted(Path("mine/parts").iterdir())] == ["ipfc-00000.parquet", "ipfc-00001.parquet"]
 
 
 @pytest.mark.loop

@@ -30,7 +30,8 @@ from supervisor import run as supervisor_run
 from supervisor.cli import outside
 from supervisor.folder import run_folder
 from supervisor.framelog import log_line, sha256_of
-from supervisor.run import Run, RunOptions
+from supervisor.options import RunOptions
+from supervisor.run import Run
 from supervisor.session import Session
 
 Railhil = Callable[..., Done]
@@ -84,7 +85,11 @@ USAGE = {
     "unknown option": (["run", "--sede", "3"], "--sede"),
     "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),
     "no such file": (["run", "there.toml"], "there.toml: found no such file"),
-    "unknown controller": (["run", "--controller", "nix"], "--controller: found 'nix', allowed "),
+    "unknown controller": (
+        ["run", "--controller", "nix"],
+        "--controller: found 'nix', allowed ipfc, tpfc2, tpfc1, ",
+    ),
+    "mistyped law": (["compare", "--laws", "ipfcc"], "(did you mean ipfc?)"),
     "arithmetic": (["run", "--arithmetic", "nix"], "'nix' (choose from 'float32'"),
     "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
     "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
@@ -328,7 +333,8 @@ def test_certificates_that_do_not_help(here, tmp_path):
         ("\xff", "file: found no JSON document"),
         ("[]", "found [], allowed a JSON object"),
         ("{}", "scenario: found no such key"),
-        ('{"scenario": 3}', "scenario: found 3"),
+        ('{"scenario": 3}', "scenario: found 3, allowed a text"),
+        ('{"scenario": "lvshun_tieshan", "seed": "7"}', "certificate.json: seed: found '7', allowed a whole number"),
         ('{"scenario": "gone.toml"}', "gone.toml: found no such file"),
         ('{"scenario": "lvshun_tieshan", "frames_sha256": "00"}', "allowed 00 (certificate.json beside it)"),
     ):

@@ -8,6 +8,7 @@ import os
 import shlex
 import signal
 import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -22,12 +23,13 @@ from bus.telegrams import SimTruth
 from dbc import wire_contract
 from hil_tests.cli import Done, command, railhil, wait_for
 from scenarios.load import load, names
-from supervisor.cli import parser
+from supervisor.cli.commands import parser
 from supervisor.cli.output import Output
 from supervisor.cli.show import print_scores, print_verdict
 from supervisor.folder import RecordFailed, write_folder
 from supervisor.framelog import FrameLog, log_line, read_log
-from supervisor.run import Run, RunOptions
+from supervisor.options import RunOptions
+from supervisor.run import Run
 from supervisor.score import Score
 from supervisor.trace import Trace
 
@@ -158,7 +160,10 @@ def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     monkeypatch.setenv("COLUMNS", str(columns))
     text = io.StringIO()
     monkeypatch.setattr("sys.stdout", text)
-    print_scores(Output(), lvshun, [("ipfc float64 (measured)" if columns > 60 else "from the log", _SCORE)])
+    label = "ipfc float64 (measured)" if columns > 60 else "from the log"
+    other = replace(_SCORE, energy_kj=107442.0)
+    long = "ipfc_plus+1a2b3c4d tuned (on this seed) (measured)"
+    print_scores(Output(), lvshun, [(label, _SCORE), (long, other)])
     lines = text.getvalue().splitlines()
     table = lines[1:]
     assert max(map(len, table)) <= columns
@@ -171,6 +176,7 @@ def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     measured = next(line for line in table if "107441" in line)
     for unit, number in (("km/h s2", "50652.7"), ("kJ", "107441"), ("error m", "10.1449"), ("m/s2/km", "31.143")):
         assert units.index(unit) + len(unit) == measured.index(number) + len(number)
+    assert all(word in text.getvalue() for word in long.split())
 
 
 @pytest.mark.parametrize("columns", [60, 80, 120])
@@ -271,6 +277,14 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, number, whole_group)
     assert "stopped by" in suite.find("testcase/failure").get("message")
     assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]
     assert railhil("score", folder).exit_code == 3
+
+
+@pytest.mark.parametrize("command", ["supervisor.cli", "controller_node"])
+def test_ctrl_c_while_the_modules_load_is_no_traceback(tmp_path, monkeypatch, command):
+    (tmp_path / "numpy.py").write_text("raise KeyboardInterrupt")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    done = subprocess.run([sys.executable, "-m", command], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
 @pytest.mark.loop

@@ -14,6 +14,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.cli import Done, Started, railhil, wait_for
+from scenarios.parameters import load_parameters
 
 _PLUGGED = """\
 from controller_node.laws.ipfc import Ipfc
@@ -21,6 +22,21 @@ from controller_node.laws.ipfc import Ipfc
 class Twin(Ipfc):
     name = "twin"
     indexings = ("time",)
+    parameters_origin = "designed on seeds 0 and 1"
+    design_seeds = {"benchmark_quick": range(2)}
+"""
+_TWO_LAWS = """\
+import importlib.metadata
+
+_all = importlib.metadata.entry_points
+
+def entry_points(**given):
+    found = _all(**given)
+    if given.get("group") == "railhil.laws":
+        found = importlib.metadata.EntryPoints(entry for entry in found if entry.name in ("ipfc", "twin"))
+    return found
+
+importlib.metadata.entry_points = entry_points
 """
 _TUNED = """\
 law = "ipfc"
@@ -75,8 +91,10 @@ def compared(place: Path) -> Compared:
 @pytest.mark.loop
 def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     runs = compared.document["runs"]
-    assert [run["label"] for run in runs] == ["ipfc", "ipfc tuned", "twin"]
-    assert [run["folder"] for run in runs] == ["ipfc", "ipfc-tuned", "twin"]
+    tuned = load_parameters(compared.folder.parent / "tuned.toml").controller
+    assert [run["label"] for run in runs] == ["ipfc", f"{tuned} tuned", "twin"]
+    assert [run["folder"] for run in runs] == ["ipfc", tuned, "twin"]
+    assert "twin: the law's own (designed on seeds 0 and 1)" in compared.done.out
     assert sorted(path.name for path in compared.folder.iterdir() if path.is_file()) == _FILES
     for run in runs:
         certificate = json.loads((compared.folder / run["folder"] / "certificate.json").read_text(encoding="utf-8"))
@@ -116,23 +134,46 @@ def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, 
     done = railhil("report", compared.folder, "--out", out)
     assert (done.exit_code, done.out) == (0, f"{out}\n")
     assert out.read_bytes() == first
-    folders = [compared.folder / name for name in ("ipfc", "ipfc-tuned", "twin")]
+    folders = [compared.folder / run["folder"] for run in compared.document["runs"]]
     assert railhil("report", *folders, cwd=tmp_path).exit_code == 0
     assert (tmp_path / "report.html").read_bytes() == first
+    full = railhil("report", compared.folder, "--out", "/dev/full")
+    assert full.exit_code == 4
+    assert full.one_line() == "railhil: RecordFailed: /dev/full cannot be written: no space left on device"
+
+
+def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: Path) -> None:
+    """Also when it comes last; what is there says so in its own words, and the folder is free for the next attempt."""
+    (place / "wrong.toml").write_text('law = "twin"\n[parameters]\nsoftening_maxx = 0.8\n')
+    for arguments, words in (
+        (("--indexing", "distance"), "indexing: twin: found 'distance', allowed time with this law"),
+        (("--parameters", str(place / "wrong.toml")), "the unknown parameter softening_maxx"),
+        (("--perturbed", "--seed", "1"), "--seed: found 1, on which twin's own parameters were chosen (designed on"),
+    ):
+        done = compare(place, "refused", "--laws", "ipfc,twin", *arguments)
+        assert done.exit_code == 2
+        assert words in done.one_line()
+        assert done.out == ""
+        assert not (place / "refused").exists()
 
 
 @pytest.mark.loop
-def test_a_law_that_refuses_ends_the_comparison(place: Path) -> None:
-    done = compare(place, "refused", "--laws", "ipfc,twin", "--indexing", "distance")
-    assert done.exit_code == 2
-    assert "twin" in done.one_line()
-    assert "time" in done.one_line()
-    # What was recorded stays, and nothing looks like a comparison.
-    assert [path.name for path in (place / "refused").iterdir()] == ["ipfc"]
-    assert (place / "refused" / "ipfc" / "certificate.json").is_file()
-    done = compare(place, "never", "--laws", "twin", "--indexing", "distance")
-    assert done.exit_code == 2
-    assert not (place / "never").exists()
+def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two laws are enough here: the others of this distribution are hidden."""
+    hidden = place / "hidden"
+    hidden.mkdir(exist_ok=True)
+    (hidden / "sitecustomize.py").write_text(_TWO_LAWS)
+    monkeypatch.setenv("PYTHONPATH", f"{hidden}:{place / 'plug'}")
+    done = compare(place, "all", "--indexing", "distance")
+    assert done.exit_code in (0, 1), done.err
+    sentence = "Left out, as without set-points over distance: twin."
+    assert sentence in done.out.splitlines()
+    document = json.loads((place / "all" / "compare.json").read_text(encoding="utf-8"))
+    assert [run["folder"] for run in document["runs"]] == ["ipfc"]
+    report = (place / "all" / "report.html").read_bytes()
+    assert f"<p>{sentence}</p>".encode() in report
+    assert railhil("report", place / "all").exit_code == 0
+    assert (place / "all" / "report.html").read_bytes() == report
 
 
 @pytest.mark.loop
@@ -174,13 +215,47 @@ def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments
 
 
 @pytest.mark.loop
-def test_training_seed_is_said_when_it_is_allowed(place: Path) -> None:
-    arguments = ("--laws", "ipfc", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
+def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None:
+    folder = place / "early"
+    started = Started("compare", place / "short.toml", "--laws", "ipfc,twin", "--out", folder)
+    wait_for((folder / "twin").is_dir)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert (done.exit_code, done.err) == (130, "")
+    assert done.out.splitlines()[-1] == f"1 of 2 runs recorded in {folder}, no comparison written"
+    assert [path.name for path in folder.iterdir()] == ["ipfc"]
+
+
+@pytest.mark.loop
+def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:
+    arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
     done = compare(place, "trained", *arguments, "--allow-training-seeds")
     assert done.exit_code in (0, 1), done.err
-    assert "ipfc tuned (on this seed) (measured)" in done.out
-    assert json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"][0]["seed_was_trained"]
-    assert "TUNED ON THIS VERY SEED" in (place / "trained" / "report.html").read_text(encoding="utf-8")
+    tuned = load_parameters(place / "tuned.toml").controller
+    runs = json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"]
+    assert [run["label"] for run in runs] == [f"{tuned} tuned (on this seed)", "twin (on this seed)"]
+    assert [run["seed_was_trained"] for run in runs] == [True, True]
+    page = (place / "trained" / "report.html").read_text(encoding="utf-8")
+    for law, how in (("ipfc", "tuned"), ("twin", "designed")):
+        sentence = f"NOT AN EVALUATION: the parameters of {law} were {how} on this very run, seed 1"
+        assert sentence in done.out.splitlines()
+        assert f"<strong>{sentence}.</strong>" in page
+    assert 'class="first best"' not in page
+
+
+@pytest.mark.loop
+def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Compared, tmp_path: Path) -> None:
+    arguments = ("--parameters", place / "tuned.toml", "--perturbed", "--seed", "1", "--no-report", "--quiet")
+    done = railhil("run", place / "short.toml", *arguments, "--out", tmp_path / "run")
+    assert done.exit_code in (0, 1), done.err
+    sentence = "NOT AN EVALUATION: the parameters of ipfc were tuned on this very run, seed 1"
+    assert sentence in done.out.splitlines()
+    for folder, trained in ((tmp_path / "run", True), (compared.folder / "twin", False)):
+        assert json.loads((folder / "score.json").read_text())["run"]["seed_was_trained"] is trained
+    (tmp_path / "run" / "score.json").write_text('{"telemetry": {"source": 1}, "run": 3}')
+    damaged = railhil("report", tmp_path / "run")
+    assert damaged.exit_code == 2
+    assert "score.json: " in damaged.one_line()
 
 
 @pytest.mark.loop
@@ -199,7 +274,7 @@ def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: P
     assert railhil("report", tmp_path / "other").exit_code == 0
     assert (tmp_path / "other" / "report.html").is_file()
     (tmp_path / "compare.json").write_text("[]")
-    assert "compare.json: runs: found no list of run folders" in railhil("report", tmp_path).one_line()
+    assert "compare.json: file: found [], allowed a JSON object" in railhil("report", tmp_path).one_line()
 
 
 @pytest.mark.loop

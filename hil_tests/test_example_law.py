@@ -11,6 +11,7 @@ import pytest
 
 from controller_node.arithmetic import make
 from controller_node.laws import load as load_law
+from controller_node.laws.base import NOTCH_RAW_Q
 from controller_node.loop import ControlLoop
 from controller_node.program.ranges import analyse_law
 from controller_node.program.record import record
@@ -65,6 +66,20 @@ def test_no_operation_can_wrap_inside_the_bounds_of_its_search(corner: int, tmp_
     parameters = load_parameters(path)
     bounds = ControlLoop(SCENARIO, "pi", make("iq"), "time", parameters).law.state_bounds()
     assert not analyse_law(record(SCENARIO, "pi", parameters=parameters), bounds).may_wrap
+
+
+def test_its_integral_stands_still_while_another_notch_is_sent() -> None:
+    """30 s of full error with the traction cut: one law is told of it, one not, one has just begun."""
+    told, untold, fresh = (ControlLoop(SCENARIO, "pi", make("iq"), "time") for _ in range(3))
+    for _ in range(60):
+        told.step(100, 150_000, 0)
+        told.sent(0)
+        untold.step(100, 150_000, 0)
+    after, wound, first = (loop.step(100, 150_000, 0)[1].notch_raw for loop in (told, untold, fresh))
+    assert after == first
+    assert wound > first + (2 << NOTCH_RAW_Q)
+    told.sent(told.state.notch)
+    assert told.step(100, 150_000, 0)[1].notch_raw > first, "the notch that was its own changes nothing"
 
 
 @pytest.mark.needs_compiler

@@ -13,6 +13,8 @@ import pytest
 
 from bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
 from controller_node import guard
+from controller_node.ecan import BitCounter
+from controller_node.odometer import Odometer
 from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
 from plant_sim import gate
 from scenarios.load import load
@@ -178,6 +180,20 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     assert subject.level is Level.SERVICE_BRAKE
 
 
+def sweep_guard_position(module: ModuleType) -> None:
+    """A position that is needed and does not come brakes the train; every good speed goes into what is reckoned."""
+    for needed in (False, True):
+        counter, odometer = BitCounter(500_000), Odometer(SCENARIO, needed=needed)
+        subject = module.Guard(SCENARIO, counter, odometer)
+        for tick in range(120):
+            now_ns = 10 * tick * MS
+            # Each was received one tick before it is read.
+            subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
+            assert subject.level is (Level.SERVICE_BRAKE if needed and tick > 100 else Level.NORMAL)
+        # From 0 to 1.18 s at the speed in the middle, and one tick on at the last speed; 0.1 mm.
+        assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
+
+
 def command_ramp(elapsed_ms: int) -> int:
     """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
     ladder = Ladder.of(SCENARIO)
@@ -186,7 +202,7 @@ def command_ramp(elapsed_ms: int) -> int:
 
 SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     gate: (sweep_gate,),
-    guard: (sweep_guard_boundaries, sweep_guard_random),
+    guard: (sweep_guard_boundaries, sweep_guard_position, sweep_guard_random),
 }
 
 

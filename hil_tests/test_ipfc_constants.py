@@ -112,15 +112,12 @@ def test_other_control_periods_fit_the_formats(period_s: float) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"fit_points": (3, 5, 8, 11)}, "outside 1..10"),
-        ({"fit_points": ()}, "outside 1..10"),
-        ({"fit_points": (0, 5)}, "outside 1..10"),
-        ({"fit_points": (3,)}, "as many fitting points"),
-        ({"error_order": 8}, "too high for their windows"),
-        ({"set_point_order": 11}, "too high for their windows"),
-        ({"softening_span": -0.01}, "softening_min 0.86, softening_max 0.85: not 0 < min <= max < 1"),
-        ({"softening_span": 0.85}, "softening_min 0, softening_max 0.85"),
-        ({"softening_max": 1.0}, "softening_min 0.92, softening_max 1"),
+        ({"fit_points": (3, 5, 8, 11)}, "beyond the horizon of 10 periods"),
+        ({"fit_points": (3,)}, "as many different fitting points"),
+        ({"error_order": 4, "error_window": 4}, "error_order 4 takes an error_window longer than 4"),
+        ({"horizon": 3, "fit_points": (2, 3), "set_point_order": 4}, "set_point_order 4 is above the horizon of 3"),
+        ({"softening_span": 0.85}, "softening_span 0.85 is not below softening_max 0.85"),
+        ({"rise_time_min_s": 0.03}, "rise_time_min_s 0.03 is above rise_time_max_s 0.02"),
     ],
 )
 def test_parameters_that_do_not_fit_each_other_are_refused(change: dict, words: str) -> None:

@@ -195,6 +195,7 @@ def test_held_train_at_the_end_of_the_timetable() -> None:
         ({"loop_delay_s": 0.5}, "a loop delay of 0.5 s is not inside the control period of 0.5 s"),
         ({"fit_points_s": (1.0,)}, "2 basis functions need as many fitting points, there are 1"),
         ({"position_error_max_m": 1e6}, "does not fit into int32"),
+        ({"replan_min_s": 12.0}, "replan_min_s 12 is above replan_max_s 10"),
     ],
 )
 def test_parameters_that_do_not_fit(change: dict[str, Any], said: str) -> None:

@@ -23,6 +23,11 @@ class Fussy(Ipfc):
     def __init__(self, *given):
         raise ValueError("no good\\nparameters")
 
+class Endless(Ipfc):
+    @property
+    def horizon(self):
+        return 10**15
+
 class Refusing(Ipfc):
     def __init__(self, *given):
         raise InputError("pid.toml", "gain", -1, "above 0")
@@ -31,6 +36,7 @@ BROKEN = "raise RuntimeError('half installed')\n"
 ENTRIES = """\
 [railhil.laws]
 fussy = plugged_laws:Fussy
+endless = plugged_laws:Endless
 refusing = plugged_laws:Refusing
 missing = no_such_module_of_ours:Law
 nameless = plugged_laws:Nothing
@@ -39,6 +45,8 @@ broken = plugged_broken:Law
 LINES = {
     "fussy": "controller: fussy: found a law that fails at its start, allowed a law that can be made for 0.5 s and 7 "
     "notches (ValueError: no good parameters)",
+    "endless": "controller: endless: found a law that fails at its start, allowed a law that can be made for 0.5 s and "
+    "7 notches (",
     "refusing": "pid.toml: gain: found -1, allowed above 0",
     "missing": "controller: missing: found 'no_such_module_of_ours:Law', allowed an entry point that can be imported "
     "(ModuleNotFoundError: No module named 'no_such_module_of_ours')",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -196,13 +197,17 @@ def test_no_float_in_the_law(run: Any) -> None:
 
 def test_no_float_in_the_node(run: Any) -> None:
     """From the telegrams' signals through watch and law to the notch of NOTCH_CMD."""
-    node: Any = ControllerNode(SCENARIO, ControllerOptions("ipfc", run.arithmetic, run.indexing))
+    # Here TRN_POS comes once per control period.
+    period_ns = SCENARIO.timing.control_period_ns
+    scenario = replace(SCENARIO, timing=replace(SCENARIO.timing, port_period_ns={TrnPos.PORT: period_ns}))
+    node: Any = ControllerNode(scenario, ControllerOptions("ipfc", run.arithmetic, run.indexing))
     for (k, speed, position), code in zip(run.given, run.codes, strict=True):
-        now_ns = k * SCENARIO.timing.control_period_ns
-        telegram = TrnPos(NoFloat(position // 10))  # type: ignore[arg-type]
+        now_ns = k * period_ns
+        telegram = TrnPos(NoFloat(position // 10), life=k & 0xF)  # type: ignore[arg-type]
         node._clock = SimpleNamespace(now_ns=now_ns, running=True)
         node._store = SimpleNamespace(read=lambda kind, now_ns, telegram=telegram: (telegram, 0))
         node.guard.speed(TrnSpeed(NoFloat(speed), life=k & 0xF), now_ns)  # type: ignore[arg-type]
+        node._committed(TrnPos.PORT)
         notch = node._notch().notch_256th
         assert node.guard.level is Level.NORMAL
         assert type(notch) is NoFloat

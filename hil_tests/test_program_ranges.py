@@ -3,25 +3,32 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import controller_node.loop
 from bus.mvb import TelegramSource, master_frame
 from bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from controller_node.arithmetic import make
 from controller_node.arithmetic.base import Constant, Curve
+from controller_node.controller import BatchController, Controller
 from controller_node.laws import load as load_law
 from controller_node.laws import names
+from controller_node.laws.ipfc import Ipfc
 from controller_node.loop import ControlLoop
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.program.model import Program
 from controller_node.program.ranges import WIRE, analyse, analyse_law
 from controller_node.program.record import leaves, record
 from controller_node.program.tracer import Tracer
+from hil_tests.cli import railhil
+from scenarios.errors import InputError
 from scenarios.load import load
 from scenarios.load import names as shipped_names
 from scenarios.model import Scenario
@@ -132,6 +139,59 @@ def test_a_notch_range_beyond_the_formats_is_found() -> None:
     assert "dot" in {
         operation.op for operation, _ in analyse_law(record(scenario, "ipfc"), law.state_bounds()).may_wrap
     }
+
+
+@pytest.mark.parametrize(
+    ("name", "notch_max", "period_s", "found"),
+    [
+        ("ipfc", 40.0, 0.5, "dot before model[0] that may reach 333.29 in Q24, which ends at 128"),
+        ("tpfc1", 40.0, 0.5, "dot before model[0] "),
+        ("tpfc2", 40.0, 0.5, "dot before model[0] "),
+        ("tdmc", 12.0, 0.2, "add before y_m that may reach 256.255 in Q23, which ends at 256"),
+        ("ipfc_plus", 127.0, 0.5, ""),
+    ],
+)
+def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float, period_s: float, found: str) -> None:
+    scenario = at_period(replace(SCENARIO, train=replace(SCENARIO.train, notch_max=notch_max)), period_s)
+    allowed = f"allowed a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches"
+    starts: list[Callable[[], Any]] = [
+        lambda: Controller(scenario, name, "iq"),
+        lambda: BatchController(scenario, 2, name, "iq"),
+    ]
+    for start in starts:
+        with pytest.raises(InputError) as caught:
+            start()
+        assert f"controller: {name}: found {found}" in str(caught.value)
+        assert allowed in str(caught.value)
+    Controller(scenario, name, "float64")
+    Controller(scenario, name, "float32")
+
+
+@pytest.mark.loop
+@pytest.mark.parametrize("command", [("run", "--controller", "tdmc", "--quiet", "--out", "out"), ("export-c", "tdmc")])
+def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Path) -> None:
+    text = 'extends = "lvshun_tieshan"\nname = "many"\ntitle = "many notches"\n[train]\nnotch_max = 12.0\n'
+    (tmp_path / "many.toml").write_text(text, encoding="utf-8")
+    program, *options = command
+    given = [program, "many.toml", *options] if program == "run" else [*command, "many.toml", "--out", "out"]
+    done = railhil(*given, cwd=tmp_path)
+    assert done.exit_code == 2
+    assert "add before y_m that may reach 256.524 in Q23, which ends at 256" in done.one_line()
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_plugged_in_law_that_may_wrap_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever wrote it: a sum that feeds back into itself, without a limit."""
+
+    class Growing(Ipfc[Any]):
+        def step(self, state: Any, inputs: Any) -> Any:
+            after, outputs = super().step(state, inputs)
+            return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
+
+    monkeypatch.setattr(controller_node.loop, "load", lambda name: Growing)
+    with pytest.raises(InputError, match=r"which ends at 2048, .*operations that may wrap: \d"):
+        Controller(SCENARIO, "growing", "iq")
+    Controller(SCENARIO, "growing", "float64")
 
 
 def test_crossed_limits_and_a_curve_beyond_its_table() -> None:

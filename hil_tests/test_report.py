@@ -24,11 +24,12 @@ from supervisor.report.deviations import deviations
 from supervisor.report.page import page
 from supervisor.report.panels import Drawn
 from supervisor.report.recorded import RecordedRun, curves, recorded_run, told_apart
+from supervisor.report.styles import Style
 from supervisor.report.table import rows
 from supervisor.score import score
 from supervisor.trace import Trace
 
-_VOID = {"meta", "br", "hr", "img", "link", "input"}
+_VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
 _CELLS = {"td", "th", "li", "strong", "p"}
 
 
@@ -220,16 +221,53 @@ def test_runs_of_one_law_are_told_apart(run: RecordedRun, other: RecordedRun) ->
     assert labels(run, run) == ["ipfc #1", "ipfc #2"]
 
 
-def test_tuned_parameters_are_named_and_so_is_their_training_seed(run: RecordedRun, folders: Path) -> None:
-    training = {"scenario": "lvshun_tieshan", "seeds": [3, 5]}
+@pytest.mark.parametrize(
+    ("training", "trained", "label"),
+    [
+        (None, False, "ipfc+abababab"),
+        ({"scenario": "lvshun_tieshan", "seeds": [3, 5]}, False, "ipfc+abababab tuned"),
+        ({"scenario": "lvshun_tieshan", "seeds": [3, 5]}, True, "ipfc+abababab tuned (on this seed)"),
+    ],
+)
+def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
+    run: RecordedRun, folders: Path, training: dict[str, object] | None, trained: bool, label: str
+) -> None:
     given = {"law": "ipfc", "sha256": "ab" * 32, "values": {"softening_max": 0.8}, "training": training}
-    for perturbed, label in ((False, "ipfc tuned"), (True, "ipfc tuned (on this seed)")):
-        certificate = {**run.certificate, "parameters": given, "perturbed": perturbed}
-        tuned = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
-        assert tuned.label == label
-        found = words(page([tuned]))
-        assert "digest abababab: softening_max = 0.8" in found
-        assert ("TUNED ON THIS VERY SEED" in found) == perturbed
+    certificate = {**run.certificate, "parameters": given, "perturbed": trained, "seed_was_trained": trained}
+    found = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    assert found.label == label
+    text = words(page([found]))
+    tuned = ", tuned on 2 runs of lvshun_tieshan" if training else ""
+    assert f"from a file, digest abababab{tuned}; softening_max = 0.8" in text
+    sentence = "NOT AN EVALUATION: the parameters of ipfc were tuned on this very run, seed 3."
+    assert (sentence in text) == trained
+    assert found.caution == (sentence[:-1] if trained else "")
+
+
+def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, folders: Path) -> None:
+    assert "the law's own (the paper's, and ours where it prints none)" in words(single)
+    certificate = {**run.certificate, "seed_was_trained": True}
+    designed = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    assert designed.label == "ipfc (on this seed)"
+    assert "the parameters of ipfc were designed on this very run, seed 3" in words(page([designed]))
+    unknown = replace(run, certificate={**run.certificate, "own_parameters": None})
+    assert "the law's own (not recorded where they come from)" in words(page([unknown]))
+
+
+def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
+    trained = replace(run, certificate={**run.certificate, "seed_was_trained": True})
+    third = replace(other, label="third")
+    for cells in zip(*(row.cells for row in rows(lvshun, [trained, other, third])[:3]), strict=True):
+        # Two of one score are both the best; the trained run is not, whatever its score.
+        assert [cell.best for cell in cells] == [False, True, True]
+    assert not any(cell.best for row in rows(lvshun, [trained, other]) for cell in row.cells)
+    assert "of the runs that are an evaluation is bold" in words(page([trained, other]))
+
+
+def test_without_score_json_nothing_is_said_of_the_controller(run: RecordedRun) -> None:
+    assert "not recorded: score.json is missing" in words(page([replace(run, score_document={})]))
+    silent = replace(run, score_document={**run.score_document, "telemetry": None})
+    assert "the controller has said nothing about its arithmetic" in words(page([silent]))
 
 
 def kept(trace: Trace, keep: Callable[[str, int], bool]) -> Trace:
@@ -268,7 +306,7 @@ def test_laws_without_basis_and_softening_have_no_such_figure(run: RecordedRun, 
 def test_every_set_of_basis_functions_has_a_row_and_a_name(run: RecordedRun) -> None:
     measured = curves(run.scenario, run.trace)
     used = np.resize([0.0, 1.0, 2.0, 3.0, 5.0, 9.0], len(measured.basis))
-    drawn = Drawn("law", 0, replace(measured, basis=used), run.score)
+    drawn = Drawn("law", Style(), replace(measured, basis=used), run.score)
     axes = Figure().add_subplot()
     panels.basis(axes, drawn, panels.bases([drawn]))
     names = ["none", "step", "wavelet", "step+wavelet", "step+ramp", "step+bits 0x8"]
@@ -283,7 +321,9 @@ def test_close_views_show_where_a_run_is_off(run: RecordedRun) -> None:
     speed_kmh = measured.speed_kmh + sum(
         size * np.exp(-(((measured.position_m - place_m) / 2) ** 2)) for place_m, size in bumps
     )
-    places = panels.widest_places(run.scenario, [Drawn("law", 0, replace(measured, speed_kmh=speed_kmh), run.score)])
+    places = panels.widest_places(
+        run.scenario, [Drawn("law", Style(), replace(measured, speed_kmh=speed_kmh), run.score)]
+    )
     assert places == pytest.approx([700.0, 2100.0], abs=4.0)
 
 

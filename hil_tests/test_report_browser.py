@@ -51,9 +51,13 @@ def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[
         recorded_folder(lvshun, folder / str(seed), seed=seed, arithmetic=arithmetic)
         for seed, arithmetic in ((1, "iq"), (2, "float64"))
     ]
-    # As many as there are laws, with names as long as they get.
-    names = ("ipfc", "ipfc tuned (on this seed)", "ipfc_plus", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid tuned")
-    many = [replace(runs[index % 2], label=name) for index, name in enumerate(names)]
+    # Every law with its own and with tuned parameters, names as long as they get.
+    laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus")
+    labels = [(law, law + tail) for law in laws for tail in ("", "+1a2b3c4d tuned (on this seed)")]
+    many = [
+        replace(runs[index % 2], label=label, certificate={**runs[index % 2].certificate, "controller": law})
+        for index, (law, label) in enumerate(labels)
+    ]
     found = {"one": folder / "one.html", "many": folder / "many.html"}
     write_report(runs[:1], found["one"])
     write_report(many, found["many"])

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import controller_node.controller
 import controller_node.loop
 from bus.exitcodes import FAIL
 from bus.mvb import master_frame
@@ -26,7 +27,8 @@ from hil_tests.bench import BenchRun, local_run
 from hil_tests.cli import Started, railhil, wait_for
 from scenarios.model import Scenario
 from supervisor.folder import junit, score_json
-from supervisor.run import RunOptions, RunResult
+from supervisor.options import RunOptions
+from supervisor.run import RunResult
 from supervisor.score import Score
 from supervisor.telemetry import Headroom, read_summary, shown_telemetry
 from supervisor.trace import Trace
@@ -54,6 +56,8 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
     """A run of :class:`Squared`."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(controller_node.loop, "load", lambda name: Squared)
+        # Else it would not start.
+        patch.setattr(controller_node.controller, "refuse_wraps", lambda *given: None)
         return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
 
 
@@ -142,14 +146,16 @@ def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: Ben
         assert failure is None or "fixed-point wrap in the controller" in failure.get("message", "")
 
 
-def test_a_run_without_telemetry_says_so(nominal: BenchRun) -> None:
+def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) -> None:
     """A controller that never made a step, and left no file."""
     assert shown_telemetry(Trace()) is None
     trace = Trace()
     trace.add(CtlStat.PORT, 0, CtlStat().encode())
     assert shown_telemetry(trace) is None
-    document = score_json(result_of(nominal.score), RunOptions("lvshun_tieshan", attach=True))
+    document = score_json(lvshun, result_of(nominal.score), RunOptions("lvshun_tieshan", attach=True, perturbed=True))
     assert document["telemetry"] is None
+    # Nor on which runs its own parameters were chosen.
+    assert document["run"]["seed_was_trained"] is None
 
 
 def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: BenchRun, wrapped: BenchRun) -> None:

@@ -209,13 +209,15 @@ def test_softening_from_a_file_reaches_the_reference_trajectory() -> None:
 @pytest.mark.parametrize("softening", [1.0, -0.1])
 @pytest.mark.parametrize("name", LAWS)
 def test_a_softening_factor_beyond_its_range_is_one_line(name: str, softening: float) -> None:
-    with pytest.raises(InputError, match=rf"^controller: {name}: .*softening factor .*allowed 0 <= alpha < 1\)$"):
+    with pytest.raises(
+        InputError, match=r"^tuned.toml: parameters.softening: found .*, allowed (less than 1|at least 0)$"
+    ):
         ControlLoop(SCENARIO, name, make("iq"), "time", given(name, softening=softening))
 
 
 def test_a_ramp_needs_two_fitting_points() -> None:
-    with pytest.raises(ValueError, match="2 basis functions need as many fitting points, there are 1"):
-        load_law("tpfc1")(make("iq"), SCENARIO, Tpfc1Parameters(fit_points=(3,)))
+    with pytest.raises(ValueError, match="2 basis functions need as many different fitting points, there are 1"):
+        load_law("tpfc1")(make("iq"), SCENARIO, Tpfc1Parameters(fit_points=(3, 3)))
 
 
 @pytest.mark.parametrize("name", ["ipfc", *LAWS])

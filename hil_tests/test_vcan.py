@@ -24,7 +24,8 @@ from plant_sim.node import PlantOptions, run_plant
 from scenarios.model import Scenario, TargetCurve
 from scenarios.target import Target
 from supervisor import cli
-from supervisor.run import Run, RunOptions, RunResult
+from supervisor.options import RunOptions
+from supervisor.run import Run, RunResult
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

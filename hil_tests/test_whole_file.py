@@ -16,7 +16,7 @@ from bus.errors import BusLost
 from bus.exitcodes import INVALID, guarded
 from bus.link import Link
 from bus.wholefile import check_writable, whole_file
-from controller_node import __main__ as controller
+from controller_node import command as controller
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.telemetry_file import write_telemetry
 from hil_tests.audit import __main__ as audit
@@ -147,7 +147,7 @@ def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkey
 
     path, handler = tmp_path / "telemetry.json", signal.getsignal(signal.SIGTERM)
     monkeypatch.setattr("sys.argv", ["controller", "--telemetry", str(path), "-i", "virtual"])
-    monkeypatch.setattr("controller_node.__main__.run_controller", lost)
+    monkeypatch.setattr("controller_node.command.run_controller", lost)
     monkeypatch.setattr("controller_node.telemetry_file.telemetry_document", terminated)
     try:
         assert guarded("controller", controller.main) == INVALID

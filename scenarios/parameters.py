@@ -29,7 +29,7 @@ from scenarios.errors import InputError, Words
 from scenarios.validation import validated
 
 #: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
-_DIGEST = 8
+DIGEST_DIGITS = 8
 
 
 class _Training(BaseModel):
@@ -71,7 +71,7 @@ class ParameterSet:
     @property
     def digest(self) -> str:
         """First digits of the hash."""
-        return self.sha256[:_DIGEST]
+        return self.sha256[:DIGEST_DIGITS]
 
     @property
     def controller(self) -> str:
@@ -115,7 +115,8 @@ def load_parameters(path: Path) -> ParameterSet:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(path, "", Words(error.strerror or str(error)), "a parameter file (TOML)") from error
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except ValueError as error:
+        # No text, no TOML, or a whole number of thousands of digits.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
     for key, value in file.parameters.items():

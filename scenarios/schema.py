@@ -99,7 +99,8 @@ AnyTrain = Annotated[
 class BaliseTable(_Table):
     """One balise; ``true_m`` defaults to the surveyed position."""
 
-    number: Annotated[int, Field(ge=0, le=255)]
+    # 0 on the wire means that none has been passed.
+    number: Annotated[int, Field(ge=1, le=255)]
     surveyed_m: Annotated[float, Field(ge=-2_000_000, le=2_000_000)]
     true_m: Number | None = None
 

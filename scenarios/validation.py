@@ -63,9 +63,12 @@ def _translated(
         hint = f"did you mean {nearest}?" if nearest else None
         allowed = f"only {', '.join(sorted(choices))}"
         found = Words(f"the unknown key {keys[-1]}")
-    elif allowed is None:
-        allowed = _from_context(kind, one.get("ctx", {})) or _lowered(one["msg"])
-    return InputError(origin(keys), dotted(keys), found, allowed, hint)
+    return InputError(origin(keys), dotted(keys), found, allowed or sentence(one), hint)
+
+
+def sentence(one: ErrorDetails) -> str:
+    """What is allowed, from one of pydantic's findings: ``at most 200``."""
+    return _from_context(one["type"], one.get("ctx", {})) or _lowered(one["msg"])
 
 
 def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:

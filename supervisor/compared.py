@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from bus.wholefile import whole_file
-from scenarios.errors import InputError, Words
 from scenarios.model import Scenario
-from supervisor.folder import RecordFailed, write_json
+from supervisor.documents import COMPARISON
+from supervisor.errors import RecordFailed
+from supervisor.folder import write_json
+from supervisor.options import RunOptions
 from supervisor.report.recorded import RecordedRun
 from supervisor.report.table import COLUMNS
-from supervisor.run import RunOptions
 
-#: Names in the folder of a comparison.
-FILE_NAME = "compare.json"
+#: Name in the folder of a comparison, beside ``compare.json``.
 _TABLE = "compare.csv"
 
 
@@ -53,12 +52,17 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_comparison(
-    folder: Path, scenario: Scenario, options: RunOptions, runs: Sequence[tuple[Path, RecordedRun]]
+    folder: Path,
+    scenario: Scenario,
+    options: RunOptions,
+    runs: Sequence[tuple[Path, RecordedRun]],
+    notes: Sequence[str] = (),
 ) -> None:
     """Write both files, whole; ``compare.json`` comes last and marks the comparison as whole.
 
     :param options: of any of the runs: what all have in common is taken from it.
     :param runs: run folders below ``folder`` and what was recorded there, in order.
+    :param notes: sentences on the comparison as a whole.
     :raises RecordFailed: they cannot be written; then neither is there.
     """
     rows = [_row(path, run) for path, run in runs]
@@ -67,6 +71,7 @@ def write_comparison(
         "scenario": options.scenario,
         "scenario_sha256": scenario.sha256,
         **{key: getattr(options, key) for key in common},
+        "notes": list(notes),
         "runs": rows,
         "published": [asdict(row) for row in scenario.published],
     }
@@ -75,25 +80,8 @@ def write_comparison(
             table = csv.DictWriter(stream, list(_flat(rows[0])), lineterminator="\n")
             table.writeheader()
             table.writerows(_flat(row) for row in rows)
-        write_json(folder / FILE_NAME, document)
+        write_json(folder / COMPARISON, document)
     except OSError as error:
         (folder / _TABLE).unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error
-
-
-def run_folders(folder: Path) -> list[Path]:
-    """Run folders of a comparison, in the order of its table.
-
-    :raises InputError: ``compare.json`` does not say them.
-    """
-    path = folder / FILE_NAME
-    try:
-        rows = json.loads(path.read_text(encoding="utf-8"))["runs"]
-        names = [str(row["folder"]) for row in rows]
-    except (OSError, ValueError, LookupError, TypeError, RecursionError) as error:
-        found = Words(f"no list of run folders ({type(error).__name__})")
-        raise InputError(path, "runs", found, "what railhil compare has written") from None
-    if not names:
-        raise InputError(path, "runs", names, "at least one run")
-    return [folder / name for name in names]

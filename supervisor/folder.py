@@ -15,15 +15,18 @@ from typing import Any
 
 import numpy as np
 
-from bus.exitcodes import TOOL_ERROR
 from bus.ident import PROFILES
 from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from bus.wholefile import whole_file
 from dbc import wire_contract
 from scenarios.errors import InputError
 from scenarios.model import Scenario
+from supervisor.documents import CERTIFICATE, SCORE
+from supervisor.errors import RecordFailed, not_written
+from supervisor.evaluation import seed_was_trained
 from supervisor.framelog import write_blf
-from supervisor.run import RunOptions, RunResult
+from supervisor.options import RunOptions
+from supervisor.run import RunResult
 from supervisor.score import WRAP_FAILURE
 from supervisor.telemetry import FILE_NAME as TELEMETRY
 from supervisor.trace import FloatArray, Trace
@@ -50,13 +53,7 @@ _COLUMNS = (
 
 #: What is computed from ``frames.log`` when the run is over, and what the controller says of it; removed again unless
 #: all of it could be written.
-_DERIVED = ("signals.csv", "frames.blf", "score.json", "junit.xml", "certificate.json", TELEMETRY)
-
-
-class RecordFailed(Exception):
-    """The record cannot be written (disk full); what has reached the log stays there."""
-
-    exit_code = TOOL_ERROR
+_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE, TELEMETRY)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
@@ -65,6 +62,7 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
     :param out: the folder itself when the user names one; it must be empty or not exist.
     :returns: the folder, and whether it was made here.
     :raises InputError: the named folder holds something, cannot be made or cannot be written.
+    :raises RecordFailed: there is no room for it.
     """
     if out is not None and not out.strip():
         raise InputError("command line", "--out", out, "name of an empty or new folder")
@@ -80,8 +78,7 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         # Leaves nothing behind; asking for permissions would not notice a read-only file system.
         tempfile.TemporaryFile(dir=folder).close()
     except OSError as error:
-        allowed = f"a folder that can be written ({(error.strerror or str(error)).lower()})"
-        raise InputError("command line", "--out", str(folder), allowed) from None
+        raise not_written("--out", folder, "folder", error) from None
     if occupied:
         raise InputError("command line", "--out", str(folder), "an empty or new folder")
     return folder, made
@@ -131,7 +128,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     return shlex.join(words + bus_arguments)
 
 
-def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
+def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
     if result.exit_code not in (0, 1):
@@ -151,6 +148,7 @@ def score_json(result: RunResult, options: RunOptions) -> dict[str, Any]:
         "indexing": options.indexing,
         "seed": options.seed,
         "perturbed": options.perturbed,
+        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "counters": result.counters,
     }
     document["telemetry"] = None if result.telemetry is None else result.telemetry.as_json()
@@ -180,6 +178,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "controller": options.controller,
         "arithmetic": options.arithmetic,
         "parameters": None if options.parameters is None else options.parameters.as_json(),
+        "own_parameters": None if result.origin is None else {"origin": result.origin.text},
+        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
         "pace": options.pace,
@@ -269,9 +269,9 @@ def write_folder(
         if trace.count(SimTruth.PORT):
             write_signals(trace, folder / "signals.csv")
         write_blf(folder / "frames.log", folder / "frames.blf")
-        write_json(folder / "score.json", score_json(result, options))
+        write_json(folder / SCORE, score_json(scenario, result, options))
         junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
-        write_json(folder / "certificate.json", certificate(scenario, options, result, bus_arguments))
+        write_json(folder / CERTIFICATE, certificate(scenario, options, result, bus_arguments))
     except BaseException as error:
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error

@@ -19,13 +19,20 @@ from bus.select import HUB_INTERFACE, BusChoice
 from bus.telegrams import Event, SupCmd
 from dbc import wire_contract
 from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
 from supervisor.framelog import FrameLog, read_log
+from supervisor.options import RunOptions
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
 from supervisor.telemetry import FILE_NAME as TELEMETRY
-from supervisor.telemetry import ShownTelemetry, TelemetrySummary, read_summary, shown_telemetry
+from supervisor.telemetry import (
+    LawOrigin,
+    ShownTelemetry,
+    TelemetrySummary,
+    read_origin,
+    read_summary,
+    shown_telemetry,
+)
 from supervisor.timing import Jitter, jitter_of, write_wall_times
 from supervisor.trace import Trace, trace_of
 
@@ -40,28 +47,6 @@ _LATER_S = 2.0
 #: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
 _BULK_FRAMES = 64
 _ANSWERED = (SupCmd.PORT, SupIdent.PORT)
-
-
-@dataclass(frozen=True, slots=True)
-class RunOptions:
-    """What the command line says about a run."""
-
-    scenario: str
-    controller: str = "ipfc"
-    arithmetic: str = "iq"
-    indexing: str = "time"
-    pace: str = "lockstep"
-    rate: float = 1.0
-    seed: int = 0
-    perturbed: bool = False
-    #: Simulation time between two readings of the controller's mailboxes; 0: each frame at once.
-    task_period_ms: int = 0
-    #: Of the law, from a file; None: its own.
-    parameters: ParameterSet | None = None
-    #: Attach to nodes that are running already instead of starting them.
-    attach: bool = False
-    #: Wall time for all nodes to appear.
-    appear_s: float = 25.0
 
 
 @dataclass(slots=True)
@@ -81,6 +66,8 @@ class RunResult:
     jitter: Jitter | None
     #: What the controller has said about its arithmetic, in its file or else on the bus; None without a word.
     telemetry: TelemetrySummary | ShownTelemetry | None = None
+    #: What it has said in its file of the law's own parameters.
+    origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -113,7 +100,7 @@ class Run:
             self.log.write,
             seed=options.seed,
             perturbed=options.perturbed,
-            controller=options.controller if options.parameters is None else options.parameters.controller,
+            controller=options.label,
             arithmetic=options.arithmetic,
             indexing=options.indexing,
             pace=options.pace,
@@ -170,12 +157,9 @@ class Run:
         plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
         plant += ["--appear-timeout", str(options.appear_s)]
         nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
-        law = ["--controller", options.controller, "--arithmetic", options.arithmetic, "--indexing", options.indexing]
-        if options.parameters is not None:
-            law += ["--parameters", str(options.parameters.source)]
         task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
-        telemetry = ["--telemetry", str(self.folder / TELEMETRY)]
-        nodes.start("controller", "controller_node", [options.scenario, *law, *task, *telemetry, *bus])
+        law = [*options.law_arguments, *task, "--telemetry", str(self.folder / TELEMETRY)]
+        nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
 
     def _open(self, nodes: Nodes) -> Link:
         try:
@@ -292,6 +276,7 @@ class Run:
             jitter=jitter,
             # All nodes have ended by now.
             telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
+            origin=read_origin(self.folder),
             counters=counters,
         )
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -92,12 +93,43 @@ def summary(document: dict[str, Any]) -> TelemetrySummary:
     )
 
 
-def read_summary(folder: Path) -> TelemetrySummary | None:
-    """Summary of the telemetry in a run folder; None when the controller has left none that can be read."""
+@dataclass(frozen=True, slots=True)
+class LawOrigin:
+    """What a law says of its own parameters: where they come from, and the perturbed runs (name of the scenario, seeds)
+    from which they were chosen."""
+
+    text: str
+    design_seeds: Mapping[str, range]
+
+
+def law_origin(document: dict[str, Any]) -> LawOrigin:
+    """Origin from a telemetry document, or from what ``python -m controller_node --check`` prints.
+
+    :raises LookupError, TypeError, ValueError, AttributeError: it is none.
+    """
+    seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
+    return LawOrigin(str(document["parameters_origin"]), seeds)
+
+
+_F = TypeVar("_F")
+
+
+def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
+    """What is made of the telemetry in a run folder; None when the controller has left none that can be read."""
     try:
-        return summary(json.loads((folder / FILE_NAME).read_text(encoding="utf-8")))
+        return made(json.loads((folder / FILE_NAME).read_text(encoding="utf-8")))
     except (OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError):
         return None
+
+
+def read_summary(folder: Path) -> TelemetrySummary | None:
+    """Summary of the telemetry in a run folder; None when there is none that can be read."""
+    return _read(folder, summary)
+
+
+def read_origin(folder: Path) -> LawOrigin | None:
+    """Origin of the law's own parameters from a run folder; None when the controller has not said it there."""
+    return _read(folder, law_origin)
 
 
 @dataclass(frozen=True, slots=True)

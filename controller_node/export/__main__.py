@@ -12,6 +12,7 @@ from rich.table import Table
 
 from bus.exitcodes import guarded
 from bus.usage import OneLineParser, parse
+from controller_node.controller import Controller
 from controller_node.export.bundle import make_bundle, write_bundle
 from controller_node.laws import names
 from scenarios.load import load
@@ -36,7 +37,10 @@ def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    bundle = make_bundle(load(namespace.scenario), namespace.law, namespace.indexing, parameters)
+    scenario = load(namespace.scenario)
+    bundle = make_bundle(scenario, namespace.law, namespace.indexing, parameters)
+    # What may wrap does not start here, and is not for a chip either.
+    Controller(scenario, namespace.law, "iq", namespace.indexing, parameters)
     write_bundle(bundle, namespace.out, force=namespace.force)
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:

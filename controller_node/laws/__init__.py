@@ -7,13 +7,14 @@ from typing import Any
 
 from controller_node.laws.base import Law
 from scenarios.errors import InputError, nearest_key
+from scenarios.laws import in_order
 
 GROUP = "railhil.laws"
 
 
 def names() -> list[str]:
-    """Names of the installed laws, sorted."""
-    return sorted({entry.name for entry in entry_points(group=GROUP)})
+    """Names of the installed laws, in the order of every table."""
+    return in_order(entry.name for entry in entry_points(group=GROUP))
 
 
 def load(name: str) -> type[Law[Any, Any]]:
@@ -24,9 +25,9 @@ def load(name: str) -> type[Law[Any, Any]]:
     """
     found = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name not in found:
-        nearest = nearest_key(name, sorted(found))
+        nearest = nearest_key(name, found)
         hint = f"did you mean {nearest}?" if nearest else None
-        raise InputError("controller", "name", name, f"one of {', '.join(sorted(found))}", hint)
+        raise InputError("controller", "name", name, f"one of {', '.join(in_order(found))}", hint)
     try:
         law = found[name].load()
     except Exception as error:

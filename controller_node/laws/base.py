@@ -90,10 +90,15 @@ class Law(ABC, Generic[T, State]):
     indexings: ClassVar[tuple[str, ...]] = ("time", "distance")
     #: True for a law that is given ``LawInputs.track``.
     track: ClassVar[bool] = False
-    #: Frozen dataclass of the law's parameters; its defaults are the published or textbook ones.
+    #: Frozen dataclass of the law's parameters: defaults the published or textbook ones, types with the range that a
+    #: file may set (``Annotated[float, Field(ge=0, le=1)]``).
     parameters_type: ClassVar[type[Any]]
     #: Parameters that ``railhil tune`` may change, and their bounds.
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = {}
+    #: Where the defaults come from, as it stands behind "the law's own parameters:".
+    parameters_origin: ClassVar[str] = "origin not stated"
+    #: Perturbed runs from which the defaults were chosen: name of the scenario, seeds. Nobody judges them by these.
+    design_seeds: ClassVar[Mapping[str, range]] = {}
 
     @abstractmethod
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Any = None) -> None:

@@ -46,12 +46,13 @@ class FuzzyPidState(NamedTuple, Generic[T]):
 class FuzzyPid(Law[T, FuzzyPidState[T]]):
     """The fuzzy PID law on one arithmetic.
 
-    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for parameters that do not fit each other.
+    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for parameters that do not fit its formats.
     """
 
     name: ClassVar[str] = "fuzzy_pid"
     parameters_type: ClassVar[type[Any]] = FuzzyPidParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "rules from the literature, gains chosen by hand on nominal runs"
 
     def __init__(
         self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: FuzzyPidParameters | None = None

@@ -7,6 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Annotated
+
+from pydantic import Field
 
 from controller_node.arithmetic.base import Constant
 from controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
@@ -51,6 +54,10 @@ _HALVES = {
 _SHARES = {"NB": -1.0, "NM": -2 / 3, "NS": -1 / 3, "ZO": 0.0, "PS": 1 / 3, "PM": 2 / 3, "PB": 1.0}
 
 Shares = tuple[tuple[float, ...], ...]
+Gain = Annotated[float, Field(ge=0, le=100)]
+#: Above 1 a gain could change its sign.
+Span = Annotated[float, Field(ge=0, le=1)]
+Big = Annotated[float, Field(ge=0.03, le=100)]
 
 
 def rules(gain: str) -> Shares:
@@ -71,18 +78,18 @@ class FuzzyPidParameters:
     """
 
     #: Middle of the gains: notch per km/h, notch per km/h and s, notch per km/h/s.
-    proportional: float = 2.0
-    integral_per_s: float = 0.5
-    derivative_s: float = 4.0
+    proportional: Gain = 2.0
+    integral_per_s: Gain = 0.5
+    derivative_s: Gain = 4.0
     #: How far the rules move each gain, as a share of its middle.
-    proportional_span: float = 0.3
-    integral_span: float = 0.5
-    derivative_span: float = 0.3
+    proportional_span: Span = 0.3
+    integral_span: Span = 0.5
+    derivative_span: Span = 0.3
     #: Error and its rate of change that are "big" (peak of NB and PB).
-    error_big_kmh: float = 1.0
-    rate_big_kmh_per_s: float = 1.0
+    error_big_kmh: Big = 1.0
+    rate_big_kmh_per_s: Big = 1.0
     #: Time before the stop from which on there is no traction.
-    no_traction_s: float = 2.0
+    no_traction_s: Annotated[float, Field(ge=0, le=30)] = 2.0
 
 
 #: Bounds of a search.
@@ -128,16 +135,12 @@ class FuzzyPidConstants:
 def compute_constants(parameters: FuzzyPidParameters, period_s: float, notch_max: float) -> FuzzyPidConstants:
     """The constant table at a control period (s) and a notch range (notches).
 
-    Raises ``ValueError`` when a constant does not fit its format, or a span lets a gain change its sign.
+    Raises ``ValueError`` when a constant does not fit its format.
     """
     p = parameters
     gains = (p.proportional, p.integral_per_s * period_s, p.derivative_s / period_s)
     shares = (p.proportional_span, p.integral_span, p.derivative_span)
-    if not all(0 <= share <= 1 for share in shares):
-        raise ValueError(f"spans {shares} lie outside 0..1")
     change_big = p.rate_big_kmh_per_s * period_s
-    if min(p.error_big_kmh, change_big) <= 0:
-        raise ValueError(f"big errors {p.error_big_kmh:g} km/h and changes {change_big:g} km/h are not above 0")
     values = {
         "rules_kp": rules("kp"),
         "rules_ki": rules("ki"),

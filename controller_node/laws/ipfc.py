@@ -52,6 +52,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
     name: ClassVar[str] = "ipfc"
     parameters_type: ClassVar[type[Any]] = IpfcParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "the paper's, and ours where it prints none"
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcParameters | None = None) -> None:
         parameters = parameters or IpfcParameters()

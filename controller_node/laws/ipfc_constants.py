@@ -9,6 +9,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Annotated
+
+from pydantic import Field
 
 from controller_node.arithmetic.base import Constant, Curve
 from controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
@@ -19,7 +22,8 @@ from controller_node.laws.pfc_constants import (
     PfcConstants,
     PfcParameters,
     Row,
-    Wavelet,
+    Slope,
+    Wavelets,
     core_values,
     gains,
     internal_model,
@@ -37,30 +41,35 @@ RISE_Q = 24
 #: Fixed-point limit of the estimated rise time, s; every larger value has satisfaction 0 as well.
 RISE_TIME_MAX_S = 1.0
 
+RiseTime = Annotated[float, Field(ge=0, le=RISE_TIME_MAX_S)]
+Speed = Annotated[float, Field(ge=0, le=100)]
+#: A fuzzy width, s or km/h: its reciprocal has to fit ``RATE_Q``.
+Width = Annotated[float, Field(ge=0.0005, le=100)]
+
 
 @dataclass(frozen=True, slots=True)
 class IpfcParameters(PfcParameters):
     """Parameters of the law, section 4.4 of the paper where it states them."""
 
-    wavelets: tuple[Wavelet, ...] = WAVELETS
+    wavelets: Wavelets = WAVELETS
     #: Eq. (22): mean acceleration over the horizon above which wavelets are used, km/h per s.
-    wavelet_slope_kmh_per_s: float = 1.134
+    wavelet_slope_kmh_per_s: Slope = 1.134
     #: Eq. (24): window of the rise time and its fuzzy widths, s.
-    rise_time_min_s: float = 0.008
-    rise_time_max_s: float = 0.02
-    rise_width_below_s: float = 0.006
-    rise_width_above_s: float = 0.006
+    rise_time_min_s: RiseTime = 0.008
+    rise_time_max_s: RiseTime = 0.02
+    rise_width_below_s: Width = 0.006
+    rise_width_above_s: Width = 0.006
     #: Eq. (25): window of the predicted speed around the target and its fuzzy widths, km/h.
-    speed_below_kmh: float = 0.02
-    speed_above_kmh: float = 0.02
-    speed_width_below_kmh: float = 0.02
-    speed_width_above_kmh: float = 0.02
+    speed_below_kmh: Speed = 0.02
+    speed_above_kmh: Speed = 0.02
+    speed_width_below_kmh: Width = 0.02
+    speed_width_above_kmh: Width = 0.02
     #: Eq. (27): alpha_max, alpha_max - alpha_min, beta.
-    softening_max: float = 0.85
-    softening_span: float = 0.08
-    softening_exponent: float = 0.94
+    softening_max: Annotated[float, Field(gt=0, lt=1)] = 0.85
+    softening_span: Annotated[float, Field(ge=0, lt=1)] = 0.08
+    softening_exponent: Annotated[float, Field(ge=0.01, le=100)] = 0.94
     #: The "large number M" of eq. (23), s.
-    rise_time_never_s: float = 1e6
+    rise_time_never_s: Annotated[float, Field(ge=RISE_TIME_MAX_S, le=1e9)] = 1e6
 
     @property
     def softening_min(self) -> float:
@@ -129,9 +138,10 @@ def compute_constants(parameters: IpfcParameters, period_s: float, notch_max: fl
     Raises ``ValueError`` when a constant does not fit its format, or fitting points or orders do not fit each other.
     """
     p = parameters
-    if not 0 < p.softening_min <= p.softening_max < 1:
-        found = f"softening_min {p.softening_min:g}, softening_max {p.softening_max:g}"
-        raise ValueError(f"{found}: not 0 < min <= max < 1")
+    if p.softening_min <= 0:
+        raise ValueError(f"softening_span {p.softening_span:g} is not below softening_max {p.softening_max:g}")
+    if p.rise_time_min_s > p.rise_time_max_s:
+        raise ValueError(f"rise_time_min_s {p.rise_time_min_s:g} is above rise_time_max_s {p.rise_time_max_s:g}")
     model = internal_model(p, period_s)
     alpha = softening_function(p)
     values = core_values(p, model, notch_max) | {

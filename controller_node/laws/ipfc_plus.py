@@ -25,6 +25,7 @@ from controller_node.laws.ipfc_plus_constants import (
     IpfcPlusParameters,
     compute_constants,
 )
+from controller_node.laws.ipfc_plus_design import DESIGN_SEEDS
 from scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
@@ -71,6 +72,8 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
     track: ClassVar[bool] = True
     parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
+    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
 
     def __init__(
         self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcPlusParameters | None = None

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from controller_node.arithmetic.base import Constant
 from controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, NOTCH_RAW_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
@@ -61,45 +62,55 @@ VIRTUAL_MIN_KMH = -100.0
 _KMH = 3.6
 _01MM = 1e4
 
+#: The gains grow with the cube of its inverse.
+ReplanTime = Annotated[float, Field(ge=0.1, le=120)]
+#: A spread or a limit, in whatever unit: none, or at most far beyond any train.
+Hundred = Annotated[float, Field(ge=0, le=100)]
+Ten = Annotated[float, Field(ge=0, le=10)]
+
 
 @dataclass(frozen=True, slots=True)
 class IpfcPlusParameters:
     """Parameters of the law. The ``*_sigma`` are standard deviations of what a run may differ by from its plan."""
 
     #: Mean delay from a speed's sampling to the notch's effect, s (0.02 to 0.20 s in the perturbed runs).
-    loop_delay_s: float = 0.11
+    loop_delay_s: Annotated[float, Field(gt=0, le=1)] = 0.11
     #: Basis functions of the notch to come, and fitting points after the notch's effect, s.
     basis: Literal["step", "ramp", "wavelets"] = "ramp"
-    fit_points_s: tuple[float, ...] = (1.0, 2.0, 3.0)
+    fit_points_s: Annotated[tuple[Annotated[float, Field(gt=0, le=30)], ...], Field(min_length=1, max_length=8)] = (
+        1.0,
+        2.0,
+        3.0,
+    )
     #: False: resistance and grade are left to the observer's disturbance.
     drag_fed_forward: bool = True
     #: Time in which speed and position errors are removed, s: all that is left of the timetable, inside these.
-    replan_max_s: float = 10.0
-    replan_min_s: float = 2.0
+    replan_max_s: ReplanTime = 10.0
+    replan_min_s: ReplanTime = 2.0
     #: Limits of the errors that the law reacts to.
-    position_error_max_m: float = 6.0
-    speed_error_max_kmh: float = 10.0
-    innovation_max_kmh: float = 2.0
+    position_error_max_m: Hundred = 6.0
+    speed_error_max_kmh: Hundred = 10.0
+    innovation_max_kmh: Hundred = 2.0
     #: A train that should be faster than this does not stand because one reading says so.
-    standstill_kmh: float = 3.0
+    standstill_kmh: Hundred = 3.0
     #: Force per notch over mass, relative, and the range in which it is looked for.
-    gain_sigma: float = 0.065
-    gain_error_max: float = 0.2
+    gain_sigma: Ten = 0.065
+    gain_error_max: Annotated[float, Field(ge=0, le=0.9)] = 0.2
     #: Actuator's time constant and loop delay together, s.
-    lag_sigma_s: float = 0.26
-    lag_error_max_s: float = 0.4
+    lag_sigma_s: Ten = 0.26
+    lag_error_max_s: Ten = 0.4
     #: No notch is asked for that exceeds the nominal train's forces at the planned speed by more than this share.
-    force_limit_margin: float = 0.1
+    force_limit_margin: Ten = 0.1
     #: What else accelerates the train, m/s2: at the start, its change per root of a second, its range.
-    disturbance_sigma_mps2: float = 0.015
-    disturbance_walk_mps2: float = 0.002
-    disturbance_max_mps2: float = 0.5
-    speed_noise_mps: float = 0.004
+    disturbance_sigma_mps2: Ten = 0.015
+    disturbance_walk_mps2: Ten = 0.002
+    disturbance_max_mps2: Ten = 0.5
+    speed_noise_mps: Annotated[float, Field(ge=1e-5, le=10)] = 0.004
     #: Balise position, m, and wheel circumference, relative; the largest errors believed.
-    balise_sigma_m: float = 0.03
-    balise_error_max_m: float = 0.5
-    wheel_sigma: float = 0.003
-    wheel_error_max: float = 0.0125
+    balise_sigma_m: Ten = 0.03
+    balise_error_max_m: Hundred = 0.5
+    wheel_sigma: Annotated[float, Field(ge=1e-6, le=1)] = 0.003
+    wheel_error_max: Annotated[float, Field(ge=0, le=0.1)] = 0.0125
 
 
 #: Bounds of a search.
@@ -233,9 +244,11 @@ def compute_constants(p: IpfcPlusParameters, scenario: Scenario) -> IpfcPlusCons
     """The constant table of a scenario.
 
     Raises ``ValueError`` when a constant does not fit its format, the loop delay the control period, the fitting points
-    the basis, or the run is too long.
+    the basis, the re-planning times each other, or the run is too long.
     """
     period_s = scenario.timing.control_period_ns / 1e9
+    if p.replan_min_s > p.replan_max_s:
+        raise ValueError(f"replan_min_s {p.replan_min_s:g} is above replan_max_s {p.replan_max_s:g}")
     if not 0.0 < p.loop_delay_s < period_s:
         raise ValueError(f"a loop delay of {p.loop_delay_s} s is not inside the control period of {period_s} s")
     train, distance_m = scenario.train, scenario.plan.distance_m

@@ -21,6 +21,28 @@ from scenarios.target import Target
 #: Scale and shift (s) of the wavelets of IPFC.
 _WAVELETS = ((1.0, 0.0), (2.0, 5.0))
 
+#: Perturbed runs on which the defaults of the law were chosen and checked: name of the scenario, seeds.
+DESIGN_SEEDS = dict.fromkeys(
+    (
+        "lvshun_tieshan",
+        "lvshun_tieshan_worn_wheels",
+        "yizhuang_01_songjiazhuang_xiaocun",
+        "yizhuang_02_xiaocun_xiaohongmen",
+        "yizhuang_03_xiaohongmen_jiugong",
+        "yizhuang_04_jiugong_yizhuang_qiao",
+        "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
+        "yizhuang_06_yizhuang_wenhuayuan_wanyuan_jie",
+        "yizhuang_07_wanyuan_jie_rongjing_dongjie",
+        "yizhuang_08_rongjing_dongjie_rongchang_dongjie",
+        "yizhuang_09_rongchang_dongjie_tongji_nanlu",
+        "yizhuang_10_tongji_nanlu_jinghai_lu",
+        "yizhuang_11_jinghai_lu_ciqu_nan",
+        "yizhuang_12_ciqu_nan_ciqu",
+        "yizhuang_13_ciqu_yizhuang_railway_station",
+    ),
+    range(200),
+)
+
 
 @dataclass(frozen=True)
 class Plan:

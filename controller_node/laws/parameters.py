@@ -1,4 +1,8 @@
-"""Parameters of a law from a file: names and values become the law's frozen dataclass."""
+"""Parameters of a law from a file: names and values become the law's frozen dataclass.
+
+What a value may be stands beside its default, ``Annotated[float, Field(ge=0, le=1)]``; how values must go together the
+law says itself, as a ``ValueError`` of its constructor.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from controller_node.laws.base import Law
 from scenarios.errors import InputError, Words, nearest_key
 from scenarios.parameters import ParameterSet
-from scenarios.validation import dotted
+from scenarios.validation import dotted, sentence
 
 
 def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | None) -> Any:
@@ -19,7 +23,7 @@ def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | N
 
     :param name: name under which the law was asked for.
     :raises InputError: the file is another law's, names a parameter that the law has not, or gives one a value of
-        another type.
+        another type or outside its range.
     """
     if given is None:
         return None
@@ -37,4 +41,4 @@ def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | N
         return TypeAdapter(kind.parameters_type).validate_json(json.dumps(dict(given.values), default=str), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
-        raise InputError(given.source, dotted(("parameters", *first["loc"])), first["input"], first["msg"]) from None
+        raise InputError(given.source, dotted(("parameters", *first["loc"])), first["input"], sentence(first)) from None

@@ -7,13 +7,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import Field
 
 from controller_node.arithmetic.base import Constant
 from controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q
-from controller_node.laws.pfc_model import InternalModel, Matrix, morlet, on_grid, polynomial_fit
+from controller_node.laws.pfc_model import (
+    InternalModel,
+    Matrix,
+    ModelDamping,
+    ModelGain,
+    ModelStiffness,
+    morlet,
+    on_grid,
+    polynomial_fit,
+)
 from controller_node.laws.table import held
 
 #: Model state (km/h), model matrices, fit matrices, gains.
@@ -34,9 +44,17 @@ Row = tuple[Constant, ...]
 class Wavelet:
     """One Morlet basis function: scale a, shift b in seconds, bandwidth beta (eq. 21)."""
 
-    scale: float
-    shift_s: float
-    bandwidth: float
+    scale: Annotated[float, Field(ge=0.01, le=100)]
+    shift_s: Annotated[float, Field(ge=-100, le=100)]
+    bandwidth: Annotated[float, Field(ge=0, le=10)]
+
+
+Wavelets = Annotated[tuple[Wavelet, ...], Field(min_length=1, max_length=8)]
+#: Control periods ahead. Far beyond what a law can use; it bounds the time that its design takes.
+Periods = Annotated[int, Field(ge=1, le=200)]
+Order = Annotated[int, Field(ge=0, le=4)]
+#: Threshold of eq. (22); a negative one is always passed.
+Slope = Annotated[float, Field(ge=-100, le=100)]
 
 
 #: Section 4.4.
@@ -48,16 +66,16 @@ class PfcParameters:
     """Parameters of the core, section 4.4 of the paper where it states them."""
 
     #: Eq. (2), in m/s per notch: numerator, and the two coefficients of the denominator.
-    model_gain_mps: float = 0.07128
-    model_damping_per_s: float = 0.4356
-    model_stiffness_per_s2: float = 0.0324
+    model_gain_mps: ModelGain = 0.07128
+    model_damping_per_s: ModelDamping = 0.4356
+    model_stiffness_per_s2: ModelStiffness = 0.0324
     #: Optimisation horizon P and fitting points h, in control periods.
-    horizon: int = 10
-    fit_points: tuple[int, ...] = (3, 5, 8, 9)
+    horizon: Periods = 10
+    fit_points: Annotated[tuple[Periods, ...], Field(min_length=1, max_length=16)] = (3, 5, 8, 9)
     #: Orders of the set-point polynomial and of the error polynomial, and the errors the latter is fitted to.
-    set_point_order: int = 2
-    error_order: int = 2
-    error_window: int = 8
+    set_point_order: Order = 2
+    error_order: Order = 2
+    error_window: Annotated[int, Field(ge=2, le=64)] = 8
 
     @property
     def orders(self) -> range:
@@ -131,10 +149,12 @@ def core_values(parameters: PfcParameters, model: InternalModel, notch_max: floa
     :raises ValueError: fitting points or orders do not fit each other.
     """
     p = parameters
-    if not p.fit_points or max(p.fit_points) > p.horizon or min(p.fit_points) < 1:
-        raise ValueError(f"fitting points {p.fit_points} lie outside 1..{p.horizon}")
-    if p.error_window <= p.error_order or p.horizon < p.set_point_order:
-        raise ValueError("polynomial orders are too high for their windows")
+    if max(p.fit_points) > p.horizon:
+        raise ValueError(f"fit_points {p.fit_points} lie beyond the horizon of {p.horizon} periods")
+    if p.error_order >= p.error_window:
+        raise ValueError(f"error_order {p.error_order} takes an error_window longer than {p.error_window}")
+    if p.set_point_order > p.horizon:
+        raise ValueError(f"set_point_order {p.set_point_order} is above the horizon of {p.horizon} periods")
     return {
         "model": np.column_stack([model.a, model.b]),
         "free": model.free_rows(p.horizon)[[i - 1 for i in p.free_points]],
@@ -151,10 +171,10 @@ def core_values(parameters: PfcParameters, model: InternalModel, notch_max: floa
 def gains(model: InternalModel, basis: Matrix, fit_points: Sequence[int]) -> Matrix:
     """U of eq. (19) for basis functions of shape (N, P); see :meth:`InternalModel.gains`.
 
-    :raises ValueError: fewer fitting points than basis functions, or points that do not tell the functions apart.
+    :raises ValueError: fewer different fitting points than basis functions, or points that do not tell them apart.
     """
-    if len(basis) > len(fit_points):
-        raise ValueError(f"{len(basis)} basis functions need as many fitting points, there are {len(fit_points)}")
+    if len(basis) > (points := len(set(fit_points))):
+        raise ValueError(f"{len(basis)} basis functions need as many different fitting points, there are {points}")
     return model.gains(basis, fit_points)
 
 
@@ -163,7 +183,7 @@ class ConstantPfcParameters(PfcParameters):
     """Parameters of a law with a constant softening factor."""
 
     #: exp(-Ts / Tr) with Tr = 2 Ts, section 2.3.
-    softening: float = 0.6065306597126334
+    softening: Annotated[float, Field(ge=0, lt=1)] = 0.6065306597126334
 
 
 #: Bounds of a search.
@@ -180,12 +200,7 @@ class ConstantPfcConstants(PfcConstants):
 
 
 def constant_values(parameters: ConstantPfcParameters, model: InternalModel, notch_max: float) -> dict[str, Any]:
-    """As :func:`core_values`, for the fields of :class:`ConstantPfcConstants` but the codes.
-
-    :raises ValueError: also for a softening factor outside 0 <= alpha < 1.
-    """
+    """As :func:`core_values`, for the fields of :class:`ConstantPfcConstants` but the codes."""
     alpha = parameters.softening
-    if not 0 <= alpha < 1:
-        raise ValueError(f"softening factor {alpha:g}, allowed 0 <= alpha < 1")
     core = core_values(parameters, model, notch_max)
     return core | {"softening": alpha, "closed": on_grid([1 - alpha**h for h in parameters.fit_points])}

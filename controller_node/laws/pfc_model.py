@@ -9,11 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from pydantic import Field
 
 Matrix = NDArray[np.float64]
+
+#: Coefficients of eq. (2) as a parameter file may set them. A model without gain has no inverse, one with a negative
+#: damping or stiffness is unstable.
+ModelGain = Annotated[float, Field(ge=0.001, le=10)]
+ModelDamping = Annotated[float, Field(ge=0, le=10)]
+ModelStiffness = Annotated[float, Field(ge=0, le=10)]
 
 
 def on_grid(values: ArrayLike, bits: int = 40) -> Matrix:

@@ -66,6 +66,7 @@ class Tdmc(Law[T, TdmcState[T]]):
     name: ClassVar[str] = "tdmc"
     parameters_type: ClassVar[type[Any]] = TdmcParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "textbook values, chosen by hand on nominal runs"
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: TdmcParameters | None = None) -> None:
         self.parameters = parameters = parameters or TdmcParameters()

@@ -9,16 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from controller_node.arithmetic.base import Constant
 from controller_node.laws.base import NOTCH_RAW_Q
-from controller_node.laws.pfc_model import InternalModel, Matrix, on_grid
+from controller_node.laws.pfc_model import InternalModel, Matrix, ModelDamping, ModelGain, ModelStiffness, on_grid
 from controller_node.laws.table import LawTable, build, flatten, held
 
-#: Predictions of the step-response model, km/h: in a step of the widest notch range they reach 170.
+#: Predictions of the step-response model, km/h: in a step they reach 170 at 7 notches, 240 at 10, and their format ends
+#: at 256 (a controller with more notches than it holds does not start).
 MODEL_Q = 23
 #: Model error, correction line and deviations, km/h: their sums reach 3300 for the fastest reading on the wire, 5300
 #: with parameters at the edge of a search.
@@ -35,27 +38,33 @@ COEFFICIENT_BITS = MODEL_Q - 8
 DEVIATION_MAX_KMH = 100.0
 TREND_MAX_KMH_PER_S = 20.0
 
+#: Longest model horizon in control periods: it bounds memory and time of a step.
+MODEL_PERIODS_MAX = 600
+
+Horizon = Annotated[float, Field(ge=0.1, le=60)]
+CorrectionGain = Annotated[float, Field(ge=0, le=4)]
+
 
 @dataclass(frozen=True, slots=True)
 class TdmcParameters:
     """Parameters of the law. The model is the paper's; the paper does not print the others, which are tuned by hand."""
 
     #: Eq. (2), in m/s per notch: numerator, and the two coefficients of the denominator.
-    model_gain_mps: float = 0.07128
-    model_damping_per_s: float = 0.4356
-    model_stiffness_per_s2: float = 0.0324
+    model_gain_mps: ModelGain = 0.07128
+    model_damping_per_s: ModelDamping = 0.4356
+    model_stiffness_per_s2: ModelStiffness = 0.0324
     #: Model horizon N: after 60 s the response is within 0.5 % of where it settles.
-    model_horizon_s: float = 60.0
+    model_horizon_s: Annotated[float, Field(ge=1, le=120)] = 60.0
     #: Prediction horizon P and control horizon M.
-    prediction_horizon_s: float = 7.5
-    control_horizon_s: float = 2.0
+    prediction_horizon_s: Horizon = 7.5
+    control_horizon_s: Horizon = 2.0
     #: Q: weight of the last predicted error relative to the first, geometric in between. R: weight of a squared move
     #: (notch^2) against squared errors ((km/h)^2).
-    last_error_weight: float = 1.0
-    move_weight: float = 0.1
+    last_error_weight: Annotated[float, Field(ge=1e-3, le=1e3)] = 1.0
+    move_weight: Annotated[float, Field(ge=0, le=1e6)] = 0.1
     #: Correction vector h_i = level + ramp (i - 1).
-    correction_level: float = 1.0
-    correction_ramp: float = 0.6
+    correction_level: CorrectionGain = 1.0
+    correction_ramp: CorrectionGain = 0.6
 
 
 #: Bounds of a search. The model's gain is among them because it is a guess about the train.
@@ -148,8 +157,8 @@ def compute_constants(parameters: TdmcParameters, period_s: float, notch_max: fl
     n, horizon, moves = (periods(s, period_s) for s in (p.model_horizon_s, p.prediction_horizon_s, p.control_horizon_s))
     if not moves <= horizon <= n:
         raise ValueError(f"horizons of {moves} moves, {horizon} predictions and {n} coefficients do not nest")
-    if p.move_weight < 0 or p.last_error_weight <= 0:
-        raise ValueError(f"weights {p.move_weight:g} of moves and {p.last_error_weight:g} of the last error")
+    if n > MODEL_PERIODS_MAX:
+        raise ValueError(f"model_horizon_s takes {n} control periods, more than {MODEL_PERIODS_MAX}")
     correction_norms(p.correction_level, p.correction_ramp)
     model = InternalModel.sampled(p.model_gain_mps * 3.6, p.model_damping_per_s, p.model_stiffness_per_s2, period_s)
     step_response = on_grid(model.step_response(n), COEFFICIENT_BITS)

@@ -20,6 +20,7 @@ from controller_node.laws.pfc_constants import (
     ConstantPfcConstants,
     ConstantPfcParameters,
     Row,
+    Slope,
     constant_values,
     gains,
     internal_model,
@@ -35,7 +36,7 @@ class Tpfc1Parameters(ConstantPfcParameters):
     """Parameters of the law."""
 
     #: Mean acceleration over the horizon above which the ramp is used, km/h per s: the threshold of eq. (22).
-    ramp_slope_kmh_per_s: float = 1.134
+    ramp_slope_kmh_per_s: Slope = 1.134
 
 
 @dataclass(frozen=True)
@@ -82,6 +83,7 @@ class Tpfc1(ConstantPfc[T]):
     name: ClassVar[str] = "tpfc1"
     parameters_type: ClassVar[type[Any]] = Tpfc1Parameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = {**CONSTANT_TUNABLE, "ramp_slope_kmh_per_s": (0.0, 3.0)}
+    parameters_origin: ClassVar[str] = "the paper's, and ours where it prints none"
 
     def __init__(
         self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Tpfc1Parameters | None = None

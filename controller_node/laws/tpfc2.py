@@ -21,7 +21,7 @@ from controller_node.laws.pfc_constants import (
     ConstantPfcConstants,
     ConstantPfcParameters,
     Row,
-    Wavelet,
+    Wavelets,
     constant_values,
     gains,
     internal_model,
@@ -35,7 +35,7 @@ from scenarios.model import Scenario
 class Tpfc2Parameters(ConstantPfcParameters):
     """Parameters of the law."""
 
-    wavelets: tuple[Wavelet, ...] = WAVELETS
+    wavelets: Wavelets = WAVELETS
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,7 @@ class Tpfc2(ConstantPfc[T]):
     name: ClassVar[str] = "tpfc2"
     parameters_type: ClassVar[type[Any]] = Tpfc2Parameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = CONSTANT_TUNABLE
+    parameters_origin: ClassVar[str] = "the paper's, and ours where it prints none"
 
     def __init__(
         self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Tpfc2Parameters | None = None

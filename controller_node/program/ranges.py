@@ -9,11 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from controller_node.guard import SPEED_MAX_01MMPS
+from controller_node.laws.base import Law
 from controller_node.loop import POSITION_MAX_01MM
 from controller_node.program.model import Kind, LawProgram, Operation, Program, Value
+from scenarios.errors import InputError, Words
+from scenarios.model import Scenario
 
 #: Smallest and largest raw integer.
 Interval = tuple[int, int]
@@ -169,12 +173,13 @@ class LawRanges:
     """Intervals of a whole control period for every input on the wire and after any number of periods."""
 
     inputs: Ranges
+    start: Ranges
     step: Ranges
 
     @property
     def may_wrap(self) -> list[tuple[Operation, Interval]]:
-        """Operations of a control period that may wrap, with the exact interval of their result."""
-        return self.inputs.may_wrap + self.step.may_wrap
+        """Operations of a control period, or of the first one, that may wrap: with the exact interval of the result."""
+        return self.inputs.may_wrap + self.start.may_wrap + self.step.may_wrap
 
 
 def analyse_law(program: LawProgram, state_bounds: Mapping[str, tuple[float, float]]) -> LawRanges:
@@ -201,7 +206,39 @@ def analyse_law(program: LawProgram, state_bounds: Mapping[str, tuple[float, flo
             for name, old in state.items()
         }
         if wider == state:
-            return LawRanges(inputs, step)
+            return LawRanges(inputs, start, step)
         state = wider
     unbounded = {name: INT32 for name in state if name not in known}
-    return LawRanges(inputs, analyse(program.step, given | state | unbounded))
+    return LawRanges(inputs, start, analyse(program.step, given | state | unbounded))
+
+
+def refuse_wraps(program: LawProgram, law: Law[Any, Any], scenario: Scenario) -> None:
+    """Let no law start in fixed point of which an operation may wrap: a wrapped notch is full traction for full brake.
+
+    :param law: the law of the program, for its ``state_bounds``.
+    :raises InputError: the first such operation, by the quantity on whose way it lies.
+    """
+    found = analyse_law(program, law.state_bounds()).may_wrap
+    if not found:
+        return
+    operation, (low, high) = found[0]
+    period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
+    # A curve wraps in its argument, which ends at 1; all else in its result.
+    q = operation.curve.q_in if operation.curve else operation.result.q or 0
+    reached, held = math.ldexp(max(-low, high), -q), 1.0 if operation.curve else math.ldexp(1, 31 - q)
+    raise InputError(
+        "controller",
+        program.law,
+        Words(f"{_quantity(program, operation)} that may reach {reached:.6g} in Q{q}, which ends at {held:g}"),
+        f"a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches",
+        f"operations that may wrap: {len(found)}; railhil audit --runs 0 shows all bounds, floats have no such limit",
+    )
+
+
+def _quantity(program: LawProgram, operation: Operation) -> str:
+    """The quantity noted next after an operation, as telemetry has it."""
+    for part in (program.inputs, program.start, program.step):
+        if operation in part.operations:
+            after = [one.name for one in part.quantities if one.value.number >= operation.result.number]
+            return f"{operation.op} before {after[0]}" if after else f"{operation.op} of the law's {part.name}"
+    raise KeyError(operation.op)

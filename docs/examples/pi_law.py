@@ -3,13 +3,18 @@
 The worked example of CONTRIBUTING.md, "Add a controller". It is no comparator of the others; it is short.
 
     notch = Kf (slope of the set-point) + Kp e + I,   I = I before + Ki Ts e inside the notch range
+
+While another notch than the law's is sent (a hold, a cut of the traction), I stands still: it would wind up on an error
+that the law has no hand in.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
+
+from pydantic import Field
 
 from controller_node.arithmetic.base import Arithmetic, Constant, T
 from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
@@ -26,13 +31,13 @@ _AHEAD = 2
 
 @dataclass(frozen=True, slots=True)
 class PiParameters:
-    """What a parameter file may set; the defaults are chosen by hand."""
+    """What a parameter file may set, and in which range; the defaults are chosen by hand."""
 
     #: Notch per km/h, and per km/h and second.
-    proportional: float = 3.0
-    integral_per_s: float = 0.1
+    proportional: Annotated[float, Field(ge=0, le=20)] = 3.0
+    integral_per_s: Annotated[float, Field(ge=0, le=5)] = 0.1
     #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s on the train of lvshun_tieshan.
-    lead_s: float = 1.3
+    lead_s: Annotated[float, Field(ge=0, le=10)] = 1.3
 
 
 @dataclass(frozen=True)
@@ -48,9 +53,11 @@ class PiConstants:
 
 
 class PiState(NamedTuple, Generic[T]):
-    """Memory of the law: the integral, in notches (Q19)."""
+    """Memory of the law: the integral now and a control period before (notches, Q19), the notch sent (Q8)."""
 
     integral: T
+    before: T
+    notch: T
 
 
 class PiLaw(Law[T, PiState[T]]):
@@ -94,11 +101,13 @@ class PiLaw(Law[T, PiState[T]]):
         return flatten(self.table)
 
     def start(self, inputs: LawInputs[T]) -> PiState[T]:
-        return PiState(self._zero)
+        return PiState(self._zero, self._zero, self._zero)
 
     def with_sent(self, state: PiState[T], notch: T) -> PiState[T]:
-        """Another notch than the law's was sent: it keeps no notch, so there is nothing to correct."""
-        return state
+        """Another notch than the law's was sent: what this control period added to the integral is taken back."""
+        ar = self._ar
+        overridden = ar.gt(ar.abs(ar.sub(notch, state.notch)), self._zero)
+        return PiState(ar.where(overridden, state.before, state.integral), state.before, notch)
 
     def step(self, state: PiState[T], inputs: LawInputs[T]) -> tuple[PiState[T], LawOutputs[T]]:
         ar = self._ar
@@ -112,7 +121,8 @@ class PiLaw(Law[T, PiState[T]]):
         clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         # No basis functions, softening factor or satisfaction to report.
-        return PiState(integral), LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+        outputs = LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+        return PiState(integral, state.integral, notch), outputs
 
     def _limited(self, speed: T) -> T:
         """What the formats hold; whether there are formats is known beforehand, so this is no branch on data."""

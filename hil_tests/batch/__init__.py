@@ -2,7 +2,8 @@
 
 The plant's own functions are compiled (:mod:`hil_tests.batch.compiled`), the law steps on arrays; the notch codes and
 the scores of each run are those of :func:`hil_tests.bench.direct_run` with the same seed, and so of the real bench on
-a healthy bus. Needs numba (``pip install 'railhil[campaign]'``).
+a healthy bus. A run that ends up in an emergency brake is made again through the nodes of the bench
+(:mod:`hil_tests.batch.replay`), which takes a second. Needs numba (``pip install 'railhil[campaign]'``).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import numpy as np
 
 from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from hil_tests.batch.case import BatchResult, Case, notch_digest, trace_digest
+from hil_tests.batch.replay import left_the_healthy_path, replayed
 
 if TYPE_CHECKING:
     from hil_tests.batch.engine import Chunk
@@ -22,6 +24,8 @@ __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "trace_digest"]
 
 #: Runs that go on together: their state stays in the processor's cache, and Python's part is shared by many.
 CHUNK = 2048
+#: Seeds travel as 32 bit in the handshake.
+_SEED_MAX = 2**32 - 1
 
 
 def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False) -> BatchResult:
@@ -29,31 +33,39 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False) -
 
     :param keep_notches: keep the notch codes of each run.
     :raises scenarios.errors.InputError: numba is missing, or law, arithmetic, indexing or parameters do not fit.
-    :raises ValueError: a negative seed.
+    :raises ValueError: a seed outside 32 bit.
     :raises plant_sim.plant.PlantError: the simulation failed.
     """
     # Not before: numba is an extra, and a case or a digest does not need it.
     from hil_tests.batch.engine import Engine
 
+    if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
+        raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
     engine = Engine(case)
     chunks = [engine.run(seeds[i : i + CHUNK]) for i in range(0, len(seeds), CHUNK)]
-    return _result(seeds, chunks, keep_notches)
+    return _result(case, seeds, chunks, keep_notches)
 
 
-def _result(seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> BatchResult:
-    scores = tuple(score for chunk in chunks for score in chunk.scores)
+def _result(case: Case, seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> BatchResult:
+    scores = [score for chunk in chunks for score in chunk.scores]
+    codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
+    counts = {
+        kind: np.concatenate([np.zeros(0, dtype=np.int64), *(chunk.counts[kind] for chunk in chunks)])
+        for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)
+    }
+    for run, seed in enumerate(seeds):
+        if left_the_healthy_path(scores[run]):
+            scores[run], codes[run], counted = replayed(case, int(seed))
+            for kind, count in counted.items():
+                counts[kind][run] = count
 
     def column(name: str) -> np.ndarray:
         values = [getattr(score, name) for score in scores]
         return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
-    def counted(kind: int) -> np.ndarray:
-        return np.concatenate([np.zeros(0, dtype=np.int64), *(chunk.counts[kind] for chunk in chunks)])
-
-    codes = tuple(chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps))
     return BatchResult(
         seed=np.array(seeds, dtype=np.int64),
-        scores=scores,
+        scores=tuple(scores),
         itae=column("itae"),
         energy_kj=column("energy_kj"),
         punctuality_s=column("punctuality_s"),
@@ -65,9 +77,9 @@ def _result(seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> Ba
         passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
         ended=tuple(score.ended for score in scores),
         failures=tuple(score.failures for score in scores),
-        wraps=counted(WRAP),
-        saturations=counted(SATURATION),
-        zero_divisions=counted(DIVISION_BY_ZERO),
+        wraps=counts[WRAP],
+        saturations=counts[SATURATION],
+        zero_divisions=counts[DIVISION_BY_ZERO],
         notch_digest=tuple(notch_digest(run) for run in codes),
-        notch_codes=codes if keep_notches else None,
+        notch_codes=tuple(codes) if keep_notches else None,
     )

@@ -70,9 +70,14 @@ def notch_digest(codes: ArrayLike) -> str:
     return hashlib.sha256(np.asarray(codes, dtype="<i2").tobytes()).hexdigest()[:_DIGITS]
 
 
-def trace_digest(scenario: Scenario, trace: Trace) -> str:
-    """:func:`notch_digest` of a recorded run: the code of the first poll in each control period."""
+def control_codes(scenario: Scenario, trace: Trace) -> Ints:
+    """Notch codes of a recorded run: that of the first poll in each control period."""
     codes = trace.raw(NotchCmd.PORT, "NotchCmd")
     times_ns = np.rint(trace.times_s(NotchCmd.PORT) * 1e9).astype(np.int64)
     first = np.diff(times_ns // scenario.timing.control_period_ns, prepend=-1) > 0
-    return notch_digest(codes[first])
+    return np.asarray(codes[first])
+
+
+def trace_digest(scenario: Scenario, trace: Trace) -> str:
+    """:func:`notch_digest` of a recorded run."""
+    return notch_digest(control_codes(scenario, trace))

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import pickle
+import shutil
 from collections.abc import Callable
 from math import sqrt
 from pathlib import Path
@@ -23,8 +25,14 @@ from supervisor import measures
 
 try:
     import numba
-except ModuleNotFoundError:
-    raise InputError("batch", "numba", Words("not installed"), "pip install 'railhil[campaign]'") from None
+except ImportError as error:
+    missing = isinstance(error, ModuleNotFoundError) and error.name == "numba"
+    why = Words("not installed" if missing else f"an installation that cannot be used ({error})")
+    raise InputError("batch", "numba", why, "pip install 'railhil[campaign]'") from None
+
+
+#: What a damaged file of the cache raises when it is read.
+_DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)
 
 
 def _bisect_right(values: Any, value: float) -> int:
@@ -159,12 +167,29 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         # Then each process compiles anew: numba's own choice of a folder would not see a change of the plant.
         kept = False
 
-    def decorate(function: Callable[..., Any]) -> Any:
+    def made(function: Callable[..., Any], kept: bool) -> Any:
         before = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = str(folder)
         try:
             return numba.njit(cache=kept, nogil=True, _nrt=False)(function)
         finally:
             numba.config.CACHE_DIR = before
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        kernel, loaded = made(function, kept), False
+
+        def call(*given: Any) -> Any:
+            nonlocal kernel, loaded
+            if not loaded:
+                loaded = True
+                try:
+                    return kernel(*given)
+                except _DAMAGED:
+                    # A file of the cache was cut short; it is read before anything is computed.
+                    shutil.rmtree(folder, ignore_errors=True)
+                    kernel = made(function, False)
+            return kernel(*given)
+
+        return call
 
     return decorate

@@ -14,6 +14,7 @@ from bus.schedule import Schedule
 from bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from hil_tests.batch.layout import TRAIN, Common, PerTrain
+from hil_tests.bench import coupled_schedule
 from plant_sim import forces
 from plant_sim.dynamics import lag
 from plant_sim.node import AFTER_STOP_S
@@ -66,7 +67,7 @@ class Times:
         """Times of a scenario; perturbations do not change them."""
         timing, plan = scenario.timing, scenario.plan
         tick_ns, period_ns = timing.base_tick_ns, timing.control_period_ns
-        schedule = Schedule.from_contract(tick_ns, timing.port_period_ns)
+        schedule = coupled_schedule(scenario)
         last_tick = round((plan.running_time_s + plan.overtime_max_s) * 1e9 / tick_ns)
         after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
         end = last_tick + 1 + after_stop

@@ -5,7 +5,7 @@
     plan.py     what is run: laws, seeds, chunks; its identity stands in campaign.json
     work.py     one chunk -> the bytes of its part (any process, any machine)
     engines.py  chunks -> parts, in this process or over the cores; dask_engine.py: over machines
-    folder.py   campaign.json (the lock too), parts/, results.parquet, summary.json
+    folder.py   parts/, results.parquet, summary.json; manifest.py: campaign.json, the lock too
     summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
     verify.py   some of the runs again, on the real bench
 """

@@ -5,8 +5,6 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 from rich.console import Console
@@ -17,20 +15,10 @@ from bus.wholefile import check_writable, whole_file
 from hil_tests.campaign.command import arguments, check_combination, request_from
 from hil_tests.campaign.extras import need
 from hil_tests.campaign.plan import Request, make_plan
-from scenarios.errors import InputError
 from supervisor.cli.output import Output, accept_any_text, flush_output
+from supervisor.errors import not_written
 
 _VERIFIED_RUNS = 3
-
-
-@contextmanager
-def _complaining(path: Path) -> Iterator[None]:
-    """A file that cannot be written is bad input."""
-    try:
-        yield
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
 
 
 def _verify(namespace: argparse.Namespace) -> int:
@@ -56,17 +44,19 @@ def _verify(namespace: argparse.Namespace) -> int:
 
 def _run(namespace: argparse.Namespace) -> int:
     from hil_tests.campaign.engines import running
-    from hil_tests.campaign.folder import request_of
+    from hil_tests.campaign.manifest import read_manifest
     from hil_tests.campaign.run import execute
     from hil_tests.campaign.show import show
 
-    begun = Request() if namespace.resume is None else request_of(Path(namespace.resume))
+    begun = Request() if namespace.resume is None else read_manifest(Path(namespace.resume)).request
     plan = make_plan(request_from(namespace, begun))
     file = None if namespace.json is None else Path(namespace.json)
     if file is not None:
         # Before the work, not after it.
-        with _complaining(file):
+        try:
             check_writable(file)
+        except OSError as error:
+            raise not_written("--json", file, "file", error) from error
     console = Console(stderr=True)
 
     def say(sentence: str) -> None:
@@ -76,8 +66,11 @@ def _run(namespace: argparse.Namespace) -> int:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
     show(Output(), found, folder)
     if file is not None:
-        with _complaining(file), whole_file(file) as draft:
-            draft.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        try:
+            with whole_file(file) as draft:
+                draft.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise not_written("--json", file, "file", error) from error
     return PASS
 
 

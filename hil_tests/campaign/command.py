@@ -11,11 +11,9 @@ from bus.usage import SEED_MAX, OneLineParser, whole_number
 from controller_node.arithmetic import names as arithmetics
 from controller_node.laws import names as laws
 from controller_node.setpoint import INDEXINGS
-from hil_tests.campaign.plan import Request
+from hil_tests.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
 from scenarios.errors import InputError
 
-_RUNS_MAX = 10_000_000
-_CHUNK_MAX = 10_000
 _JOBS_MAX = 1024
 ENGINES = ("batch", "joblib", "dask")
 _EXIT_CODES = """\
@@ -24,7 +22,7 @@ exit codes:
   1    --verify: the bench gives something else
   2    usage or bad input; one line says what was found and what is allowed
   3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
-  4    TOOL ERROR: a defect of the campaign
+  4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
   130  stopped by Ctrl-C; 143 by SIGTERM (what is done is kept, --resume goes on)"""
 #: Options that say what is run: None when not given, so that --resume takes them from the campaign.
 _REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
@@ -45,7 +43,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("scenario", nargs="?", help=f"shipped name or TOML file (default {usual.scenario})")
     parser.add_argument(
         "--runs",
-        type=whole_number(1, _RUNS_MAX),
+        type=whole_number(1, RUNS_MAX),
         metavar="N",
         help=f"runs of each law (default {usual.runs}); --verify: 3",
     )
@@ -56,7 +54,7 @@ def arguments() -> argparse.ArgumentParser:
         help=f"seeds from here on (default {usual.first_seed})",
     )
     parser.add_argument(
-        "--laws", type=_law_list, metavar="A,B,...", help=f"all, or some of {', '.join(laws())} (default ipfc)"
+        "--laws", type=_law_list, metavar="A,B,...", help=f"{ALL_LAWS}, or some of {', '.join(laws())} (default ipfc)"
     )
     parser.add_argument("--arithmetic", choices=arithmetics(), help=f"(default {usual.arithmetic})")
     parser.add_argument("--indexing", choices=INDEXINGS, help=f"set-point indexing (default {usual.indexing})")
@@ -67,7 +65,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--allow-training-seeds",
         action="store_true",
-        help="also seeds on which parameters were tuned; every table then says so",
+        help="also seeds on which parameters were tuned or chosen; every table then says so",
     )
     parser.add_argument("--engine", choices=ENGINES, default="batch", help="this process, cores, machines")
     parser.add_argument(
@@ -75,7 +73,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
     parser.add_argument(
-        "--chunk", type=whole_number(1, _CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
+        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); goes on there")
     parser.add_argument("--resume", metavar="DIR", help="go on with the campaign of this folder")

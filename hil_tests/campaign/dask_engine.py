@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import math
+import re
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 from distributed import Client, as_completed
-from distributed.comm.core import CommClosedError
+from distributed.comm.core import CommClosedError, connect
 from distributed.scheduler import KilledWorker
+from distributed.security import Security
 
 from bus.exitcodes import INVALID
 from hil_tests.campaign.work import Task, run_task
 from scenarios.errors import InputError
 
+#: What reaches other machines; IPv6 in brackets.
+_ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
+_PORT_MAX = 65535
 _CONNECT_S = 10.0
 #: How long a campaign waits for a first or another worker.
 _WORKER_S = 60.0
@@ -36,20 +42,35 @@ class ClusterLost(Exception):
 def connected(address: str, say: Callable[[str], None]) -> Iterator[DaskEngine]:
     """The engine at a scheduler.
 
-    :raises scenarios.errors.InputError: nobody answers at the address.
+    :raises scenarios.errors.InputError: it is no address, or nobody answers there.
     """
+    allowed = "tcp://HOST:PORT of a running dask scheduler"
+    match = _ADDRESS.fullmatch(address)
+    if match is None or not 1 <= int(match["port"]) <= _PORT_MAX:
+        raise InputError("command line", "--scheduler", address, allowed)
     # Its log lines tell of losses again, in many lines.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
+        # A client that fails to connect stays behind half made and complains when the process ends.
+        asyncio.run(_knock(address))
         client = Client(address, timeout=_CONNECT_S, set_as_default=False, name="railhil-campaign")
-    except (OSError, ValueError, TypeError) as error:
-        allowed = "tcp://HOST:PORT of a running dask scheduler"
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise InputError("command line", "--scheduler", address, allowed, str(error)) from error
     try:
         yield DaskEngine(client, address, say)
     finally:
         client.close(timeout=_CONNECT_S)
+
+
+async def _knock(address: str) -> None:
+    """Connect and hang up.
+
+    :raises OSError: nobody answers, or the TLS files of dask's configuration cannot be read.
+    :raises TypeError, ValueError, RuntimeError: the address does not go with dask's configuration of TLS.
+    """
+    comm = await connect(address, timeout=_CONNECT_S, **Security().get_connection_args("client"))
+    await comm.close()
 
 
 class DaskEngine:

@@ -6,7 +6,7 @@ import hashlib
 import inspect
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,7 @@ from urllib.parse import quote
 from bus.usage import SEED_MAX
 from controller_node import laws as registered
 from controller_node.arithmetic import make
+from controller_node.laws.base import Law
 from controller_node.loop import ControlLoop
 from scenarios.errors import InputError, Words, nearest_key
 from scenarios.load import load
@@ -22,8 +23,12 @@ from scenarios.model import Scenario
 from scenarios.parameters import ParameterSet, load_parameters
 from supervisor.folder import code_sha256
 
-#: The law that the others are held against when all are run.
-_FIRST_LAW = "ipfc"
+#: The law of a request that names none.
+_USUAL_LAW = "ipfc"
+#: Stands for every registered law, in the order of the tables; the others are held against the first.
+ALL_LAWS = "all"
+RUNS_MAX = 10_000_000
+CHUNK_MAX = 10_000
 #: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
 _OWN_CODE = ("batch", "campaign/table.py", "campaign/work.py")
 
@@ -42,13 +47,6 @@ class Request:
     parameters: tuple[str, ...] = ()
     chunk: int = 500
     allow_training_seeds: bool = False
-
-    @classmethod
-    def of(cls, document: dict[str, Any]) -> Request:
-        """From what :func:`dataclasses.asdict` and JSON have made of it. Raises TypeError for something else."""
-        known = {item.name for item in fields(cls)}
-        values = {key: tuple(value) if isinstance(value, list) else value for key, value in document.items()}
-        return cls(**{key: value for key, value in values.items() if key in known})
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,9 +102,15 @@ def bench_sha256() -> str:
 
 
 @lru_cache(maxsize=64)
+def _law(name: str) -> type[Law[Any, Any]]:
+    """:func:`controller_node.laws.load`, which looks through all installed packages, once per law."""
+    return registered.load(name)
+
+
+@lru_cache(maxsize=64)
 def law_sha256(name: str) -> str:
     """Hash of the source file with the class of a law: it may come from another package. Raises InputError."""
-    return hashlib.sha256(Path(inspect.getfile(registered.load(name))).read_bytes()).hexdigest()
+    return hashlib.sha256(Path(inspect.getfile(_law(name))).read_bytes()).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,8 +134,11 @@ class Plan:
                 yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
 
     def training(self, entry: Entry) -> list[int]:
-        """Seeds of the campaign on which the entry's parameters were tuned."""
-        return entry.parameters.seen(self.scenario.name, self.seeds) if entry.parameters is not None else []
+        """Seeds of the campaign on which the entry's parameters were tuned, or chosen where they are the law's own."""
+        if entry.parameters is not None:
+            return entry.parameters.seen(self.scenario.name, self.seeds)
+        chosen = _law(entry.law).design_seeds.get(self.scenario.name, ())
+        return sorted(seed for seed in chosen if seed in self.seeds)
 
     @property
     def subject(self) -> dict[str, Any]:
@@ -177,9 +184,9 @@ class Plan:
 def _entries(request: Request) -> tuple[Entry, ...]:
     files = [load_parameters(Path(name)) for name in request.parameters]
     known = registered.names()
-    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (_FIRST_LAW,)
-    if wanted == ("all",):
-        wanted = sorted(known, key=lambda name: (name != _FIRST_LAW, name))
+    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (_USUAL_LAW,)
+    if wanted == (ALL_LAWS,):
+        wanted = known
     for name in wanted:
         if name not in known:
             nearest = nearest_key(name, known)
@@ -204,7 +211,7 @@ def make_plan(request: Request) -> Plan:
     """Load what the request names and check that every law can be made of it.
 
     :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
-        tuned (unless the request allows them).
+        tuned or chosen (unless the request allows them).
     """
     scenario = load(request.scenario)
     last = request.first_seed + request.runs - 1
@@ -213,6 +220,17 @@ def make_plan(request: Request) -> Plan:
     plan = Plan(request, scenario, _entries(request))
     for entry in plan.entries:
         ControlLoop(scenario, entry.law, make(request.arithmetic), request.indexing, entry.parameters)
-        if entry.parameters is not None and not request.allow_training_seeds:
-            entry.parameters.check_unseen(scenario.name, plan.seeds)
+        if not request.allow_training_seeds:
+            _check_unseen(plan, entry)
     return plan
+
+
+def _check_unseen(plan: Plan, entry: Entry) -> None:
+    """Refuse to judge parameters by runs that they were made from. Raises InputError."""
+    if entry.parameters is not None:
+        entry.parameters.check_unseen(plan.scenario.name, plan.seeds)
+    elif seen := plan.training(entry):
+        origin = _law(entry.law).parameters_origin
+        found = Words(f"seed {seen[0]}, on which {entry.law}'s own parameters were chosen ({origin})")
+        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+        raise InputError("command line", "--first-seed", found, allowed)

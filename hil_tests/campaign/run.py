@@ -51,26 +51,28 @@ def execute(
     :param console: for progress (standard error).
     :param say: for remarks.
     :returns: the folder and the content of ``summary.json``.
-    :raises scenarios.errors.InputError: the folder is not what it must be, or cannot be written.
-    :raises Stopped: workers or parts were lost.
+    :raises scenarios.errors.InputError: the folder is not what it must be.
+    :raises Stopped: workers or parts were lost, or the record cannot be written (any more).
     """
     with opened(out, plan) as folder:
-        left, complaints = folder.missing()
-        for complaint in complaints:
-            say(complaint)
         total = plan.request.runs * len(plan.entries)
-        if kept := folder.kept():
-            say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
 
         def how_on() -> str:
             return f"{folder.kept():,} of {total:,} runs are kept; railhil campaign --resume {folder.path} goes on"
 
         try:
+            left, complaints = folder.missing()
+            for complaint in complaints:
+                say(complaint)
+            if kept := folder.kept():
+                say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
             # Closed at once when something goes wrong: workers must not go on behind an exception.
             with _progress(console, kept, total) as shown, closing(_made(plan, folder, left, engine)) as made:
                 for runs in made:
                     shown(runs)
             results = folder.write_results()
+            found = summary(plan, results)
+            folder.write_summary(found)
         except (KeyboardInterrupt, SystemExit):
             say(f"railhil campaign: stopped; {how_on()}")
             raise
@@ -81,10 +83,8 @@ def execute(
         except Exception as error:
             text = " ".join(str(error).split()) or type(error).__name__
             code = exit_code_of(error)
-            kind = f"{type(error).__name__}: " if code == TOOL_ERROR else ""
+            kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""
             raise Stopped(f"{kind}{text}; {how_on()}", code) from error
-        found = summary(plan, results)
-        folder.write_summary(found)
         return folder.path, found
 
 

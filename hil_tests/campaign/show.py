@@ -33,11 +33,12 @@ def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
     return made
 
 
-def _number(value: float | None, digits: int, none: str = "-") -> str:
-    return none if value is None else f"{value:.{digits}f}"
+def _number(value: float | str | None, digits: int) -> str:
+    """A figure of ``summary.json``: a number, ``inf`` or ``-inf``, or no bound."""
+    return "-" if value is None else f"{float(value):.{digits}f}"
 
 
-def _interval(bounds: Sequence[float | None], digits: int) -> str:
+def _interval(bounds: Sequence[float | str | None], digits: int) -> str:
     low, high = (_number(bound, digits) for bound in bounds)
     return f"{low}..{high}"
 
@@ -56,8 +57,8 @@ def _scores(summary: Mapping[str, Any]) -> Table:
             score, digits = law["scores"][name], _DIGITS[name]
             cells = []
             for key in QUANTILES:
-                # None: so many runs did not stop.
-                cells.append(_number(score[key]["value"], digits, "did not stop"))
+                value = score[key]["value"]
+                cells.append("did not stop" if value == "inf" else _number(value, digits))
                 cells.append(_interval(score[key]["interval"], digits))
             made.add_row("" if i else label, title, score["unit"], *cells)
     return made
@@ -86,7 +87,7 @@ def _against(summary: Mapping[str, Any]) -> Table:
                 "" if i else label,
                 title,
                 score["unit"],
-                "-" if apart["value"] is None else f"{apart['value']:+.{digits}f}",
+                f"{float(apart['value']):+.{digits}f}",
                 _interval(apart["interval"], digits),
                 f"{score['better']['share']:.1%}",
                 f"{score['equal_runs'] / summary['runs']:.1%}",

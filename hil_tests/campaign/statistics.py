@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binom, binomtest
+from scipy.special import bdtr, betaincinv
 
 #: Of every interval.
 CONFIDENCE = 0.95
+#: Left out on each side.
+_TAIL = (1 - CONFIDENCE) / 2
 
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A quantile and its confidence interval; an infinite bound where the sample gives none."""
+    """A quantile and its confidence interval; None where the sample is too small for a bound."""
 
     value: float
-    low: float
-    high: float
+    low: float | None
+    high: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +47,9 @@ def order_ranks(n: int, q: float) -> tuple[int, int]:
     with at most half of the rest. Rank 0 or n + 1: the sample is too small for a bound on that side. See David and
     Nagaraja, Order Statistics, 3rd ed., section 7.1.
     """
-    tail = (1 - CONFIDENCE) / 2
-    return int(binom.ppf(tail, n, q)), int(binom.ppf(1 - tail, n, q)) + 1
+    # The smallest counts whose probability is reached; scipy.stats has this too, and takes half a second to import.
+    low, high = (bisect_left(range(n), p, key=lambda count: bdtr(count, n, q)) for p in (_TAIL, 1 - _TAIL))
+    return low, high + 1
 
 
 def quantile(ordered: NDArray[np.float64], q: float) -> float:
@@ -68,16 +72,17 @@ def estimate(values: NDArray[np.float64], q: float) -> Estimate:
     low, high = order_ranks(len(ordered), q)
     return Estimate(
         quantile(ordered, q),
-        float(ordered[low - 1]) if low >= 1 else -math.inf,
-        float(ordered[high - 1]) if high <= len(ordered) else math.inf,
+        float(ordered[low - 1]) if low >= 1 else None,
+        float(ordered[high - 1]) if high <= len(ordered) else None,
     )
 
 
 def share(hits: NDArray[np.bool_]) -> Share:
     """Share of the runs for which ``hits`` is true, with the exact interval of Clopper and Pearson (1934)."""
     count, runs = int(np.count_nonzero(hits)), len(hits)
-    interval = binomtest(count, runs).proportion_ci(CONFIDENCE, method="exact")
-    return Share(count, runs, float(interval.low), float(interval.high))
+    low = float(betaincinv(count, runs - count + 1, _TAIL)) if count else 0.0
+    high = float(betaincinv(count + 1, runs - count, 1 - _TAIL)) if count < runs else 1.0
+    return Share(count, runs, low, high)
 
 
 def differences(values: NDArray[np.float64], baseline: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,18 +18,20 @@ from hil_tests.perturbed_runs import SCORES
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
 _NOTES = [
-    "a run that did not stop counts as infinitely bad in the quantiles of stop and time error; null is such a value",
-    "intervals of quantiles: order statistics (binomial), null where the sample gives no bound; "
+    'a run that did not stop counts as infinitely bad in the quantiles of stop and time error: the text "inf"; '
+    'differences: "inf" where only this law did not stop, "-inf" where only the other did not, 0 where neither did',
+    "intervals of quantiles: order statistics (binomial), null where the sample is too small for a bound; "
     "intervals of shares: Clopper-Pearson",
 ]
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+def _json(value: float | None) -> float | str | None:
+    """JSON has no infinity: the text ``inf`` or ``-inf``, which float() reads in every language that has one."""
+    return value if value is None or math.isfinite(value) else str(value)
 
 
 def _estimate(found: Estimate) -> dict[str, Any]:
-    return {"value": _finite(found.value), "interval": [_finite(found.low), _finite(found.high)]}
+    return {"value": _json(found.value), "interval": [_json(found.low), _json(found.high)]}
 
 
 def _share(found: Share) -> dict[str, Any]:
@@ -91,7 +93,8 @@ def training_sentence(plan: Plan) -> str | None:
     if not any(seen.values()):
         return None
     laws = ", ".join(f"{label} on {count}" for label, count in seen.items() if count)
-    return f"NOT AN EVALUATION: parameters were tuned on seeds of this campaign ({laws} of {plan.request.runs} runs)"
+    runs = f"{laws} of {plan.request.runs} runs"
+    return f"NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign ({runs})"
 
 
 def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:

@@ -27,7 +27,7 @@ SCHEMA = pa.schema(
         *(pa.field(name, pa.int64(), nullable=False) for name in _COUNTS),
         pa.field("failures", pa.list_(pa.string()), nullable=False),
         pa.field("notch_digest", pa.string(), nullable=False),
-        # The parameters of the law were tuned on a run with this seed.
+        # The parameters of the law were tuned or chosen on a run with this seed.
         pa.field("training", pa.bool_(), nullable=False),
     ]
 )
@@ -39,7 +39,7 @@ def table_of(label: str, result: Any, training: Sequence[int]) -> pa.Table:
     """Table of the runs of one chunk.
 
     :param result: a ``hil_tests.batch.BatchResult``.
-    :param training: seeds on which the parameters were tuned.
+    :param training: seeds on which the parameters were tuned or chosen.
     """
     seeds = np.asarray(result.seed, dtype=np.int64)
     columns: dict[str, Any] = {

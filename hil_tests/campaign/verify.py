@@ -15,7 +15,8 @@ import numpy as np
 
 from bus.exitcodes import FAIL, INVALID, PASS
 from hil_tests.batch import trace_digest
-from hil_tests.campaign.folder import MANIFEST, RESULTS, read_manifest, request_of
+from hil_tests.campaign.folder import RESULTS
+from hil_tests.campaign.manifest import MANIFEST, read_manifest
 from hil_tests.campaign.plan import Plan, make_plan
 from hil_tests.campaign.table import NotThePart, read_results, row
 from hil_tests.campaign.worst import rerun_words
@@ -44,11 +45,11 @@ def _plan(folder: Path) -> Plan:
 
     :raises InputError: scenario, parameters or laws are not those of the campaign any more.
     """
-    plan = make_plan(request_of(folder))
-    recorded = read_manifest(folder).get("campaign")
+    begun = read_manifest(folder)
+    plan = make_plan(begun.request)
     ours = json.loads(json.dumps(plan.identity))
     for key in ("scenario_sha256", "laws", "runs", "first_seed"):
-        found = recorded.get(key) if isinstance(recorded, dict) else None
+        found = begun.campaign.get(key)
         if found != ours[key]:
             allowed = f"{json.dumps(ours[key])}, what this installation would run"
             raise InputError(folder / MANIFEST, f"campaign.{key}", Words(json.dumps(found)), allowed)
@@ -57,7 +58,7 @@ def _plan(folder: Path) -> Plan:
 
 def code_changed(folder: Path) -> bool:
     """The code is not the campaign's any more, so a difference need not be a defect. Raises InputError."""
-    recorded = read_manifest(folder)["campaign"]
+    recorded = read_manifest(folder).campaign
     ours = _plan(folder).identity
     return any(recorded.get(key) != ours[key] for key in ("code_sha256", "batch_sha256"))
 

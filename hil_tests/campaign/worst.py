@@ -1,4 +1,4 @@
-"""The runs worth a look: largest errors, and every run that did not stop or drove too fast, each with its command."""
+"""The runs worth a look: largest errors, runs that did not stop, drove too fast or wrapped, each with its command."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ import pyarrow as pa
 from hil_tests.campaign.plan import Entry, Plan
 from hil_tests.campaign.table import numbers, row
 
-#: Runs listed per law and error; and of those that did not stop or drove too fast.
+#: Runs listed per law and error.
 _LARGEST = 3
-_BROKEN = 10
+#: Runs listed per law and thing that must not happen; each has its own places, so that none crowds out another.
+_BROKEN = 5
 
 
 def rerun_words(plan: Plan, entry: Entry, seed: int) -> list[str]:
@@ -32,11 +33,17 @@ def _largest(rows: pa.Table, name: str) -> list[int]:
 
 
 def _broken(rows: pa.Table) -> list[tuple[int, str]]:
-    """Rows that did not stop, then those that drove too fast, fastest first, and which of the two."""
-    over = np.nan_to_num(numbers(rows, "overspeed_mps"))
-    unstopped = np.flatnonzero(np.isnan(numbers(rows, "stop_error_m")))
-    fast = [int(index) for index in np.argsort(-over, kind="stable") if over[index] > 0]
-    return [(int(index), "did not stop") for index in unstopped] + [(index, "overspeed") for index in fast]
+    """Rows in which something happened that must not, worst first, equal ones by seed, and what it was."""
+    how_bad = {
+        "did not stop": np.isnan(numbers(rows, "stop_error_m")).astype(np.float64),
+        "overspeed": np.nan_to_num(numbers(rows, "overspeed_mps")),
+        "wraps": numbers(rows, "wraps"),
+    }
+    found = []
+    for why, amount in how_bad.items():
+        order = np.argsort(-amount, kind="stable")[:_BROKEN]
+        found += [(int(index), why) for index in order if amount[index] > 0]
+    return found
 
 
 def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]:
@@ -48,11 +55,8 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
     for name, words in (("stop_error_m", "stop error"), ("punctuality_s", "time error")):
         for rank, index in enumerate(_largest(rows, name), 1):
             reasons.setdefault(index, []).append(f"{words} {rank}")
-    taken: set[int] = set()
     for index, why in _broken(rows):
-        if index in taken or len(taken) < _BROKEN:
-            taken.add(index)
-            reasons.setdefault(index, []).append(why)
+        reasons.setdefault(index, []).append(why)
     found = []
     for index, why_all in reasons.items():
         run = row(rows, index)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from scenarios.errors import InputError, Words
 from scenarios.load import load
+from scenarios.model import Scenario
 from scenarios.parameters import ParameterSet, load_parameters
+from supervisor.cli.checked import check_controllers
 from supervisor.cli.execute import (
     add_arguments,
     as_recorded,
@@ -23,9 +24,11 @@ from supervisor.cli.execute import (
 from supervisor.cli.output import Output
 from supervisor.cli.show import print_scores, print_verdict
 from supervisor.compared import write_comparison
+from supervisor.evaluation import check_unseen
 from supervisor.folder import run_folder
+from supervisor.options import RunOptions
+from supervisor.report.facts import parameters_sentence
 from supervisor.report.recorded import RecordedRun
-from supervisor.run import RunOptions
 
 _ALL = "all"
 
@@ -49,14 +52,6 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
     parser.set_defaults(work=work)
-
-
-@dataclass(frozen=True, slots=True)
-class _Planned:
-    """One run to come: its folder below that of the comparison, and its options."""
-
-    folder: str
-    options: RunOptions
 
 
 def _laws(text: str) -> list[str]:
@@ -85,62 +80,99 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
     return found
 
 
-def _planned(namespace: argparse.Namespace) -> list[_Planned]:
+def _planned(namespace: argparse.Namespace) -> list[RunOptions]:
     laws = _laws(namespace.laws)
     files = _parameter_sets(namespace, laws)
     found = []
     for law in laws:
         if law not in files or namespace.both:
-            found.append(_Planned(law, run_options(namespace, law, None)))
+            found.append(run_options(namespace, law, None))
         if law in files:
-            found.append(_Planned(f"{law}-tuned", run_options(namespace, law, files[law])))
+            found.append(run_options(namespace, law, files[law]))
     return found
+
+
+def _checked(
+    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunOptions]
+) -> tuple[list[RunOptions], list[str]]:
+    """The runs that will be made, and sentences on those that are left out.
+
+    :raises InputError, NeverBegan: one of them cannot be made, or must not be judged by this seed.
+    """
+    if not namespace.allow_training_seeds:
+        for options in wanted:
+            check_unseen(scenario, options)
+    plan, left_out = [], []
+    for options, checked in zip(wanted, check_controllers(wanted), strict=True):
+        if namespace.laws == _ALL and options.parameters is None and options.indexing not in checked.indexings:
+            left_out.append(options.controller)
+            continue
+        checked.require()
+        if not namespace.allow_training_seeds:
+            check_unseen(scenario, options, checked.origin)
+        plan.append(options)
+    if not plan:
+        raise InputError("command line", "--indexing", namespace.indexing, "an indexing that some law has")
+    notes = [f"Left out, as without set-points over {namespace.indexing}: {', '.join(left_out)}."] if left_out else []
+    return plan, notes
 
 
 def work(namespace: argparse.Namespace) -> int:
     """Run all, write the comparison, print; nothing that looks like one is written before all laws have run.
 
-    What was recorded stays when a law is refused or the comparison is stopped.
+    What was recorded stays when the comparison is stopped or a run fails.
     """
-    plan = _planned(namespace)
-    scenario = load(plan[0].options.scenario)
-    for item in plan:
-        parameters = item.options.parameters
-        if parameters is not None and namespace.perturbed and not namespace.allow_training_seeds:
-            parameters.check_unseen(scenario.name, [namespace.seed])
+    wanted = _planned(namespace)
+    scenario = load(wanted[0].scenario)
+    plan, notes = _checked(namespace, scenario, wanted)
     console = Output()
+    for sentence in notes:
+        console.say(sentence)
     folder: Path | None = None
     made = False
     runs: list[tuple[Path, RecordedRun]] = []
     codes: list[int] = []
-    for item in plan:
-        with chosen_bus(namespace) as choice:
-            if folder is None:
-                folder, made = run_folder(namespace.out, scenario.name, "compare")
-                console.say(f"bus: {choice.transport} ({choice.reason})")
-            own = folder / item.folder
-            own.mkdir()
-            quiet = namespace.quiet or not console.is_terminal
-            try:
-                done, result = recorded(scenario, item.options, choice, own, True, console, quiet)
-            finally:
-                if made and not any(folder.iterdir()):
-                    folder.rmdir()
-        runs.append((own, as_recorded(own, done, result)))
-        codes.append(result.exit_code)
-        if done.stopped_exit_code:
-            rest = f"{len(runs)} of {len(plan)} runs recorded in {folder}, no comparison written"
-            print_verdict(console, "INVALID", f"{result.line}; {rest}")
-            return done.stopped_exit_code
+    try:
+        for options in plan:
+            with chosen_bus(namespace) as choice:
+                if folder is None:
+                    folder, made = run_folder(namespace.out, scenario.name, "compare")
+                    console.say(f"bus: {choice.transport} ({choice.reason})")
+                own = folder / options.label
+                own.mkdir()
+                quiet = namespace.quiet or not console.is_terminal
+                try:
+                    done, result = recorded(scenario, options, choice, own, True, console, quiet)
+                finally:
+                    if made and not any(folder.iterdir()):
+                        folder.rmdir()
+            runs.append((own, as_recorded(own, done, result)))
+            codes.append(result.exit_code)
+            if done.stopped_exit_code:
+                print_verdict(console, "INVALID", f"{result.line}; {_so_far(runs, plan, folder)}")
+                return done.stopped_exit_code
+    except BaseException:
+        if runs and folder is not None:
+            console.say(_so_far(runs, plan, folder))
+        raise
     assert folder is not None
     found = [run for _, run in runs]
-    write_comparison(folder, scenario, plan[0].options, runs)
+    write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
+    for run in found:
+        console.say(f"{run.label}: {parameters_sentence(run)}", style="dim")
     console.say(f"comparison {folder}")
     if not namespace.no_report:
-        console.say(report_line(found, folder))
+        console.say(report_line(found, folder, notes))
+    for run in found:
+        if run.caution:
+            console.say(run.caution, style="bold yellow")
     for run in found:
         print_verdict(console, run.verdict, f"{run.label}{': ' if run.line else ''}{run.line}")
     return max(codes)
+
+
+def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunOptions], folder: Path) -> str:
+    return f"{len(runs)} of {len(plan)} runs recorded in {folder}, no comparison written"

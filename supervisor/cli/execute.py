@@ -18,16 +18,20 @@ from bus.exitcodes import USAGE
 from bus.ident import ARITHMETICS
 from bus.select import BusChoice, choose_bus
 from bus.usage import add_run_arguments, add_task_argument
-from scenarios.errors import InputError, Words
+from scenarios.errors import InputError, Words, nearest_key
+from scenarios.laws import in_order
 from scenarios.model import Scenario
 from scenarios.parameters import ParameterSet
 from supervisor.cli.output import Output
+from supervisor.documents import read_certificate
+from supervisor.errors import NO_ROOM
 from supervisor.folder import discard_folder, record_failed, write_folder
-from supervisor.report.recorded import REPORT, RecordedRun, read_document, recorded_run
-from supervisor.run import Run, RunOptions, RunResult
+from supervisor.options import RunOptions
+from supervisor.report.recorded import REPORT, RecordedRun, recorded_run
+from supervisor.run import Run, RunResult
 
 #: What the operating system says when a log cannot grow.
-_NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EROFS)
+_CANNOT_GROW = (*NO_ROOM, errno.EROFS)
 
 
 class NeverBegan(Exception):
@@ -50,8 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def law_names() -> list[str]:
-    """Names of the registered control laws."""
-    return sorted(entry.name for entry in entry_points(group="railhil.laws"))
+    """Names of the registered control laws, in the order of every table."""
+    return in_order(entry.name for entry in entry_points(group="railhil.laws"))
 
 
 def check_law(name: str, key: str) -> None:
@@ -60,8 +64,10 @@ def check_law(name: str, key: str) -> None:
     :param key: the option that gave it.
     :raises InputError: there is no such law.
     """
-    if name not in law_names():
-        raise InputError("command line", key, name, ", ".join(law_names()))
+    known = law_names()
+    if name not in known:
+        nearest = nearest_key(name, known)
+        raise InputError("command line", key, name, ", ".join(known), f"did you mean {nearest}?" if nearest else None)
 
 
 def run_options(
@@ -130,11 +136,10 @@ def recorded(
 def as_recorded(folder: Path, run: Run, result: RunResult) -> RecordedRun:
     """A run that has just ended, as its folder has it."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
-    certificate = read_document(folder / "certificate.json")
-    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid)
+    return recorded_run(folder, read_certificate(folder) or {}, run.scenario, run.trace, result.score, invalid)
 
 
-def report_line(runs: Sequence[RecordedRun], folder: Path) -> str:
+def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
     """Write ``report.html``; the line that says where, or why there is none: the record is whole without it."""
     try:
         from supervisor.report.page import write_report
@@ -142,7 +147,7 @@ def report_line(runs: Sequence[RecordedRun], folder: Path) -> str:
         return f"no report: {error.name} is not installed (pip install 'railhil[report]')"
     path = folder / REPORT
     try:
-        write_report(runs, path)
+        write_report(runs, path, notes)
     except OSError as error:
         return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
     return f"report {path}"
@@ -155,7 +160,7 @@ def _executed(run: Run, folder: Path, made: bool) -> RunResult:
     except BaseException as error:
         if run.session.frames == 0:
             discard_folder(folder, made)
-        elif isinstance(error, OSError) and error.errno in _NO_ROOM:
+        elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
             raise record_failed(folder, error) from error
         raise
 

@@ -10,6 +10,7 @@ from bus.wholefile import whole_file
 from scenarios.errors import InputError, Words
 from supervisor.cli.output import Output
 from supervisor.cli.record import checked_record
+from supervisor.errors import not_written
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 #: A curve needs two points.
@@ -44,7 +45,6 @@ def work(namespace: argparse.Namespace) -> int:
         with whole_file(out) as draft:
             draw(record.scenario, record.trace, draft)
     except OSError as error:
-        allowed = f"a file that can be written ({(error.strerror or str(error)).lower()})"
-        raise InputError("command line", "--out", str(out), allowed) from None
+        raise not_written("--out", out, "file", error) from None
     Output().say(str(out))
     return 0

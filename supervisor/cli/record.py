@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,10 +11,10 @@ from dbc import wire_contract
 from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.model import Scenario
+from supervisor.documents import CERTIFICATE, read_certificate
 from supervisor.framelog import read_log, sha256_of
 from supervisor.trace import Trace, trace_of
 
-CERTIFICATE = "certificate.json"
 _BESIDE = "a certificate beside the log, or --scenario"
 
 
@@ -46,22 +45,6 @@ def log_path(text: str) -> Path:
     return log
 
 
-def _certificate(log: Path) -> dict[str, Any] | None:
-    """Certificate beside a log, None when there is none. Raises :class:`InputError` for one that is unreadable."""
-    path = log.parent / CERTIFICATE
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), _BESIDE) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(path, "file", Words("no JSON document"), _BESIDE, str(error)) from None
-    if not isinstance(document, dict):
-        raise InputError(path, "file", document, "a JSON object: " + _BESIDE)
-    return document
-
-
 def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     """The scenario that a log was recorded with: by name, else from the certificate beside the log.
 
@@ -70,13 +53,13 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     if name is not None:
         return load(name)
     path = log.parent / CERTIFICATE
-    document = _certificate(log)
+    document = read_certificate(log.parent, _BESIDE)
     if document is None:
         raise InputError(path, "file", Words("no such file (the run did not come to its end)"), _BESIDE)
-    scenario = document.get("scenario", Words("no such key"))
-    if not isinstance(scenario, str):
-        raise InputError(path, "scenario", scenario, _BESIDE)
-    return load(scenario)
+    scenario = document.get("scenario")
+    if scenario is None:
+        raise InputError(path, "scenario", Words("no such key"), _BESIDE)
+    return load(str(scenario))
 
 
 def checked_record(text: str, name: str | None) -> Record:
@@ -93,7 +76,7 @@ def checked_record(text: str, name: str | None) -> Record:
     scenario = _recorded_scenario(log, name)
     trace = _trace(log, scenario)
     try:
-        document = _certificate(log) or {}
+        document = read_certificate(log.parent, _BESIDE) or {}
     except InputError:
         if name is None:
             raise

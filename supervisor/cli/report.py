@@ -8,8 +8,8 @@ from pathlib import Path
 from scenarios.errors import InputError, Words
 from supervisor.cli.output import Output
 from supervisor.cli.record import checked_record
-from supervisor.compared import FILE_NAME as COMPARED
-from supervisor.compared import run_folders
+from supervisor.documents import read_comparison
+from supervisor.errors import not_written
 from supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from supervisor.score import score
 
@@ -33,7 +33,12 @@ def work(namespace: argparse.Namespace) -> int:
         found = Words(f"{error.name} is not installed")
         raise InputError("railhil report", "libraries", found, "pip install 'railhil[report]'") from None
     given = [Path(text) for text in namespace.folder]
-    folders = [folder for path in given for folder in (run_folders(path) if (path / COMPARED).is_file() else [path])]
+    folders: list[Path] = []
+    notes: list[str] = []
+    for path in given:
+        compared = read_comparison(path) if path.is_dir() else None
+        folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
+        notes += [] if compared is None else compared.get("notes", [])
     runs = [_run(folder, namespace.scenario) for folder in folders]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
@@ -46,10 +51,9 @@ def work(namespace: argparse.Namespace) -> int:
     else:
         out = Path(REPORT)
     try:
-        write_report(runs, out)
+        write_report(runs, out, list(dict.fromkeys(notes)))
     except OSError as error:
-        allowed = f"a file that can be written ({(error.strerror or str(error)).lower()})"
-        raise InputError("command line", "--out", str(out), allowed) from None
+        raise not_written("--out", out, "file", error) from None
     Output().say(str(out))
     return 0
 

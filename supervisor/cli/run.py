@@ -22,8 +22,8 @@ from supervisor.cli.execute import (
 from supervisor.cli.output import Output, print_json
 from supervisor.cli.show import print_result
 from supervisor.folder import run_folder, score_json
+from supervisor.options import RunOptions
 from supervisor.report.recorded import REPORT
-from supervisor.run import RunOptions
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -59,11 +59,12 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
         run, result = recorded(scenario, options, choice, folder, made, console, quiet)
-    report = "" if namespace.no_report else report_line([as_recorded(folder, run, result)], folder)
+    found = as_recorded(folder, run, result)
+    report = "" if namespace.no_report else report_line([found], folder)
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             console.say(report)
-        print_json(score_json(result, options))
+        print_json(score_json(scenario, result, options))
     else:
-        print_result(console, scenario, result, options, folder, report)
+        print_result(console, found, result, folder, report)
     return run.stopped_exit_code or result.exit_code

@@ -9,8 +9,10 @@ from rich.table import Table
 
 from scenarios.model import Scenario
 from supervisor.cli.output import Output, table
+from supervisor.report.facts import parameters_sentence
+from supervisor.report.recorded import RecordedRun
 from supervisor.report.table import COLUMNS, shown, value_of
-from supervisor.run import RunOptions, RunResult
+from supervisor.run import RunResult
 from supervisor.score import Score
 
 #: Below this width the columns stand one blank apart, so that no number is cut.
@@ -21,7 +23,7 @@ _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 def score_table(scenario: Scenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
     """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
     rows = table(tight)
-    rows.add_column("", no_wrap=True)
+    rows.add_column("")
     for column in COLUMNS:
         rows.add_column(column.heading, justify="right", no_wrap=True)
     for label, score in found:
@@ -44,16 +46,14 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def print_result(
-    console: Output, scenario: Scenario, result: RunResult, options: RunOptions, folder: Path, report: str
-) -> None:
+def print_result(console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str) -> None:
     """Table, run facts, verdict.
 
     :param report: the line on ``report.html``, empty when none was asked for.
     """
-    verdict = result.score.verdict if result.exit_code in (0, 1) else "INVALID"
-    tuned = " tuned" if options.parameters is not None else ""
-    print_scores(console, scenario, [(f"{options.controller}{tuned} {options.arithmetic} (measured)", result.score)])
+    scenario = run.scenario
+    print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
+    console.say(f"parameters: {parameters_sentence(run)}", style="dim")
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
     console.say(
@@ -72,4 +72,6 @@ def print_result(
     console.say(f"run folder {folder}")
     if report:
         console.say(report)
-    print_verdict(console, verdict, result.line)
+    if run.caution:
+        console.say(run.caution, style="bold yellow")
+    print_verdict(console, run.verdict, result.line)

@@ -8,15 +8,17 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any
 
 from bus.limits import limits_of
+from scenarios.parameters import DIGEST_DIGITS
 from supervisor.report.recorded import RecordedRun
 from supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
 
 _UNKNOWN = "not recorded"
+_NO_SCORE = f"{_UNKNOWN}: score.json is missing"
 #: Folders of an absolute path within a sentence; devices keep theirs.
 _FOLDERS = re.compile(r"(?<![\w./])/(?!dev/)(?:[^\s/:]+/)+")
 
@@ -56,26 +58,27 @@ def _telemetry(document: Any) -> str:
     """One sentence from the telemetry of ``score.json``."""
     if document is None:
         return "the controller has said nothing about its arithmetic"
-    try:
-        least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
-        if "source" in document:
-            return ShownTelemetry(tuple(document["happened"]), least, document["cycles"], ()).sentence()
-        return TelemetrySummary(**{**document, "least_headroom": least}).sentence()
-    except (TypeError, LookupError, ValueError):
-        return "cannot be read from score.json"
+    least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
+    if "source" in document:
+        return ShownTelemetry(tuple(document["happened"]), least, document["cycles"], ()).sentence()
+    names = [item.name for item in fields(TelemetrySummary)]
+    return TelemetrySummary(**{name: document[name] for name in names} | {"least_headroom": least}).sentence()
+
+
+def parameters_sentence(run: RecordedRun) -> str:
+    """Where the parameters come from with which the controller ran."""
+    given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
+    if not given:
+        return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
+    words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
+    if training := given.get("training"):
+        words += f", tuned on {len(training['seeds'])} runs of {training['scenario']}"
+    return words
 
 
 def _parameters(run: RecordedRun) -> str:
-    """Which parameters the controller ran with."""
-    given = run.certificate.get("parameters")
-    if not isinstance(given, dict):
-        return "the law's own defaults (the paper's, or a textbook's where it prints none)"
-    values = given.get("values")
-    names = [f"{name} = {value}" for name, value in values.items()] if isinstance(values, dict) else []
-    words = f"from a file, digest {str(given.get('sha256', '?'))[:8]}: {', '.join(names)}"
-    if run.seed_was_trained:
-        words += "; TUNED ON THIS VERY SEED, so the result is no evaluation"
-    return words
+    values = (run.certificate.get("parameters") or {}).get("values", {})
+    return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
 
 
 def _signed(run: RecordedRun) -> str:
@@ -88,25 +91,25 @@ def _signed(run: RecordedRun) -> str:
     )
 
 
-def _jitter(score_document: dict[str, Any]) -> list[tuple[str, str]]:
+def _timing(document: dict[str, Any]) -> list[tuple[str, str]]:
+    """Wall-clock figures of a realtime run, from ``score.json``."""
     rows = []
-    jitter, run = score_document.get("jitter"), score_document.get("run")
-    if isinstance(jitter, dict):
+    if jitter := document.get("jitter"):
         names = (("p50", "p50_ms"), ("p99", "p99_ms"), ("p99.9", "p999_ms"), ("max", "max_ms"))
-        text = ", ".join(f"{name} {jitter.get(key, float('nan')):.3f} ms" for name, key in names)
-        rows.append(("Jitter", f"lateness of {jitter.get('cycles')} cycles: {text}"))
-    if isinstance(run, dict) and run.get("wall_time_s"):
-        text = f"{run['sim_time_s']:.2f} s simulated in {run['wall_time_s']:.2f} s of wall time"
-        rows.append(("Wall time", text))
+        text = ", ".join(f"{name} {jitter[key]:.3f} ms" for name, key in names)
+        rows.append(("Jitter", f"lateness of {jitter['cycles']} cycles: {text}"))
+    if run := document.get("run"):
+        rows.append(("Wall time", f"{run['sim_time_s']:.2f} s simulated in {run['wall_time_s']:.2f} s of wall time"))
     return rows
 
 
 def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
     """All facts of one run, in reading order."""
-    certificate, scenario = run.certificate, run.scenario
+    certificate, scenario, document = run.certificate, run.scenario, run.score_document
 
     def said(key: str) -> str:
-        return str(certificate.get(key, _UNKNOWN))
+        found = certificate.get(key)
+        return _UNKNOWN if found is None else str(found)
 
     transport = said("transport")
     realtime = certificate.get("pace") == "realtime"
@@ -120,9 +123,9 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("Seed", said("seed")),
         ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
         ("Stopped", _signed(run)),
-        ("Arithmetic telemetry", _telemetry(run.score_document.get("telemetry"))),
+        ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
         ("Pacing", said("pace")),
-        *(_jitter(run.score_document) if realtime else ()),
+        *(_timing(document) if realtime else ()),
         ("Transport", _transport(transport)),
         ("Not modelled there", limits_of(transport)),
         ("Frames", said("frames")),

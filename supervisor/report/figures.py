@@ -15,6 +15,7 @@ from scenarios.model import Scenario
 from supervisor.report import panels
 from supervisor.report.panels import Drawn
 from supervisor.report.recorded import RecordedRun, curves
+from supervisor.report.styles import styles
 
 _WIDTH_IN = 8.5
 _LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
@@ -25,6 +26,8 @@ _LEGEND_IN, _ROW_IN, _GAP_IN = 0.2, 1.05, 0.3
 #: Height of one name in the picture of basis functions.
 _BASIS_IN = 0.18
 _LEGEND_COLUMNS = 4
+#: Room in a legend: for the piece of line with the blanks around it, and for a letter.
+_SAMPLE_IN, _LETTER_IN = 0.6, 0.075
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
 _IDENTIFIER = re.compile(r'(\bid="|url\(#|href="#)')
 
@@ -42,8 +45,8 @@ class Picture:
 def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
     """All figures of the report, in reading order; empty when no run got far enough to be drawn."""
     drawn = [
-        Drawn(run.label, number, curves(scenario, run.trace), run.score)
-        for number, run in enumerate(runs)
+        Drawn(run.label, style, curves(scenario, run.trace), run.score)
+        for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
         if run.can_be_drawn
     ]
     if not drawn:
@@ -79,8 +82,11 @@ def _svg(figure: Figure, name: str, title: str) -> str:
     return body.strip()
 
 
-def _rows(labels: int) -> int:
-    return -(-labels // _LEGEND_COLUMNS)
+def _legend(labels: Sequence[str]) -> tuple[int, int]:
+    """Columns that the longest name leaves room for, and rows."""
+    widest_in = _SAMPLE_IN + _LETTER_IN * max(map(len, labels))
+    columns = max(1, min(_LEGEND_COLUMNS, int((_WIDTH_IN - _LEFT_IN - _RIGHT_IN) / widest_in)))
+    return columns, -(-len(labels) // columns)
 
 
 def _axes(
@@ -97,13 +103,14 @@ def _axes(
 
 def _speed(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
     title = "Speed over distance"
-    head_in = _LEGEND_IN * _rows(len(runs) + 2) + 0.1
+    columns, legend_rows = _legend(["limit", "target", *(run.label for run in runs)])
+    head_in = _LEGEND_IN * legend_rows + 0.1
     close_in = 1.5 + _BOTTOM_IN + 0.1
     figure = Figure(figsize=(_WIDTH_IN, close_in + _BOTTOM_IN + 0.8 + 0.15 + 2.7 + head_in))
     low = _axes(figure, close_in + _BOTTOM_IN, 0.8)
     high = _axes(figure, close_in + _BOTTOM_IN + 0.8 + 0.15, 2.7, sharex=low)
     panels.speed_over_distance(high, scenario, runs)
-    panels.legend(high, _LEGEND_COLUMNS)
+    panels.legend(high, columns)
     panels.grade(low, scenario)
     high.tick_params(labelbottom=False)
     low.set(xlabel="distance (m)", xlim=(0, scenario.plan.distance_m * 1.01))
@@ -120,7 +127,8 @@ def _speed(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
 
 def _distance(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
     title = "Distance over time, and the stop"
-    head_in = _LEGEND_IN * _rows(len(runs) + 2) + 0.35
+    columns, legend_rows = _legend(["target", "target stop", "allowed", *(run.label for run in runs)])
+    head_in = _LEGEND_IN * legend_rows + 0.35
     figure = Figure(figsize=(_WIDTH_IN, _BOTTOM_IN + 2.9 + head_in))
     whole = _axes(figure, _BOTTOM_IN, 2.9, 0.0, 0.44)
     near = _axes(figure, _BOTTOM_IN, 2.9, 0.57, 0.43)
@@ -135,7 +143,7 @@ def _distance(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
         labels + [label for _, label in extra],
         loc="upper left",
         bbox_to_anchor=(_LEFT_IN / _WIDTH_IN, 1.0),
-        ncols=_LEGEND_COLUMNS,
+        ncols=columns,
         frameon=False,
         borderaxespad=0.2,
     )

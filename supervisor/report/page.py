@@ -16,10 +16,12 @@ from supervisor.report.recorded import RecordedRun, told_apart
 from supervisor.report.table import COLUMNS, rows
 
 
-def page(runs: Sequence[RecordedRun]) -> str:
+def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
     """The report of one run or of several of one scenario, as one HTML document without any outside reference.
 
     The same records give the same bytes: no date, no path, no wall-clock figure of a lockstep run.
+
+    :param notes: sentences on the comparison as a whole.
     """
     runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
     scenario = runs[0].scenario
@@ -35,6 +37,7 @@ def page(runs: Sequence[RecordedRun]) -> str:
     return environment.get_template("report.html.j2").render(
         scenario=scenario,
         runs=runs,
+        notes=notes,
         columns=COLUMNS,
         rows=rows(scenario, runs),
         facts=facts(runs),
@@ -44,11 +47,11 @@ def page(runs: Sequence[RecordedRun]) -> str:
     )
 
 
-def write_report(runs: Sequence[RecordedRun], out: Path) -> None:
+def write_report(runs: Sequence[RecordedRun], out: Path, notes: Sequence[str] = ()) -> None:
     """Write the report whole or not at all.
 
     :raises OSError: it cannot be written.
     """
-    text = page(runs)
+    text = page(runs, notes)
     with whole_file(out) as draft:
         draft.write_text(text, encoding="utf-8")

@@ -1,7 +1,4 @@
-"""What is drawn, one function per pair of axes; the pictures of ``railhil plot`` and the report are made of these.
-
-Laws differ by line style as well as by colour, so that a grey print tells them apart.
-"""
+"""What is drawn, one function per pair of axes; the pictures of ``railhil plot`` and the report are made of these."""
 
 from __future__ import annotations
 
@@ -20,20 +17,10 @@ from scenarios.model import Scenario
 from scenarios.target import Target
 from supervisor.measures import KMH, limits_under_train
 from supervisor.report.recorded import Curves
+from supervisor.report.styles import Style
 from supervisor.score import Score
 
 _POINTS = 800
-#: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points of line width.
-_STYLES: tuple[tuple[str, Any], ...] = (
-    ("#0072b2", "-"),
-    ("#d55e00", (0, (6, 1.5))),
-    ("#009e73", (0, (4, 1.5, 1, 1.5))),
-    ("#cc79a7", (0, (1.5, 1))),
-    ("#000000", (0, (9, 1.5, 1, 1.5, 1, 1.5))),
-    ("#e69f00", (0, (3, 3))),
-    ("#56b4e9", (0, (12, 3))),
-)
-_MARKERS = "osD^vPX"
 #: Half height of the picture of the stop, m: what it shows at least and at most.
 _STOP_MIN_M, _STOP_MAX_M = 0.4, 3.0
 #: Half width of a close view, as a share of the distance.
@@ -44,28 +31,12 @@ _BASES = ("step", "wavelet", "ramp")
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """One run ready to be drawn: its name, its place among the runs (which gives the style), and its curves."""
+    """One run ready to be drawn: its name, how it is told from the others, and its curves."""
 
     label: str
-    number: int
+    style: Style
     curves: Curves
     score: Score
-
-    @property
-    def style(self) -> dict[str, Any]:
-        """Colour and line style."""
-        colour, dashes = _STYLES[self.number % len(_STYLES)]
-        return {"color": colour, "linestyle": dashes, "linewidth": 1.2}
-
-    @property
-    def alone(self) -> dict[str, Any]:
-        """Style in axes of its own: the colour is enough."""
-        return {"color": self.style["color"], "linewidth": 0.9}
-
-    @property
-    def marker(self) -> str:
-        """Marker of single points."""
-        return _MARKERS[self.number % len(_MARKERS)]
 
 
 @contextmanager
@@ -107,7 +78,7 @@ def speed_over_distance(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -
         label="target",
     )
     for run in runs:
-        axes.plot(run.curves.position_m, run.curves.speed_kmh, label=run.label, **run.style)
+        axes.plot(run.curves.position_m, run.curves.speed_kmh, label=run.label, **run.style.line)
     axes.set(ylabel="speed (km/h)", ylim=(0, None))
 
 
@@ -139,7 +110,7 @@ def speed_near(axes: Axes, scenario: Scenario, runs: Sequence[Drawn], place_m: f
     axes.plot(np.asarray(target.position_m(planned_s)), wanted_kmh, color="0.75", linewidth=3.5)
     for run in runs:
         near = np.abs(run.curves.position_m - place_m) <= reach_m
-        axes.plot(run.curves.position_m[near], run.curves.speed_kmh[near], **run.style)
+        axes.plot(run.curves.position_m[near], run.curves.speed_kmh[near], **run.style.line)
     axes.set_xlim(place_m - reach_m, place_m + reach_m)
 
 
@@ -156,7 +127,7 @@ def grade(axes: Axes, scenario: Scenario) -> None:
 
 def speed_error(axes: Axes, run: Drawn) -> None:
     """Set-point minus speed over time (fig. 8 of the paper)."""
-    axes.plot(run.curves.time_s, run.curves.error_kmh, **run.alone)
+    axes.plot(run.curves.time_s, run.curves.error_kmh, **run.style.alone)
     axes.axhline(0, color="0.6", linewidth=0.6)
 
 
@@ -165,13 +136,13 @@ def notch(axes: Axes, run: Drawn) -> None:
     # Only where it changes, and at the end: it is sent 25 times in a control period.
     count = len(run.curves.notch)
     at = np.union1d(np.flatnonzero(np.diff(run.curves.notch, prepend=np.nan)), np.arange(count)[-1:])
-    axes.step(run.curves.notch_s[at], run.curves.notch[at], where="post", **run.alone)
+    axes.step(run.curves.notch_s[at], run.curves.notch[at], where="post", **run.style.alone)
     axes.axhline(0, color="0.6", linewidth=0.6)
 
 
 def force(axes: Axes, run: Drawn) -> None:
     """Traction (up) and brake force (down) over time."""
-    axes.plot(run.curves.time_s, run.curves.traction_kn - run.curves.brake_kn, **run.alone)
+    axes.plot(run.curves.time_s, run.curves.traction_kn - run.curves.brake_kn, **run.style.alone)
     axes.axhline(0, color="0.6", linewidth=0.6)
 
 
@@ -186,7 +157,7 @@ def basis(axes: Axes, run: Drawn, used: Sequence[int]) -> None:
     :param used: the rows of the picture, as :func:`bases` finds them.
     """
     row = np.searchsorted(np.asarray(used), run.curves.basis)
-    axes.step(run.curves.status_s, row, where="post", **run.alone)
+    axes.step(run.curves.status_s, row, where="post", **run.style.alone)
     axes.set_yticks(range(len(used)), [_basis_name(bits) for bits in used], fontsize=8)
     axes.set_ylim(-0.5, len(used) - 0.5)
 
@@ -200,7 +171,7 @@ def _basis_name(bits: int) -> str:
 
 def softening(axes: Axes, run: Drawn) -> None:
     """Softening factor and fuzzy satisfaction over time."""
-    axes.step(run.curves.status_s, run.curves.softening, where="post", label="softening factor α", **run.alone)
+    axes.step(run.curves.status_s, run.curves.softening, where="post", label="softening factor α", **run.style.alone)
     axes.step(
         run.curves.status_s,
         run.curves.satisfaction,
@@ -219,7 +190,7 @@ def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) ->
     planned_s = np.linspace(0.0, target.stop_time_s, _POINTS)
     axes.plot(planned_s, np.asarray(target.position_m(planned_s)), color="0.75", linewidth=3.5, label="target")
     for run in runs:
-        axes.plot(run.curves.time_s, run.curves.position_m, label=run.label, **run.style)
+        axes.plot(run.curves.time_s, run.curves.position_m, label=run.label, **run.style.line)
     _mark_stop(axes, scenario)
     axes.set(xlabel="time (s)", ylabel="distance (m)", ylim=(0, None), title="whole run")
 
@@ -264,13 +235,11 @@ def stop(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
     )
     for run in runs:
         near = np.abs(run.curves.time_s - plan.running_time_s) < 2 * half_s
-        axes.plot(run.curves.time_s[near], run.curves.position_m[near], **run.style)
+        axes.plot(run.curves.time_s[near], run.curves.position_m[near], **run.style.line)
         late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
         if late_s is not None and past_m is not None:
             point = (plan.running_time_s + late_s, plan.distance_m + past_m)
-            # Hollow: trains that stop in one place are all seen.
-            hollow = {"color": run.style["color"], "markerfacecolor": "none", "markeredgewidth": 1.5}
-            axes.plot(*point, run.marker, markersize=7 + 2 * (run.number % 3), zorder=4, **hollow)
+            axes.plot(*point, zorder=4, **run.style.marker)
     _mark_stop(axes, scenario)
     axes.set_xlim(plan.running_time_s - half_s, plan.running_time_s + half_s)
     axes.set_ylim(plan.distance_m - half_m, plan.distance_m + half_m)
@@ -294,5 +263,7 @@ def time_axis(axes: Axes, scenario: Scenario) -> None:
 
 
 def legend(axes: Axes, columns: int = 4) -> None:
-    """Legend above the axes, where no curve runs."""
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.2)
+    """Legend of lines above the axes, where no curve runs."""
+    axes.legend(
+        loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.2, markerscale=0
+    )

@@ -9,19 +9,20 @@ from matplotlib.figure import Figure
 from scenarios.model import Scenario
 from supervisor.report import panels
 from supervisor.report.recorded import curves
+from supervisor.report.styles import Style
 from supervisor.score import score
 from supervisor.trace import Trace
 
 
 def draw(scenario: Scenario, trace: Trace, out: Path) -> None:
     """Draw the run into a file whose bytes depend on the record alone (fixed ids, no date)."""
-    run = panels.Drawn("train", 0, curves(scenario, trace), score(scenario, trace))
+    run = panels.Drawn("train", Style(), curves(scenario, trace), score(scenario, trace))
     with panels.drawing():
         figure = Figure(figsize=(8.5, 7.0), layout="constrained")
         track, error, notch = figure.subplots(3, 1, height_ratios=(2.2, 1, 1))
         panels.speed_over_distance(track, scenario, [run])
         track.set(xlabel="distance (m)", title=scenario.title)
-        track.legend(loc="lower center", ncols=3, frameon=False)
+        track.legend(loc="lower center", ncols=3, frameon=False, markerscale=0)
         panels.speed_error(error, run)
         error.set(ylabel="speed error\n(km/h)")
         panels.notch(notch, run)

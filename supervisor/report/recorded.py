@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,9 @@ import numpy as np
 from bus.ident import INDEXINGS, CtlIdent
 from bus.telegrams import CtlStat, NotchCmd, SimTruth
 from scenarios.model import PublishedScore, Scenario
+from scenarios.parameters import DIGEST_DIGITS
 from scenarios.target import Target
+from supervisor.documents import read_score
 from supervisor.measures import KMH
 from supervisor.score import Score
 from supervisor.trace import FloatArray, Trace
@@ -52,31 +53,22 @@ class RecordedRun:
 
     @property
     def seed_was_trained(self) -> bool:
-        """True when the controller's parameters were tuned on this very run: then it is no evaluation."""
-        return seed_was_trained(self.certificate, self.scenario)
+        """True when the controller's parameters are known to be made from this very run: then it is no evaluation."""
+        return bool(self.certificate.get("seed_was_trained"))
+
+    @property
+    def caution(self) -> str:
+        """The sentence on a run that is no evaluation, empty for the others."""
+        if not self.seed_was_trained:
+            return ""
+        how = "tuned" if self.certificate.get("parameters") else "designed"
+        seed = self.certificate.get("seed")
+        return f"NOT AN EVALUATION: the parameters of {self.controller} were {how} on this very run, seed {seed}"
 
     @property
     def can_be_drawn(self) -> bool:
         """True when the train's state was recorded more than once."""
         return self.trace.count(SimTruth.PORT) >= _POINTS_MIN
-
-
-def read_document(path: Path) -> dict[str, Any]:
-    """JSON object in a file; empty when there is none that can be read."""
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return document if isinstance(document, dict) else {}
-
-
-def seed_was_trained(certificate: Mapping[str, Any], scenario: Scenario) -> bool:
-    """True when the certificate says that the parameters were tuned on the perturbed run that it certifies."""
-    parameters = certificate.get("parameters")
-    training = parameters.get("training") if isinstance(parameters, dict) else None
-    if not isinstance(training, dict) or not certificate.get("perturbed"):
-        return False
-    return training.get("scenario") == scenario.name and certificate.get("seed") in training.get("seeds", ())
 
 
 def recorded_run(
@@ -86,15 +78,17 @@ def recorded_run(
 
     :param certificate: of this run; empty when there is none, and then no document of the folder belongs to the log.
     :param invalid: why the bench could not be trusted, empty when it could.
+    :raises InputError: ``score.json`` is damaged.
     """
     verdict, line = score.verdict, "; ".join(score.failures)
     if invalid:
         verdict, line = "INVALID", invalid
-    label = str(certificate.get("controller", folder.name))
-    if certificate.get("parameters"):
-        label += " tuned (on this seed)" if seed_was_trained(certificate, scenario) else " tuned"
-    document = read_document(folder / "score.json") if certificate else {}
-    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document)
+    document = read_score(folder) if certificate else None
+    label = str(certificate.get("controller") or folder.name)
+    if parameters := certificate.get("parameters"):
+        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
+    label += " (on this seed)" if certificate.get("seed_was_trained") else ""
+    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {})
 
 
 def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:

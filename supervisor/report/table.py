@@ -36,7 +36,8 @@ COLUMNS = (
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A measured value and the published one, as text (empty: none); ``best``: the least of all measured values."""
+    """A measured value and the published one, as text (empty: none); ``best``: the least measured value of all runs
+    that are an evaluation."""
 
     measured: str
     published: str
@@ -66,14 +67,16 @@ def shown(value: float | None, digits: int) -> str:
 def _cell(run: RecordedRun, column: Column, best: str) -> Cell:
     text = shown(value_of(run.score, column), column.digits)
     row = run.published
-    return Cell(text, shown(value_of(row, column), column.published_digits) if row else "", text == best)
+    is_best = text == best and not run.seed_was_trained
+    return Cell(text, shown(value_of(row, column), column.published_digits) if row else "", is_best)
 
 
 def rows(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Row]:
     """Rows of the runs in their order, then the published rows of laws that were not run."""
     best = []
     for column in COLUMNS:
-        values = [value for run in runs if (value := value_of(run.score, column)) is not None]
+        judged = [run.score for run in runs if not run.seed_was_trained]
+        values = [value for score in judged if (value := value_of(score, column)) is not None]
         best.append(shown(min(values), column.digits) if len(values) > 1 else "")
     found = [
         Row(run.label, run.verdict, tuple(_cell(run, column, text) for column, text in zip(COLUMNS, best, strict=True)))

@@ -1,0 +1,62 @@
+"""Balises from the wire to the law: the telegram has 16 bits of the odometer, the law gets all of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from bus.layout import CHECK_CORRECT
+from bus.telegrams import BalisePassed
+from controller_node.laws.base import BaliseReading
+from controller_node.loop import NO_BALISE, limited_01mm
+
+_WORD_MM = 0x1_0000
+
+
+class Balises:
+    """The last balise that the law may use.
+
+    The low 16 bits say where the passing was modulo 65.536 m. It lies behind here and not behind the place where the
+    BALISE port was last heard, since the telegram of the balise before is repeated on the port's period: when that is
+    less than 65.536 m the bits say it exactly, otherwise the balise is not used. Before the first balise the port is
+    silent; the telegram of that one is taken to be not later than 65 m.
+
+    ``counters``: telegrams not used, by cause: ``balise_check`` (check variable not correct), ``balise_number`` (0 is
+    none), ``balise_late`` (the passing is not between the last telegram and here).
+    """
+
+    def __init__(self) -> None:
+        self.counters: Counter[str] = Counter()
+        #: For the law.
+        self.last: BaliseReading[int] = NO_BALISE
+        self._number = 0
+        # Where the port was last heard, the rearmost place that may have been; None before the first time.
+        self._heard_mm: int | None = None
+
+    def take(self, telegram: BalisePassed, here_01mm: int, within_01mm: int) -> None:
+        """Take a BALISE telegram that passed the traffic store.
+
+        :param here_01mm: position of the train, by its odometer.
+        :param within_01mm: by how much that may be off.
+        """
+        if telegram.check != CHECK_CORRECT:
+            self.counters["balise_check"] += 1
+            return
+        if telegram.balise_id == 0:
+            self.counters["balise_number"] += 1
+            return
+        here_mm, within_mm = here_01mm // 10, within_01mm // 10 + 1
+        before_mm, self._heard_mm = self._heard_mm, here_mm - within_mm
+        number_before, self._number = self._number, telegram.balise_id
+        if self._number in (number_before, self.last.number):
+            return
+        furthest_mm = _WORD_MM - 1 - within_mm
+        # What lies under the train that has not moved was read when it rolled in.
+        if before_mm is not None and here_mm > within_mm:
+            furthest_mm = here_mm - before_mm
+        behind_mm = (here_mm + within_mm - telegram.odometer_low_mm) % _WORD_MM - within_mm
+        if furthest_mm + within_mm >= _WORD_MM or behind_mm > furthest_mm:
+            self.counters["balise_late"] += 1
+            return
+        self.last = BaliseReading(
+            telegram.balise_id, limited_01mm(telegram.surveyed_mm), limited_01mm(here_mm - behind_mm)
+        )

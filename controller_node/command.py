@@ -1,0 +1,77 @@
+"""The command line of the controller process."""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import signal
+import sys
+from pathlib import Path
+
+from can.cli import add_bus_arguments
+
+from bus.ident import ARITHMETICS
+from bus.link import open_link
+from bus.select import choose_bus
+from bus.usage import OneLineParser, add_task_argument, parse
+from controller_node.controller import Controller
+from controller_node.laws import names
+from controller_node.node import ControllerNode, ControllerOptions, run_controller
+from controller_node.telemetry_file import check_writable, law_document, write_telemetry
+from scenarios.load import load
+from scenarios.parameters import load_parameters
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the controller node."""
+    parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
+    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
+    parser.add_argument(
+        "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
+    )
+    add_task_argument(parser)
+    add_bus_arguments(parser)
+    return parser
+
+
+def main() -> int:
+    """Serve one run; exit code 0 when it came to its end."""
+    namespace = parse(arguments())
+    scenario = load(namespace.scenario)
+    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
+    if namespace.check:
+        # First what the law is, then whether it can be had as it was asked for.
+        print(json.dumps(law_document(namespace.controller)), flush=True)
+        Controller(scenario, namespace.controller, namespace.arithmetic, namespace.indexing, parameters)
+        return 0
+    if namespace.telemetry is not None:
+        check_writable(namespace.telemetry)
+    choice = choose_bus(namespace)
+    print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
+    options = ControllerOptions(
+        namespace.controller,
+        namespace.arithmetic,
+        namespace.indexing,
+        choice.fd,
+        task_period_ms=namespace.task_period_ms,
+        bit_rate=getattr(namespace, "bitrate", None),
+        parameters=parameters,
+    )
+    node = ControllerNode(scenario, options)
+    link = open_link(choice.config)
+    gc.freeze()
+    gc.disable()
+    try:
+        return run_controller(node, link)
+    finally:
+        # Also when the run ended early: what was measured until then is evidence.
+        if namespace.telemetry is not None:
+            # When a node is lost the supervisor ends the others, also one that has noticed and is writing by now.
+            signal.signal(signal.SIGTERM, signal.SIG_IGN)
+            write_telemetry(node, namespace.telemetry)

@@ -1,0 +1,152 @@
+"""How far the controller trusts TRN_POS: the odometer beside a position reckoned from the speed, in whole numbers.
+
+The reckoned position goes on with the accepted speeds and follows the odometer with the time constant
+``FOLLOWING_NS``; a telegram that fits is one nearer to it than::
+
+    TOLERANCE_M + resolution + speed * hold age + what the reckoning itself may be off by
+
+The last part grows with time (resolution and noise of the speed) and with the age of the speed (``ACCEL_MAX_MPS2``) and
+shrinks as telegrams that fit come in. The law is given the odometer itself while the telegrams come on their period and
+fit; otherwise the reckoned position, until ``GOOD_RUN`` telegrams in a row have fitted. After ``RECKONING_MAX_NS`` of
+that the position is lost. Nothing makes the odometer right again but telegrams that fit: one that has jumped and then
+goes on evenly is as wrong as before.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from bus.layout import CHECK_CORRECT
+from bus.lifesign import LifeSign
+from bus.schedule import Schedule
+from bus.telegrams import TrnPos
+from controller_node.loop import POSITION_MAX_01MM, limited_01mm
+from scenarios.model import Scenario
+
+#: Longest time on a reckoned position (reaction to the loss of position only: 1 s, then service brake).
+RECKONING_MAX_NS = 1_000_000_000
+#: Telegrams in a row that must fit before the odometer counts again; as many as end the service brake.
+GOOD_RUN = 10
+#: With this time constant the reckoned position follows the odometer: a position that creeps away is off by the
+#: creep of so long.
+FOLLOWING_NS = 1_000_000_000
+#: Where a standing train with perfect sensors may seem to be off.
+TOLERANCE_M = 0.1
+#: No train gathers or loses speed faster: steel on steel gives 0.2 g.
+ACCEL_MAX_MPS2 = 2.0
+
+_NS_PER_S = 1_000_000_000
+_NS_PER_MS = 1_000_000
+
+
+class Odometer:
+    """Position for the law, and whether it can be relied upon.
+
+    Reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and 200 km fit into 64 bits.
+
+    ``counters``: TRN_POS telegrams refused, by cause: ``position_duplicate``, ``position_out_of_order``,
+    ``position_check`` (check variable not correct), ``position_jump`` (does not fit).
+
+    :param task_period_ns: between two readings of the mailboxes; a telegram may be older by that.
+    :param needed: False for a law that does not use the position: then it is never lost.
+    """
+
+    def __init__(self, scenario: Scenario, task_period_ns: int = 0, *, needed: bool = False) -> None:
+        timing, sensors = scenario.timing, scenario.sensors
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+        self.counters: Counter[str] = Counter()
+        self._needed = needed
+        self._in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns + task_period_ns
+        self._exact = round((TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
+        self._hold_ns = scenario.watch.hold_ms * _NS_PER_MS
+        self._speed_error_01mmps = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
+        self._accel_01mmps2 = round(ACCEL_MAX_MPS2 * 1e4)
+        self._life = LifeSign()
+        self._begun = False
+        self._heard = False
+        self._run = GOOD_RUN
+        # The last telegram that fitted (0.1 mm), when it came, and when the odometer was last believed.
+        self._reading_01mm = 0
+        self._fitted_ns = 0
+        self._trusted_ns = 0
+        # Reckoned position and what it may be off by, at which time; the last speed, and its time.
+        self._place = 0
+        self._slack = 0
+        self._at_ns = 0
+        self._speed_01mmps = 0
+        self._speed_ns = 0
+
+    def speed(self, speed_01mmps: int, at_ns: int) -> None:
+        """Take an accepted speed, measured at ``at_ns``."""
+        if not self._begun:
+            self._begun = True
+            self._at_ns = self._speed_ns = self._fitted_ns = self._trusted_ns = at_ns
+            self._speed_01mmps = speed_01mmps
+        self._reckon(at_ns)
+        # It went evenly from one reading to the other: the half of the difference is still missing.
+        self._place += (speed_01mmps - self._speed_01mmps) * max(at_ns - self._speed_ns, 0) // 2
+        self._speed_01mmps, self._speed_ns = speed_01mmps, at_ns
+
+    def position(self, telegram: TrnPos, at_ns: int) -> None:
+        """Take a TRN_POS telegram that passed the traffic store, received at ``at_ns``."""
+        life = self._life.judge(telegram.life)
+        if not life.fresh:
+            # No news: the odometer goes on ageing.
+            self.counters[f"position_{life.value}"] += 1
+            return
+        self._life.accept(telegram.life)
+        if telegram.check != CHECK_CORRECT:
+            self.counters["position_check"] += 1
+            self._run = 0
+            return
+        self._reckon(at_ns)
+        reading_01mm = limited_01mm(telegram.odometer_mm)
+        if not self._heard:
+            # The first one: there is nothing yet that it could contradict.
+            self._heard = True
+            self._place, self._fitted_ns = reading_01mm * _NS_PER_S, at_ns
+        off = reading_01mm * _NS_PER_S - self._place
+        if abs(off) > self._tolerance():
+            self.counters["position_jump"] += 1
+            self._run = 0
+            return
+        since_ns = max(at_ns - self._fitted_ns, 0)
+        share_ns = min(since_ns, FOLLOWING_NS)
+        self._place += off * share_ns // FOLLOWING_NS
+        self._slack -= self._slack * share_ns // FOLLOWING_NS
+        if since_ns > self._in_time_ns:
+            self._run = 0
+        self._run = min(self._run + 1, GOOD_RUN)
+        self._reading_01mm, self._fitted_ns = reading_01mm, at_ns
+        if self._run == GOOD_RUN:
+            self._trusted_ns = at_ns
+
+    def at(self, now_ns: int) -> int:
+        """Position for the law in 0.1 mm: the odometer, or what is reckoned in its place."""
+        if self._heard and self._run == GOOD_RUN and now_ns - self._fitted_ns <= self._in_time_ns:
+            return self._reading_01mm
+        return self.reckoned(now_ns)[0]
+
+    def reckoned(self, now_ns: int) -> tuple[int, int]:
+        """Reckoned position at ``now_ns``, and within what the odometer would fit; 0.1 mm."""
+        self._reckon(now_ns)
+        place_01mm = self._place // _NS_PER_S
+        return min(max(place_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
+
+    def lost(self, now_ns: int) -> bool:
+        """True when the law needs a position and has had none but a reckoned one for too long."""
+        return self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
+
+    def _tolerance(self) -> int:
+        return self._exact + self._speed_01mmps * self._hold_ns + self._slack
+
+    def _reckon(self, at_ns: int) -> None:
+        """Carry the position on with the last speed. A clock that was set back is waited for."""
+        step_ns = at_ns - self._at_ns
+        if step_ns <= 0 or not self._begun:
+            return
+        self._at_ns = at_ns
+        self._place += self._speed_01mmps * step_ns
+        if self._speed_01mmps:
+            changed_01mmps = self._accel_01mmps2 * max(at_ns - self._speed_ns, 0) // _NS_PER_S
+            self._slack += (self._speed_error_01mmps + changed_01mmps) * step_ns

@@ -1,0 +1,15 @@
+"""The order in which laws stand in every table, legend and list."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+#: As in Table 2 of Wang et al. (DOI 10.19650/j.cnki.cjsi.J2108765); the first is the one that the others are held
+#: against. Then ours; laws of other distributions follow by name.
+LAW_ORDER = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus")
+
+
+def in_order(names: Iterable[str]) -> list[str]:
+    """The names, each once: those of :data:`LAW_ORDER` in that order, then the others sorted."""
+    found = set(names)
+    return [name for name in LAW_ORDER if name in found] + sorted(found.difference(LAW_ORDER))
