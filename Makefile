@@ -56,7 +56,7 @@ $(VENV)/.installed: pyproject.toml | $(VENV)/bin/pip
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
-	$(BIN)/pip install -q --disable-pip-version-check -e '.[dev,plot,campaign,dask]'
+	$(BIN)/pip install -q --disable-pip-version-check -e '.[dev,report,campaign,dask]'
 	@touch $@ $(VENV)/.installed
 
 clean:

@@ -52,8 +52,8 @@ class _File(BaseModel):
 class ParameterSet:
     """Parameters of one law, as a file gives them.
 
-    ``training_seeds`` are those of perturbed runs on ``training_scenario`` that a search has seen: the parameters must
-    not be judged by them.
+    ``training_seeds`` are those of the perturbed runs on ``training_scenario`` that a search has seen: the parameters
+    must not be judged by them.
     """
 
     law: str
@@ -88,16 +88,19 @@ class ParameterSet:
             "training": training if self.training_seeds else None,
         }
 
-    def seen(self, scenario: str, seeds: Iterable[int]) -> list[int]:
-        """Those of the seeds whose perturbed runs on the scenario the search has seen, in order."""
-        return sorted(self.training_seeds.intersection(seeds)) if scenario == self.training_scenario else []
+    def seen(self, seeds: Iterable[int]) -> list[int]:
+        """Those of the seeds whose perturbed runs the search has seen, in order, whatever the scenario.
 
-    def check_unseen(self, scenario: str, seeds: Iterable[int]) -> None:
+        A seed draws the same mass, resistance, force and delay for every scenario, by whatever name.
+        """
+        return sorted(self.training_seeds.intersection(seeds))
+
+    def check_unseen(self, seeds: Iterable[int]) -> None:
         """Refuse to judge the parameters by runs that they were made from.
 
         :raises InputError: one of the seeds is a training seed.
         """
-        if seen := self.seen(scenario, seeds):
+        if seen := self.seen(seeds):
             raise InputError(
                 self.source,
                 "training.seeds",

@@ -24,6 +24,7 @@ from supervisor.options import RunOptions
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
+from supervisor.stopping import StopSignals
 from supervisor.telemetry import FILE_NAME as TELEMETRY
 from supervisor.telemetry import (
     LawOrigin,
@@ -127,15 +128,15 @@ class Run:
                 self._start(nodes)
                 link = self._open(nodes)
                 try:
-                    self._record(link, nodes)
+                    self._record_until_stopped(link, nodes)
                 except BusLost as error:
                     # A killed process closes its sockets a moment before it can be seen to have ended.
                     nodes.wait(("hub",), _REAP_S)
                     self._lost = self._who_died(nodes) or str(error)
-                except (KeyboardInterrupt, SystemExit) as stop:
+                except (KeyboardInterrupt, SystemExit) as stopped:
                     if not self.session.recording:
                         raise
-                    number = signal.SIGINT if isinstance(stop, KeyboardInterrupt) else signal.SIGTERM
+                    number = signal.SIGINT if isinstance(stopped, KeyboardInterrupt) else signal.SIGTERM
                     self.stopped_exit_code = 128 + number
                     self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
                 finally:
@@ -180,7 +181,17 @@ class Run:
         polls = [master_frame(contract.port(name).f_code, contract.port(name).address) for name in _ANSWERED]
         return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*polls, master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)]}
 
-    def _record(self, link: Link, nodes: Nodes) -> None:
+    def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
+        with StopSignals() as stop:
+            try:
+                self._record(link, nodes, stop)
+            except BusLost:
+                # Ctrl-C ends the other nodes too, and they may be quicker.
+                stop.check()
+                raise
+            stop.check()
+
+    def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self.session
         look_s = time.monotonic() + _LOOK_S
         opened_s = time.monotonic()
@@ -188,6 +199,7 @@ class Run:
         apart = self.options.pace == "lockstep" and bool(nodes.nodes)
         while session.ended is None:
             self._take(link, _LOOK_S)
+            stop.check()
             now_s = time.monotonic()
             if apart and session.recording:
                 nodes.keep_together()

@@ -134,11 +134,13 @@ class Plan:
                 yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
 
     def training(self, entry: Entry) -> list[int]:
-        """Seeds of the campaign on which the entry's parameters were tuned, or chosen where they are the law's own."""
-        if entry.parameters is not None:
-            return entry.parameters.seen(self.scenario.name, self.seeds)
+        """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen.
+
+        The latter also with a parameter file: what it does not name stays the law's own.
+        """
+        tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
         chosen = _law(entry.law).design_seeds.get(self.scenario.name, ())
-        return sorted(seed for seed in chosen if seed in self.seeds)
+        return sorted(tuned.union(seed for seed in chosen if seed in self.seeds))
 
     @property
     def subject(self) -> dict[str, Any]:
@@ -228,8 +230,8 @@ def make_plan(request: Request) -> Plan:
 def _check_unseen(plan: Plan, entry: Entry) -> None:
     """Refuse to judge parameters by runs that they were made from. Raises InputError."""
     if entry.parameters is not None:
-        entry.parameters.check_unseen(plan.scenario.name, plan.seeds)
-    elif seen := plan.training(entry):
+        entry.parameters.check_unseen(plan.seeds)
+    if seen := plan.training(entry):
         origin = _law(entry.law).parameters_origin
         found = Words(f"seed {seen[0]}, on which {entry.law}'s own parameters were chosen ({origin})")
         allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"

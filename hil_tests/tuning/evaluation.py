@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from rich.table import Table
 
+from controller_node.laws import load
 from hil_tests.batch import BatchResult, Case, run_batch
 from hil_tests.campaign.statistics import quantile
+from scenarios.errors import InputError, Words
 from scenarios.parameters import ParameterSet
 from supervisor.cli.output import Output, table
 
@@ -37,10 +39,19 @@ class Evaluation:
     tuned: BatchResult
 
 
-def check_seeds(given: ParameterSet, scenario: str, seeds: range, allow_training_seeds: bool) -> None:
-    """Refuse an evaluation on training runs. Raises InputError."""
-    if not allow_training_seeds:
-        given.check_unseen(scenario, seeds)
+def _designed_on(case: Case, seeds: range) -> list[int]:
+    """Seeds on which the law's own parameters were chosen: the file keeps those that it does not name."""
+    chosen = load(case.law).design_seeds.get(case.scenario.name, ())
+    return [seed for seed in chosen if seed in seeds]
+
+
+def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
+    """Refuse an evaluation on runs that the parameters, or the law's own, were made from. Raises InputError."""
+    given.check_unseen(seeds)
+    if designed := _designed_on(case, seeds):
+        found = Words(f"seed {designed[0]}, on which {case.law}'s own parameters were chosen")
+        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+        raise InputError("command line", "--first-seed", found, allowed)
 
 
 def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
@@ -49,10 +60,11 @@ def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds
     :param case: its parameters are not looked at.
     :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
     """
-    check_seeds(given, case.scenario.name, seeds, allow_training_seeds)
+    if not allow_training_seeds:
+        check_seeds(case, given, seeds)
     tuned = run_batch(replace(case, parameters=given), seeds)
     default = run_batch(replace(case, parameters=None), seeds)
-    return Evaluation(case, given, tuple(given.seen(case.scenario.name, seeds)), default, tuned)
+    return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
 
 
 def quantiles(result: BatchResult, score: str) -> list[float]:
@@ -69,7 +81,7 @@ def _title(found: Evaluation) -> str:
         f"{case.arithmetic}, indexed by {case.indexing}"
     )
     if found.seen:
-        title += f"\nTHESE ARE TRAINING RUNS: {len(found.seen)} of the seeds were used to tune the parameters"
+        title += f"\nTHESE ARE TRAINING RUNS: {len(found.seen)} of the seeds were used to make the parameters"
     return title
 
 
