@@ -8,7 +8,7 @@ ARGS   ?=
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
 
-.PHONY: run test test-fast lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
+.PHONY: run test test-fast test-vcan test-compose lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -21,6 +21,14 @@ test: lint $(VENV)/.installed-dev
 # Without the virtual machine and without Docker.
 test-fast: $(VENV)/.installed-dev
 	$(BIN)/pytest -q -m "not needs_socketcan and not needs_docker"
+
+# On kernel SocketCAN: the host's, else that of a throw-away virtual machine (root on Debian).
+test-vcan: $(VENV)/.installed-dev
+	$(BIN)/python -m hil_tests.everything vcan
+
+# docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
+test-compose: $(VENV)/.installed-dev
+	$(BIN)/python -m hil_tests.everything compose
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

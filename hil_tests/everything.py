@@ -1,13 +1,14 @@
-"""All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything``.
+"""All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything [PART ...]``.
 
-Three parts: what runs anywhere (with gcc, clang and Chromium installed where they are missing); kernel
-SocketCAN (the host's vcan0, else a throw-away virtual machine); a Docker engine (the host's, else a private one). A
+Parts: ``anywhere`` (with gcc, clang and Chromium installed where they are missing); ``vcan``, kernel SocketCAN (the
+host's, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's, else a private one). A
 capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous
 integration never skips silently.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import subprocess
 import sys
@@ -28,6 +29,7 @@ _PYTEST = [sys.executable, "-m", "pytest", "-q"]
 class Part:
     """One part: what it needs, and the command."""
 
+    key: str
     name: str
     command: list[str]
 
@@ -43,29 +45,45 @@ class Part:
 def parts() -> list[Part]:
     """The parts, in order; the machines wrap their pytest."""
     machine = [sys.executable, "-m"]
-    # Named by file: collecting all modules takes minutes in an emulated machine.
-    vcan = [*_PYTEST, "-p", "no:cacheprovider", "-m", "needs_socketcan", "hil_tests/test_vcan.py"]
+    # Named by folder: collecting all modules takes minutes in an emulated machine.
+    vcan = [*_PYTEST, "-p", "no:cacheprovider", "-m", "needs_socketcan", "hil_tests/vcan"]
     if not (vcan_available() and vcan_available("vcan1")):
         vcan = [*machine, "hil_tests.machines.vcan_vm", "--timeout", "1500", "--", *vcan]
     docker = [*machine, "hil_tests.machines.docker_engine", "--timeout", "1500", "--"]
     return [
-        Part("tests that run anywhere", [*_PYTEST, "-m", "not needs_socketcan and not needs_docker"]),
-        Part("kernel SocketCAN", vcan),
-        Part("Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/test_compose.py"]),
+        Part("anywhere", "tests that run anywhere", [*_PYTEST, "-m", "not needs_socketcan and not needs_docker"]),
+        Part("vcan", "kernel SocketCAN", vcan),
+        Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"]),
     ]
 
 
-def main() -> int:
-    """Run all parts; 0 when everything that could run passed and nothing that must run was missing."""
-    failed, missing = [], []
+def _install_tools() -> list[str]:
+    """Have compilers and a browser; names of what could not be had."""
+    missing = []
     for name, install in (("exported C", debian.install_compilers), ("report in a browser", debian.install_browser)):
         try:
             install()
         except (debian.CapabilityError, debian.MachineError) as error:
             debian.say(f"{name}: {error}")
             missing.append(name)
-    everything = parts()
-    for part in everything:
+    return missing
+
+
+def main() -> int:
+    """Run all parts, or those named; 0 when everything that could run passed and nothing that must run was missing."""
+    parser = argparse.ArgumentParser(prog="python -m hil_tests.everything")
+    every = parts()
+    parser.add_argument(
+        "part", nargs="*", metavar="PART", help=f"{', '.join(part.key for part in every)}; default: all"
+    )
+    wanted = parser.parse_args().part
+    for name in wanted:
+        if name not in [part.key for part in every]:
+            parser.error(f"found {name!r}, allowed: {', '.join(part.key for part in every)}")
+    chosen = [part for part in every if part.key in wanted or not wanted]
+    failed: list[str] = []
+    missing = _install_tools()
+    for part in chosen:
         code = part.run()
         if code == _NO_CAPABILITY:
             missing.append(part.name)
@@ -75,7 +93,7 @@ def main() -> int:
         print(f"MISSING CAPABILITY: {name}: its tests did NOT run on this machine", flush=True)
     for name in failed:
         print(f"FAILED: {name}", flush=True)
-    passed = len([part for part in everything if part.name not in (*failed, *missing)])
+    passed = len([part for part in chosen if part.name not in (*failed, *missing)])
     print(f"{passed} passed, {len(failed)} failed, {len(missing)} skipped", flush=True)
     return 1 if failed or (missing and os.environ.get("RAILHIL_REQUIRE_ALL")) else 0
 

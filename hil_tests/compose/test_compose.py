@@ -19,7 +19,7 @@ from supervisor.framelog import sha256_of
 
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
-_ROOT = Path(__file__).parents[1]
+_ROOT = Path(__file__).parents[2]
 _NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "docker")
 _FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "pyproject.toml", "README.md", "LICENSE")
 _SERVICES = {"bus", "results", "plant", "controller", "supervisor"}
