@@ -1,4 +1,4 @@
-"""All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything [PART ...]``.
+"""All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything [PART]``.
 
 Parts: ``anywhere`` (with gcc, clang and Chromium installed where they are missing); ``vcan``, kernel SocketCAN (the
 host's, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's, else a private one). A
