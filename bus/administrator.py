@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 
 from bus.clock import Pacer
-from bus.errors import PeerSilent
+from bus.errors import BusOccupied, PeerSilent
 from bus.frame import BRS, FD, Frame
 from bus.layout import Telegram
 from bus.link import Endpoint
@@ -120,14 +120,18 @@ class Administrator:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.
 
         :returns: the devices that did *not* answer.
+        :raises BusOccupied: somebody else polls on this bus.
         """
         missing = set(devices)
+        poll_id = wire_contract().poll_id
         deadline_ns = time.monotonic_ns() + timeout_ns
         while missing and time.monotonic_ns() < deadline_ns:
             self._endpoint.send([master_frame(F_DEVICE_STATUS, device) for device in sorted(missing)])
             round_ns = time.monotonic_ns() + interval_ns
             while missing and (remaining_ns := round_ns - time.monotonic_ns()) > 0:
                 for frame in self._endpoint.receive(remaining_ns / 1e9):
+                    if frame.can_id == poll_id and not frame.flags:
+                        raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
                     if frame.can_id == wire_contract().device_status_id:
                         answer = parse_device_status(frame.data)
                         if answer is not None:

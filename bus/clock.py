@@ -15,6 +15,8 @@ from dbc import wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16
+#: SimRate says "this fast or faster".
+_RATE_MAX_10TH = 255
 
 
 def to_time_sync(tick: int, base_tick_ns: int, **fields: int) -> TimeSync:
@@ -39,6 +41,7 @@ class BusClock:
     life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
     8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
     no clock frame since the last poll       the polls count on: they come on their period
+    nothing at all, the interface was out    :meth:`silence` counts on, by the wall clock and the pace of the run
     TIME_SYNC                                takes its absolute value
     ======================================== ========================================================================
 
@@ -48,7 +51,7 @@ class BusClock:
 
     __slots__ = (
         "_expected", "_flags", "_frame_tick", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
-        "base_tick_ns", "running", "tick",
+        "base_tick_ns", "rate", "running", "tick",
     )  # fmt: skip
 
     def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
@@ -67,6 +70,8 @@ class BusClock:
         self._poll_tick = 0
         self.tick = 0
         self.running = False
+        #: Pace by TIME_SYNC: simulated seconds per wall second; 0: lockstep, or not known.
+        self.rate = 0.0
 
     def feed(self, frame: Frame) -> bool:
         """Take a frame in bus order; True when it opened a new tick. A frame that the store refuses opens none."""
@@ -115,8 +120,17 @@ class BusClock:
         self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
         self._polls += 1
 
+    def silence(self, wall_ns: int) -> None:
+        """Nothing could be heard for ``wall_ns``: time has gone on at the pace of the run.
+
+        A hint like the polls: the next clock frame is taken for the nearest tick with its life sign.
+        """
+        if self.running:
+            self.tick += int(wall_ns * self.rate) // self.base_tick_ns
+
     def synchronise(self, telegram: TimeSync) -> None:
-        """Take the absolute tick of a TIME_SYNC telegram of the current tick."""
+        """Take pace and absolute tick of a TIME_SYNC telegram of the current tick."""
+        self.rate = telegram.rate_10th / 10 if telegram.rate_10th < _RATE_MAX_10TH else 0.0
         tick = from_time_sync(telegram, self.base_tick_ns)
         if tick == self.tick and self.running:
             return

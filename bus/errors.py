@@ -4,7 +4,8 @@
 
     BusError
      +-- BusUnavailable   the interface cannot be opened (missing, busy, no permission)
-     +-- BusLost          an open interface is gone (hub died, adapter unplugged)
+     |    +-- BusOccupied another bench is running on it
+     +-- BusLost          an open interface is gone for good (hub died, adapter did not come back)
      +-- PeerSilent       a lockstep answer did not come within the wall-clock watchdog
 """
 
@@ -17,6 +18,10 @@ class BusError(Exception):
 
 class BusUnavailable(BusError):
     """The interface cannot be opened. Example: no such vcan, socket path in use, no hub at the path."""
+
+
+class BusOccupied(BusUnavailable):
+    """Another bus administrator polls on this bus: two benches on one would spoil both."""
 
 
 class BusLost(BusError):

@@ -1,40 +1,53 @@
 """A node's connection to the bus: frames out, frames in, over any python-can interface.
 
 The same node code runs on the hub, on SocketCAN and on a serial adapter. Where the interface can move whole batches
-(the hub), the link uses that; elsewhere frame by frame.
+(the hub), the link uses that; elsewhere frame by frame. An adapter that fails does not end the node: the link waits for
+it (:mod:`bus.outage`) and opens it again. A hub that is gone ends it at once, because the run is gone with it.
 """
 
 from __future__ import annotations
 
+import contextlib
 import errno
+import sys
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import can
 
+from bus.errorframe import BUS_OFF, RESTARTED, describe
 from bus.errors import BusLost, BusUnavailable
-from bus.frame import Frame, from_message, to_message
+from bus.frame import ERROR, Frame, from_message, to_message
+from bus.outage import GIVE_UP_S, Outage
 
 #: A full transmit queue (ENOBUFS) is retried this often, this far apart; python-can raises it at once.
 _SEND_RETRIES = 40
 _SEND_RETRY_S = 0.0005
+#: Longest time that an interface may block in one attempt to send.
+_SEND_TIMEOUT_S = 0.02
+_FULL = (errno.ENOBUFS, errno.EAGAIN)
+#: What python-can and its drivers raise when an interface fails.
+FAILURES = (can.CanError, OSError)
 
 
 class Endpoint(Protocol):
     """What a node needs from its connection."""
 
+    #: Lockstep: a frame that meets a full queue or an interface that is down waits; else it is dropped and counted.
+    lossless: bool
+
     def send(self, frames: Sequence[Frame]) -> None:
         """Queue frames in this order.
 
-        :raises BusLost: when the interface is gone.
+        :raises BusLost: when the interface is gone for good.
         """
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """Frames in bus order, as many as have arrived; empty after ``timeout_s`` (None waits for ever).
 
-        :raises BusLost: when the interface is gone.
+        :raises BusLost: when the interface is gone for good.
         """
 
     def close(self) -> None:
@@ -45,66 +58,275 @@ class Link:
     """:class:`Endpoint` on a python-can bus.
 
     ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
-    the bounded retry; newest value wins, nothing stale is sent later).
+    the bounded retry, or interface down; newest value wins, nothing stale is sent later), ``rx_lost`` (receive buffer
+    overflowed, where the kernel says so), ``garbage`` (unreadable input of a serial adapter), ``error_frames``,
+    ``bus_off``, ``outages``.
+
+    :param reopen: opens the interface again after a failure; None: a failure is final.
+    :param say: takes one line when the interface goes and when it is back.
     """
 
-    def __init__(self, bus: can.BusABC) -> None:
+    def __init__(
+        self, bus: can.BusABC, reopen: Callable[[], can.BusABC] | None = None, say: Callable[[str], None] | None = None
+    ) -> None:
         self.bus = bus
+        self.lossless = False
         self.counters: Counter[str] = Counter()
+        self._reopen = reopen
+        self._say = say or (lambda line: None)
+        self._outage: Outage | None = None
+        # Frames that came while a send waited for the bus.
+        self._stash: list[Frame] = []
+        self._heard_ns = time.monotonic_ns()
+        self._was_out = False
+        self._gap_ns = 0
         self._send_batch: Any = getattr(bus, "send_frames", None)
         self._receive_batch: Any = getattr(bus, "recv_frames", None)
 
+    @property
+    def is_down(self) -> bool:
+        """True while the interface is gone or its controller chip is bus-off."""
+        return self._outage is not None
+
+    def take_gap_ns(self) -> int:
+        """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""
+        gap_ns, self._gap_ns = self._gap_ns, 0
+        return gap_ns
+
+    # -- sending --------------------------------------------------------------------------------------------------
+
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Endpoint.send`."""
-        try:
-            if self._send_batch is not None:
-                self._send_batch(frames)
-                self.counters["sent"] += len(frames)
-                return
-            for frame in frames:
-                self._send_one(to_message(frame))
-        except (can.CanError, OSError) as error:
-            raise BusLost(f"{self.bus.channel_info}: cannot send: {error}") from error
-
-    def _send_one(self, message: can.Message) -> None:
-        for _ in range(_SEND_RETRIES):
+        if self._send_batch is not None:
             try:
-                self.bus.send(message)
-            except can.CanOperationError as error:
-                if errno.ENOBUFS not in (error.error_code, getattr(error.__cause__, "errno", None)):
-                    raise
+                self._send_batch(frames)
+            except FAILURES as error:
+                raise self._lost(f"cannot send: {error}") from error
+            self.counters["sent"] += len(frames)
+            return
+        for frame in frames:
+            self._send_one(frame)
+
+    def _send_one(self, frame: Frame) -> None:
+        """Hand over one frame; it is dropped when it may not wait."""
+        attempts = 0
+        while self._outage is None or self._back_for_sending():
+            try:
+                self._put(frame)
+            except FAILURES as error:
+                if not _is_full(error):
+                    self._went_down(error, "send")
+                    continue
+                attempts += 1
                 self.counters["send_retries"] += 1
+                if attempts >= _SEND_RETRIES and not self.lossless:
+                    break
+                if attempts * _SEND_RETRY_S > GIVE_UP_S:
+                    raise self._lost(f"transmit queue full for {GIVE_UP_S:g} s") from error
                 time.sleep(_SEND_RETRY_S)
             else:
                 self.counters["sent"] += 1
                 return
         self.counters["send_dropped"] += 1
 
+    def _back_for_sending(self) -> bool:
+        """Whether a frame may be sent again; in lockstep that is waited for."""
+        while self.lossless and self._outage is not None:
+            self._stash += self._look_again(None)
+        return self._outage is None
+
+    def _put(self, frame: Frame) -> None:
+        """Hand one frame to the interface, once."""
+        self.bus.send(to_message(frame), timeout=_SEND_TIMEOUT_S)
+
+    # -- receiving ------------------------------------------------------------------------------------------------
+
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """See :meth:`Endpoint.receive`."""
-        try:
-            if self._receive_batch is not None:
-                frames: list[Frame] = self._receive_batch(timeout_s)
-            else:
-                message = self.bus.recv(timeout_s)
-                frames = [] if message is None else [from_message(message)]
-        except (can.CanError, OSError) as error:
-            raise BusLost(f"{self.bus.channel_info}: cannot receive: {error}") from error
-        self.counters["received"] += len(frames)
+        if self._receive_batch is not None:
+            try:
+                batch: list[Frame] = self._receive_batch(timeout_s)
+            except FAILURES as error:
+                raise self._lost(f"cannot receive: {error}") from error
+            self.counters["received"] += len(batch)
+            return batch
+        if self._stash:
+            frames, self._stash = self._stash, []
+            return frames
+        if self._outage is not None and not self._outage.bus_off:
+            return self._look_again(timeout_s)
+        frames = self._heard(timeout_s)
+        if self._outage is not None and self._outage.hopeless:
+            raise self._lost(self._outage.reason)
         return frames
+
+    def _heard(self, timeout_s: float | None) -> list[Frame]:
+        """Frames of an open interface, counted and looked at for what they say of it."""
+        try:
+            frames = self._get(timeout_s)
+        except FAILURES as error:
+            self._went_down(error, "receive")
+            return []
+        if frames:
+            self.counters["received"] += len(frames)
+            now_ns = time.monotonic_ns()
+            if self._was_out:
+                self._was_out = False
+                self._gap_ns += now_ns - self._heard_ns
+            self._heard_ns = now_ns
+            if self._outage is not None or any(frame[2] & ERROR for frame in frames):
+                self._look_at(frames)
+        return frames
+
+    def _get(self, timeout_s: float | None) -> list[Frame]:
+        """What has arrived, or nothing at the time-out."""
+        try:
+            message = self.bus.recv(timeout_s)
+        except (ValueError, IndexError):
+            # A serial line can say anything; python-can's readers do not expect that, and keep it in their buffer.
+            self.counters["garbage"] += 1
+            if hasattr(self.bus, "flush"):
+                self.bus.flush()
+            return []
+        return [] if message is None else [from_message(message)]
+
+    def _look_at(self, frames: list[Frame]) -> None:
+        """Take notice of error frames, and of a bus that speaks again."""
+        for frame in frames:
+            if not frame.flags & ERROR:
+                if self._outage is not None:
+                    self._came_back()
+                continue
+            self.counters["error_frames"] += 1
+            if frame.can_id & BUS_OFF:
+                self.counters["bus_off"] += 1
+                if self._outage is None:
+                    self._go_out(Outage("bus-off: too many errors on the wire; waiting for its restart", bus_off=True))
+            elif frame.can_id & RESTARTED:
+                if self._outage is not None:
+                    self._came_back()
+            elif self.counters["error_frames"] == 1:
+                self._say(f"{self.where}: error frame: {describe(frame)} (said once, all are counted)")
+
+    # -- outages --------------------------------------------------------------------------------------------------
+
+    @property
+    def where(self) -> str:
+        """The interface, as it stands in messages."""
+        return str(self.bus.channel_info)
+
+    def _lost(self, reason: str) -> BusLost:
+        return BusLost(f"{self.where}: {reason}")
+
+    def _went_down(self, error: BaseException, action: str) -> None:
+        """The interface has failed.
+
+        :raises BusLost: it cannot be opened again.
+        """
+        text = " ".join(str(error).split()) or type(error).__name__
+        if self._reopen is None:
+            raise self._lost(f"cannot {action}: {text}") from error
+        if self._outage is None:
+            self._go_out(Outage(text))
+        else:
+            # Bus-off, and now the interface itself.
+            self._outage.bus_off = False
+
+    def _go_out(self, outage: Outage) -> None:
+        self.counters["outages"] += 1
+        self._outage = outage
+        self._say(f"{self.where} is down ({outage.reason}); nothing is sent, waiting up to {GIVE_UP_S:g} s")
+
+    def _came_back(self) -> None:
+        assert self._outage is not None
+        self._say(f"{self.where} is back after {self._outage.lasted_s:.2f} s")
+        self._outage = None
+        self._was_out = True
+
+    def _look_again(self, timeout_s: float | None) -> list[Frame]:
+        """Wait for the interface, at most until the next look; what a bus-off interface has to say meanwhile.
+
+        :raises BusLost: it has been away for too long.
+        """
+        outage = self._outage
+        assert outage is not None
+        if outage.hopeless:
+            raise self._lost(f"{outage.reason}; not back within {GIVE_UP_S:g} s")
+        wait_s = outage.until_look_s()
+        if outage.bus_off:
+            frames = self._heard(max(wait_s, 0.01))
+            outage.looked()
+            return frames
+        if timeout_s is not None and timeout_s < wait_s:
+            time.sleep(timeout_s)
+            return []
+        time.sleep(wait_s)
+        if self._try_again():
+            self._came_back()
+        else:
+            outage.looked()
+        return []
+
+    def _try_again(self) -> bool:
+        """Open the interface anew; False while it is not to be had."""
+        assert self._reopen is not None
+        with contextlib.suppress(Exception):
+            # A half-dead driver may raise anything at its end.
+            self.bus.shutdown()
+        try:
+            self.bus = self._reopen()
+        except Exception:
+            # So may one that is only just being plugged in; the reason of the outage has been said.
+            return False
+        return True
 
     def close(self) -> None:
         """See :meth:`Endpoint.close`."""
+        if self._outage is not None and not self._outage.bus_off:
+            with contextlib.suppress(Exception):
+                # It is gone anyway, and so may be what its driver needs to say goodbye.
+                self.bus.shutdown()
+            return
         self.bus.shutdown()
 
 
-def open_link(config: dict[str, Any]) -> Link:
+def _is_full(error: BaseException) -> bool:
+    """Whether a failed send means a full transmit queue, on a real adapter or on a serial line that does not drain."""
+    codes = {getattr(each, name, None) for each in (error, error.__cause__) for name in ("errno", "error_code")}
+    if codes & set(_FULL) or isinstance(error, can.CanTimeoutError):
+        return True
+    return type(error.__cause__).__name__ == "SerialTimeoutException"
+
+
+def open_link(config: dict[str, Any], name: str = "bus") -> Link:
     """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
 
+    :param name: the node, which begins each line about an outage on standard error.
     :raises BusUnavailable: one line that names interface and channel.
     """
+
+    def reopen() -> can.BusABC:
+        return can.Bus(**config)
+
+    def say(line: str) -> None:
+        # A closed standard error is no reason to stop.
+        with contextlib.suppress(OSError):
+            print(f"{name}: {line}", file=sys.stderr, flush=True)
+
     try:
-        return Link(can.Bus(**config))
+        bus = reopen()
+        if hasattr(bus, "send_frames"):
+            return Link(bus)
+        if type(bus).__name__ == "SocketcanBus":
+            from bus.kernel import KernelLink
+
+            return KernelLink(bus, reopen, say)
+        if isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int):
+            # A serial adapter on this machine; one behind socket:// or on Windows goes python-can's way.
+            from bus.slcan import SlcanLink
+
+            return SlcanLink(bus, reopen, say)
+        return Link(bus, reopen, say)
     except (can.CanError, OSError, ValueError, ImportError, TypeError) as error:
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__

@@ -19,6 +19,7 @@ class LocalBus:
     def __init__(self, nodes: Sequence[Callable[[Frame], list[Frame]]]) -> None:
         self._nodes = list(nodes)
         self._inbox: list[Frame] = []
+        self.lossless = True
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Deliver frames to every node; answers reach the administrator and the other nodes in bus order."""

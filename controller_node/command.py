@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import gc
 import json
 import signal
 import sys
@@ -13,8 +12,9 @@ from can.cli import add_bus_arguments
 
 from bus.ident import ARITHMETICS
 from bus.link import open_link
+from bus.realtime import cycle
 from bus.select import choose_bus
-from bus.usage import OneLineParser, add_task_argument, parse
+from bus.usage import OneLineParser, add_priority_argument, add_task_argument, parse
 from controller_node.controller import Controller
 from controller_node.laws import names
 from controller_node.node import ControllerNode, ControllerOptions, run_controller
@@ -36,6 +36,7 @@ def arguments() -> argparse.ArgumentParser:
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
     add_task_argument(parser)
+    add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
     return parser
 
@@ -64,11 +65,10 @@ def main() -> int:
         parameters=parameters,
     )
     node = ControllerNode(scenario, options)
-    link = open_link(choice.config)
-    gc.freeze()
-    gc.disable()
+    link = open_link(choice.config, "controller")
     try:
-        return run_controller(node, link)
+        with cycle("controller", namespace.realtime_priority):
+            return run_controller(node, link)
     finally:
         # Also when the run ended early: what was measured until then is evidence.
         if namespace.telemetry is not None:

@@ -92,10 +92,14 @@ class Guard:
             ),
         )
 
+    def look(self, now_ns: int) -> None:
+        """Look at the age of the last speed, at ``now_ns``."""
+        self._observe(Telegram.NONE, now_ns)
+
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""
         # Also in the tick of a good telegram: the limit may have come after it.
-        self._observe(Telegram.NONE, now_ns)
+        self.look(now_ns)
         elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS
         self._sent_ns = now_ns
         self._state, code, emergency = command(self._ladder, self._state, law_code, elapsed_ms)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from bus.errors import PeerSilent
 from bus.ident import CtlIdent, Ident, Role, make_ident
 from bus.layout import Telegram, flag
-from bus.link import Endpoint
+from bus.link import Link
 from bus.responder import Responder
 from bus.schedule import Schedule
 from bus.telegrams import (
@@ -157,6 +157,16 @@ class ControllerNode:
         watched = (self._store, self.guard, self._odometer, self._balises, self.receiver)
         return {cause: count for part in watched for cause, count in part.counters.items()}
 
+    @property
+    def lockstep(self) -> bool:
+        """True while nothing says that time goes on by the wall clock."""
+        return not self._clock.rate
+
+    def was_out(self, wall_ns: int) -> None:
+        """The interface was out for ``wall_ns``, now frames come again: the watch must see how old the speed is."""
+        self._clock.silence(wall_ns)
+        self.guard.look(self._clock.now_ns)
+
     def _committed(self, port: str) -> None:
         if port == TrnSpeed.PORT:
             speed, _ = self._store.read(TrnSpeed, self._clock.now_ns)
@@ -243,8 +253,8 @@ class ControllerNode:
         return self._ident
 
 
-def serve(node: ControllerNode, endpoint: Endpoint) -> None:
-    """Answer the bus administrator until the run has ended.
+def serve(node: ControllerNode, endpoint: Link) -> None:
+    """Answer the bus administrator until the run has ended, also over outages of the interface.
 
     :raises BusLost: the bus is gone.
     :raises PeerSilent: nothing came for too long.
@@ -253,18 +263,24 @@ def serve(node: ControllerNode, endpoint: Endpoint) -> None:
     patience_s = FIRST_FRAME_S
     while node.ended is None:
         frames = endpoint.receive(0.5)
+        if gap_ns := endpoint.take_gap_ns():
+            node.was_out(gap_ns)
         for frame in frames:
             answers = node.handle(frame)
             if answers:
+                endpoint.lossless = node.lockstep
                 endpoint.send(answers)
         now_s = time.monotonic()
         if frames:
             heard_s, patience_s = now_s, SILENCE_S
+        elif endpoint.is_down:
+            # The link itself gives up after a time.
+            heard_s = now_s
         elif now_s - heard_s > patience_s:
             raise PeerSilent(f"controller waits for the bus administrator: no frame for {patience_s:g} s")
 
 
-def run_controller(node: ControllerNode, endpoint: Endpoint) -> int:
+def run_controller(node: ControllerNode, endpoint: Link) -> int:
     """Serve one run on an open endpoint; returns an exit code."""
     try:
         serve(node, endpoint)

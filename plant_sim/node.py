@@ -21,6 +21,7 @@ from dbc import Port, wire_contract
 from plant_sim.gate import CommandGate
 from plant_sim.plant import Plant, PlantError
 from plant_sim.telegrams import TrainTelegrams
+from plant_sim.timing import MISSED_NS, PlantTiming
 from scenarios.model import Scenario
 from scenarios.perturb import perturbed
 
@@ -69,6 +70,9 @@ class PlantNode:
         )
         self._tick_ns = self.scenario.timing.base_tick_ns
         self._pacer = Pacer(options.rate)
+        #: None in lockstep, which has no deadlines.
+        self.timing = PlantTiming() if options.rate else None
+        endpoint.lossless = not options.rate
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -159,7 +163,9 @@ class PlantNode:
         plant = self.plant
         stop_tick: int | None = None
         while self._ended is None:
-            self._pacer.wait(plant.tick * self._tick_ns)
+            lateness_ns = self._pacer.wait(plant.tick * self._tick_ns)
+            if self.timing is not None:
+                self.timing.began(plant.tick, lateness_ns)
             stopped = self._tick()
             if stopped and stop_tick is None:
                 stop_tick = plant.tick
@@ -206,6 +212,7 @@ class PlantNode:
         return stopped
 
     def _poll(self, port: Port) -> None:
+        polled_ns = time.monotonic_ns()
         try:
             answered = self.administrator.poll(port)
         except PeerSilent as silence:
@@ -214,8 +221,10 @@ class PlantNode:
             # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
             self._controller_lost = str(silence)
             return
+        now_wall_ns = time.monotonic_ns()
+        if self.timing is not None:
+            self.timing.polled(self.plant.tick, port.name, now_wall_ns - polled_ns if answered else MISSED_NS)
         if port is self._sup_port:
-            now_wall_ns = time.monotonic_ns()
             if answered:
                 self._supervisor_heard_ns = now_wall_ns
             elif now_wall_ns - self._supervisor_heard_ns > WATCHDOG_NS:
@@ -276,13 +285,3 @@ class PlantNode:
             if self._controller_lost or self._status_tick == self.plant.tick:
                 return
             self._poll(self._stat_port)
-
-
-def run_plant(scenario: Scenario, options: PlantOptions, endpoint: Endpoint) -> int:
-    """Run the plant to its end on an open endpoint; returns an exit code."""
-    try:
-        node = PlantNode(scenario, options, endpoint)
-        node.run()
-    finally:
-        endpoint.close()
-    return 0

@@ -7,19 +7,16 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
-from bus.errors import BusLost, BusUnavailable
+from bus.errors import BusLost
 from bus.exitcodes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from bus.ident import Role, SupIdent
-from bus.link import Link, open_link
-from bus.mvb import F_DEVICE_STATUS, master_frame
+from bus.link import Link
 from bus.order import BusOrder
 from bus.select import HUB_INTERFACE, BusChoice
-from bus.telegrams import Event, SupCmd
-from dbc import wire_contract
+from bus.telegrams import Event
 from scenarios.model import Scenario
 from supervisor.framelog import FrameLog, read_log
+from supervisor.join import open_recorder, refuse_occupied
 from supervisor.options import RunOptions
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
@@ -45,9 +42,6 @@ _LOOK_S = 0.05
 _REAP_S = 1.0
 #: The plant knows better who is missing: it may give up first.
 _LATER_S = 2.0
-#: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
-_BULK_FRAMES = 64
-_ANSWERED = (SupCmd.PORT, SupIdent.PORT)
 
 
 @dataclass(slots=True)
@@ -125,8 +119,7 @@ class Run:
         started_ns = process_start_ns()
         try:
             with Nodes(self.folder) as nodes:
-                self._start(nodes)
-                link = self._open(nodes)
+                link = self._join(nodes)
                 try:
                     self._record_until_stopped(link, nodes)
                 except BusLost as error:
@@ -144,15 +137,30 @@ class Run:
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), AFTER_LOSS_S)
-                line, refused = self._verdict_line(nodes)
+                line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
         return self._result(started_ns, sha256, counters, line, refused)
 
-    def _start(self, nodes: Nodes) -> None:
-        bus, options = self.choice.arguments, self.options
+    def _join(self, nodes: Nodes) -> Link:
+        """Start the nodes and open the bus; a bus that is there already is looked at first."""
+        lockstep = self.options.pace == "lockstep"
         if self.choice.needs_hub:
             nodes.start("hub", "bus.hub", ["-c", self.choice.config["channel"], "--once"])
+        elif not self.options.attach:
+            link = open_recorder(self.choice, nodes, lockstep)
+            try:
+                refuse_occupied(link, self.choice)
+                self._start(nodes)
+            except BaseException:
+                link.close()
+                raise
+            return link
+        self._start(nodes)
+        return open_recorder(self.choice, nodes, lockstep)
+
+    def _start(self, nodes: Nodes) -> None:
+        bus, options = self.choice.arguments, self.options
         if options.attach:
             return
         plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
@@ -161,25 +169,6 @@ class Run:
         task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
         law = [*options.law_arguments, *task, "--telemetry", str(self.folder / TELEMETRY)]
         nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
-
-    def _open(self, nodes: Nodes) -> Link:
-        try:
-            return open_link(self.choice.config | self._bulk_reading())
-        except BusUnavailable:
-            for node in nodes.ended():
-                raise BusUnavailable(node.last_words()) from None
-            raise
-        except Exception as error:
-            # An interface without its driver library raises anything (kvaser: NameError).
-            raise BusUnavailable(f"bus {self.choice.transport} cannot be opened: {error}") from error
-
-    def _bulk_reading(self) -> dict[str, Any]:
-        """On the hub in lockstep, take frames in bulk and be woken at once only for the polls to answer."""
-        if self.choice.config.get("interface") != HUB_INTERFACE or self.options.pace != "lockstep":
-            return {}
-        contract = wire_contract()
-        polls = [master_frame(contract.port(name).f_code, contract.port(name).address) for name in _ANSWERED]
-        return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*polls, master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)]}
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
         with StopSignals() as stop:
@@ -236,6 +225,8 @@ class Run:
     def _take(self, link: Link, timeout_s: float) -> bool:
         """Hand what has arrived to the recorder and send its answers; False when nothing came."""
         frames = arrived = link.receive(timeout_s)
+        if gap_ns := link.take_gap_ns():
+            self.session.was_out(gap_ns)
         if self._order is not None:
             frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
         for frame in frames:
@@ -251,14 +242,22 @@ class Run:
         at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
         return f"{dead[0].role} lost {at}: {dead[0].last_words()}"
 
-    def _verdict_line(self, nodes: Nodes) -> tuple[str, bool]:
+    def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without score, and whether it was refused for bad input."""
         refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
         if refusals:
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.disagreements) or "the plant did not start the run", True
-        return self._lost, False
+        return self._lost or self._hole(counters), False
+
+    def _hole(self, counters: dict[str, int]) -> str:
+        """Why the record is not whole, if it is not."""
+        if lost := counters.get("rx_lost"):
+            return f"record: {lost} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
+        if self.session.unheard_ns and self.options.pace == "realtime":
+            return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
+        return ""
 
     def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
         session = self.session

@@ -54,6 +54,8 @@ class Session:
         self.last_poll_ns = 0
         self.frames = 0
         self.recording = False
+        #: Wall time for which the recorder's interface was out during the record.
+        self.unheard_ns = 0
         self._ending: Event | None = None
         self._write = write
         self._on_progress = on_progress
@@ -96,6 +98,12 @@ class Session:
         """Monotonic wall time of the plant's last sign of life: its newest tick, or the start of the record."""
         return max(self.first_frame_ns, self.wall_ns[-1] if self.wall_ns else 0)
 
+    def was_out(self, wall_ns: int) -> None:
+        """The interface was out for ``wall_ns``: time went on, and the record has a hole."""
+        if self.recording:
+            self.unheard_ns += wall_ns
+        self._clock.silence(wall_ns)
+
     @property
     def counters(self) -> dict[str, int]:
         """Telegrams that the supervisor itself refused, by cause."""
@@ -119,14 +127,17 @@ class Session:
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
+        scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
         if not self.recording and frame.can_id in self._opening_ids:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
+        if not self.recording and not scan:
+            # A run that began without this supervisor is somebody else's.
+            return []
         answers = self._responder.handle(frame)
         if answers:
             # The plant's last poll comes after its last event: only then is everything here.
             self.ended = self._ending
-        scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
         if self.recording and not scan:
             # The device status scan goes on until all nodes are there: bus management, not part of the record.
             for item in (frame, *answers):
