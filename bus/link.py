@@ -28,6 +28,7 @@ _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.02
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
+_TROUBLE = ("outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage")
 #: What python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)
 
@@ -87,6 +88,12 @@ class Link:
     def is_down(self) -> bool:
         """True while the interface is gone or its controller chip is bus-off."""
         return self._outage is not None
+
+    def tell_trouble(self) -> None:
+        """Say what went wrong on this connection, if anything did: for the end of a node."""
+        found = [f"{key} {self.counters[key]}" for key in _TROUBLE if self.counters[key]]
+        if found:
+            self._say(f"{self.where}: {', '.join(found)}")
 
     def take_gap_ns(self) -> int:
         """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""

@@ -286,4 +286,5 @@ def run_controller(node: ControllerNode, endpoint: Link) -> int:
         serve(node, endpoint)
     finally:
         endpoint.close()
+        endpoint.tell_trouble()
     return 0

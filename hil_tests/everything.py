@@ -23,6 +23,7 @@ _ROOT = Path(__file__).resolve().parent.parent
 #: Exit code of the machines when this host cannot have the capability.
 _NO_CAPABILITY = 77
 _PYTEST = [sys.executable, "-m", "pytest", "-q"]
+_ANYWHERE = "not needs_socketcan and not needs_docker"
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,13 +46,15 @@ class Part:
 def parts() -> list[Part]:
     """The parts, in order; the machines wrap their pytest."""
     machine = [sys.executable, "-m"]
+    # A file at a time on each core: what a module's tests share is made once.
+    side_by_side = ["-n", str(len(os.sched_getaffinity(0))), "--dist", "loadfile"]
     # Named by folder: collecting all modules takes minutes in an emulated machine.
     vcan = [*_PYTEST, "-p", "no:cacheprovider", "-m", "needs_socketcan", "hil_tests/vcan"]
     if not (vcan_available() and vcan_available("vcan1")):
         vcan = [*machine, "hil_tests.machines.vcan_vm", "--timeout", "1500", "--", *vcan]
     docker = [*machine, "hil_tests.machines.docker_engine", "--timeout", "1500", "--"]
     return [
-        Part("anywhere", "tests that run anywhere", [*_PYTEST, "-m", "not needs_socketcan and not needs_docker"]),
+        Part("anywhere", "tests that run anywhere", [*_PYTEST, *side_by_side, "-m", _ANYWHERE]),
         Part("vcan", "kernel SocketCAN", vcan),
         Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"]),
     ]
