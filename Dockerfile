@@ -12,10 +12,13 @@ RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["
 print("\n".join(p["dependencies"] + p["optional-dependencies"]["report"]))' >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
 COPY . ./
-# pip itself and the libraries' own test suites have no use at run time (a third of the size).
+# Of no use at run time, a third of the size: pip itself, the libraries' own test suites, and what is there for compilers
+# and type checkers.
 RUN /opt/railhil/bin/pip install --no-cache-dir --no-deps . \
     && /opt/railhil/bin/pip uninstall -y pip setuptools \
-    && find /opt/railhil -type d -name tests -prune -exec rm -rf {} +
+    && find /opt/railhil -type d -name tests -prune -exec rm -rf {} + \
+    && find /opt/railhil -type f \( -name '*.pyi' -o -name '*.pxd' -o -name '*.h' -o -name '*.c' -o -name '*.a' \) \
+        ! -path '*/controller_node/*' -delete
 
 FROM ${BASE}
 # The file capability lets the unprivileged user of the bus service, the one that is granted NET_ADMIN, make vcan0.

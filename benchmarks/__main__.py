@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 import tempfile
 import time
@@ -22,7 +23,8 @@ from scenarios.errors import InputError
 #: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (
     "lockstep",
-    "round_trip",
+    "transports",
+    "jitter",
     "arithmetic",
     "controller_step",
     "plant",
@@ -32,6 +34,8 @@ NAMES = (
     "memory",
     "predictive_peer",
 )
+#: Width of the tables where there is no terminal to fit into.
+_FILE_COLUMNS = 150
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -56,7 +60,8 @@ def _module(name: str) -> ModuleType:
 def run(name: str, quick: bool) -> dict[str, Any]:
     """Measure one benchmark.
 
-    :returns: ``title``, ``method``, ``taken_s`` and ``figures`` (each with name, value, unit, ratio, against).
+    :returns: ``title``, ``method``, ``taken_s``, ``figures`` (each with name, value, unit, ratio, against, spread)
+        and ``missing`` (name, why).
     :raises benchmarks.figures.MeasurementError: it could not be measured.
     """
     module = _module(name)
@@ -68,7 +73,8 @@ def run(name: str, quick: bool) -> dict[str, Any]:
         "title": module.TITLE,
         "method": module.METHOD,
         "taken_s": time.monotonic() - start_s,
-        "figures": [asdict(figure) for figure in found],
+        "figures": [asdict(each) for each in found if isinstance(each, figures.Figure)],
+        "missing": [asdict(each) for each in found if isinstance(each, figures.Missing)],
     }
 
 
@@ -86,9 +92,15 @@ def _print(console: Console, result: dict[str, Any]) -> None:
     table.add_column("unit")
     table.add_column("ratio", justify="right")
     table.add_column("of what to what")
+    spread = any(figure["spread"] for figure in result["figures"])
+    if spread:
+        table.add_column("same samples")
     for figure in result["figures"]:
         ratio = "" if figure["ratio"] is None else _shown(figure["ratio"])
-        table.add_row(figure["name"], _shown(figure["value"]), figure["unit"], ratio, figure["against"])
+        row = [figure["name"], _shown(figure["value"]), figure["unit"], ratio, figure["against"]]
+        table.add_row(*row, ", ".join(f"{name} {_shown(value)}" for name, value in figure["spread"].items()))
+    for missing in result["missing"]:
+        table.add_row(missing["name"], "MISSING", "", "", missing["why"], style="bold yellow")
     console.print(table)
     console.print()
 
@@ -101,7 +113,10 @@ def work() -> int:
         if name not in NAMES:
             raise InputError("command line", "--only", name, ", ".join(NAMES))
     machine = _module("machine").this_machine()
-    console = Console(stderr=namespace.json)
+    stream = sys.stderr if namespace.json else sys.stdout
+    # A file is as wide as the table wants, unless the environment says otherwise.
+    wide = None if stream.isatty() or "COLUMNS" in os.environ else _FILE_COLUMNS
+    console = Console(file=stream, width=wide)
     for key, text in machine.lines():
         console.print(f"{key:10} {text}", highlight=False, soft_wrap=True)
     if machine.warning:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import timeit
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import process_time
 
@@ -40,6 +40,7 @@ class Figure:
     """One measured value.
 
     ``ratio`` is a pure number and ``against`` says what to what; both are absent where nothing is compared.
+    ``spread``: further values of the same samples in the same unit, such as ``{"p99": 12.5}``.
     """
 
     name: str
@@ -47,6 +48,15 @@ class Figure:
     unit: str
     ratio: float | None = None
     against: str = ""
+    spread: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Missing:
+    """A figure that this machine cannot give: it stands in the table with the reason, so that nobody misses it."""
+
+    name: str
+    why: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +72,15 @@ class Setting:
 
     @classmethod
     def make(cls, quick: bool, folder: Path) -> Setting:
-        """Setting of a full or a quick measurement; the quick one writes its scenario into ``folder``."""
-        if not quick:
-            return cls(False, FULL_SCENARIO, folder)
-        path = folder / "quick.toml"
+        """Setting of a full or a quick measurement; the quick one has the short scenario."""
+        full = cls(quick, FULL_SCENARIO, folder)
+        return full.short() if quick else full
+
+    def short(self) -> Setting:
+        """The same setting with the scenario of 8 s."""
+        path = self.folder / "quick.toml"
         path.write_text(QUICK_TOML, encoding="utf-8")
-        return cls(True, str(path), folder)
+        return replace(self, scenario_name=str(path))
 
     @property
     def scenario(self) -> Scenario:
@@ -87,6 +100,12 @@ def median(samples: Sequence[float]) -> float:
 def p99(samples: Sequence[float]) -> float:
     """99th percentile, linear interpolation."""
     return float(np.percentile(samples, 99))
+
+
+def spread_of(samples: Sequence[float], *percents: float) -> dict[str, float]:
+    """The least sample, percentiles under their usual names (``p99.9``), and the largest sample."""
+    found = {f"p{percent:g}": float(np.percentile(samples, percent)) for percent in percents}
+    return {"min": min(samples)} | found | {"max": max(samples)}
 
 
 def cpu_ns(setting: Setting, *functions: Callable[[], object], calls: int = 500, blocks: int = 60) -> list[float]:

@@ -14,6 +14,8 @@ _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "
 #: A machine counts as busy when others use more than this share of it.
 _BUSY_SHARE = 0.5
 _LOOK_S = 0.5
+#: In the CPU's name when QEMU translates instead of running on the host's CPU.
+_EMULATOR = "QEMU TCG"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,11 @@ class Machine:
         return self.load_1min > _BUSY_SHARE * self.cores or self.cpu_used > _BUSY_SHARE
 
     @property
+    def emulated(self) -> bool:
+        """True in a machine whose instructions are translated by software, such as that of ``railhil vcan``."""
+        return _EMULATOR in self.cpu
+
+    @property
     def warning(self) -> str:
         """One line for the reader of the figures; empty on an idle machine."""
         if not self.busy:
@@ -49,7 +56,9 @@ class Machine:
 
     def lines(self) -> list[tuple[str, str]]:
         """``(key, text)`` for printing."""
+        emulated = [("EMULATED", "software translates this machine's instructions: only its ratios say something")]
         return [
+            *(emulated if self.emulated else []),
             ("CPU", f"{self.cpu}, {self.cores} cores usable, {self.memory_gb:.1f} GB"),
             ("system", self.kernel),
             ("Python", self.python),
@@ -66,6 +75,11 @@ def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
             if key.strip() == "model name":
                 return value.strip()
     return platform.processor() or platform.machine()
+
+
+def is_emulated() -> bool:
+    """See :attr:`Machine.emulated`."""
+    return _EMULATOR in cpu_model()
 
 
 def this_machine() -> Machine:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -20,8 +21,10 @@ from hil_tests.cli import command
 
 _READY = "railhil hub ready at "
 #: Longer than a run on a machine ten times too busy.
-_PATIENCE_S = 150.0
+_PATIENCE_S = 300.0
 _LEAVE_S = 5.0
+#: In an emulated machine Python takes most of a minute to import a node.
+_SLOW_START = ("--appear-timeout", "120")
 
 
 def end(process: subprocess.Popen[Any]) -> None:
@@ -35,29 +38,29 @@ def end(process: subprocess.Popen[Any]) -> None:
             process.wait()
 
 
-def hub_config(channel: str) -> dict[str, Any]:
-    """Keyword arguments of ``can.Bus`` for a hub that may only just be starting."""
-    return {"interface": HUB_INTERFACE, "channel": channel, "connect_timeout": "20"}
-
-
 @contextmanager
-def hub(channel: str) -> Iterator[tuple[str, int]]:
-    """A hub process, ready.
+def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
+    """A hub process, ready; with the hub's own command-line ``options``.
 
     Gives the channel on which it really listens (TCP port 0 has become a real one) and the process id.
 
     :raises MeasurementError: the hub does not start.
     """
-    process = subprocess.Popen([sys.executable, "-m", "bus.hub", "-c", channel], stdout=subprocess.PIPE, text=True)
+    words = [sys.executable, "-m", "bus.hub", "-c", channel, *options]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
+    assert process.stderr is not None
     try:
         line = process.stdout.readline()
         if not line.startswith(_READY):
-            raise MeasurementError(f"hub at {channel} did not start")
+            end(process)
+            said = process.stderr.read().strip().splitlines() or ["no message"]
+            raise MeasurementError(f"hub at {channel} did not start: {said[-1]}")
         yield line.removeprefix(_READY).split(": ")[0], process.pid
     finally:
         end(process)
         process.stdout.close()
+        process.stderr.close()
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,17 +73,21 @@ class Finished:
 
 
 class RunCommand:
-    """``railhil run`` in lockstep, recording, over a hub of its own; a context manager.
+    """``railhil run`` in lockstep, recording; a context manager.
 
     :param out: run folder, must not exist.
+    :param flags: bus and whatever else ``railhil run`` takes; a hub of its own unless told otherwise.
     """
 
-    def __init__(self, setting: Setting, arithmetic: str, out: Path) -> None:
+    def __init__(
+        self, setting: Setting, arithmetic: str, out: Path, flags: Sequence[str] = ("-i", HUB_INTERFACE)
+    ) -> None:
         self._out = out
         self._started_ns = time.perf_counter_ns()
-        words: list[str | Path] = ["run", setting.scenario_name, "--arithmetic", arithmetic, "-i", HUB_INTERFACE]
         self.process = subprocess.Popen(
-            command(*words, "--out", out, "--json", "--quiet"),
+            command(
+                "run", setting.scenario_name, "--arithmetic", arithmetic, *flags, "--out", out, "--json", "--quiet"
+            ),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -110,3 +117,32 @@ class RunCommand:
             raise MeasurementError(f"railhil run ended with exit code {self.process.returncode}: {words[-1]}")
         certificate = json.loads((self._out / "certificate.json").read_text(encoding="utf-8"))
         return Finished(json.loads(out), certificate["frames_sha256"], wall_s)
+
+
+def attached_run(
+    setting: Setting, out: Path, near: Sequence[str], far: Sequence[str], hub_pids: Sequence[int]
+) -> Finished:
+    """A run on a bus that is there already: plant and supervisor at its near end, the controller at the far end.
+
+    Placed as ``railhil run`` places its own: in lockstep hub, plant and controller work one after the other, so they
+    share a CPU, and the supervisor has the others.
+
+    :param near, far: command-line flags of the bus.
+    :raises MeasurementError: the run is neither a pass nor a fail.
+    """
+    cpus = os.sched_getaffinity(0)
+    shared = {min(cpus)}
+    nodes = {"plant_sim": (*near, *_SLOW_START), "controller_node": far}
+    with ExitStack() as stack:
+        pids = list(hub_pids)
+        for module, flags in nodes.items():
+            words = [sys.executable, "-m", module, setting.scenario_name, *flags]
+            said = stack.enter_context((out.parent / f"{module}.txt").open("wb"))
+            node = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=said, stderr=said)
+            stack.callback(end, node)
+            pids.append(node.pid)
+        running = stack.enter_context(RunCommand(setting, "iq", out, [*near, *_SLOW_START, "--attach", "--no-report"]))
+        for pid in pids:
+            os.sched_setaffinity(pid, shared)
+        os.sched_setaffinity(running.process.pid, cpus - shared or cpus)
+        return running.finish()

@@ -6,6 +6,8 @@ microsecond to build, and its equality is identity.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import can
@@ -29,6 +31,10 @@ class Frame(NamedTuple):
     can_id: int
     data: bytes
     flags: int = 0
+
+
+#: :class:`Frame` of a whole tuple ``(can_id, data, flags)``, in half the time of ``Frame(...)``: for the hot path.
+quick_frame: Callable[[tuple[int, bytes, int]], Frame] = partial(tuple.__new__, Frame)
 
 
 def to_message(frame: Frame, timestamp_s: float = 0.0) -> can.Message:

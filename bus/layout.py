@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
-from operator import attrgetter
+from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Self
 
-from dbc import Port, wire_contract
+from dbc import Port, Signal, wire_contract
 
 #: Code points of a 2-bit check variable.
 CHECK_ERRONEOUS, CHECK_CORRECT, CHECK_FORCED, CHECK_UNDEFINED = range(4)
@@ -30,14 +29,14 @@ class Telegram:
 
     Subclasses are dataclasses of raw integers; their ``PORT`` names the port whose signals they carry. Values that do
     not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
+
+    At its first use a class gets an ``encode`` and a ``decode`` of its own, straight-line code made from the port table
+    (as ``dataclass`` makes ``__init__``): every node packs or unpacks a telegram several times a tick.
     """
 
     PORT: ClassVar[str]
-    #: ``(shift, mask, sign bit, lowest, highest)`` of every field, made at first use.
-    _plan: ClassVar[tuple[tuple[int, int, int, int, int], ...] | None] = None
-    _names: ClassVar[tuple[str, ...]] = ()
-    _values: ClassVar[Callable[[Any], tuple[int, ...]]]
-    _size: ClassVar[int] = 0
+    #: Field names with their signals, made at first use.
+    _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
 
     @classmethod
     def port(cls) -> Port:
@@ -45,55 +44,77 @@ class Telegram:
         return wire_contract().port(cls.PORT)
 
     @classmethod
-    def _compile(cls) -> tuple[tuple[int, int, int, int, int], ...]:
-        """Make the packing plan; checks the class against the port table."""
+    def _compile(cls) -> None:
+        """Give the class its own ``encode`` and ``decode``; checks it against the port table."""
         port = cls.port()
         by_name = {item.name: item for item in port.signals}
         prefix = port.name.split("_")[0].capitalize()
-        plan = []
+        signals = []
         for item in dataclasses.fields(cls):  # type: ignore[arg-type]
-            entry = by_name.pop(item.metadata["signal"].replace("{p}", prefix))
-            shift = port.data_bytes * 8 - entry.first_bit - entry.length
-            sign = 1 << (entry.length - 1) if entry.signed else 0
-            plan.append((shift, (1 << entry.length) - 1, sign, *entry.raw_range))
+            signals.append((item.name, by_name.pop(item.metadata["signal"].replace("{p}", prefix))))
         if by_name:
             raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
-        cls._names = tuple(item.name for item in dataclasses.fields(cls))  # type: ignore[arg-type]
-        cls._values = attrgetter(*cls._names)
-        cls._plan = tuple(plan)
-        cls._size = port.data_bytes
-        return cls._plan
+        cls._signals = tuple(signals)
+        made: dict[str, Any] = {}
+        exec(_codec_text(cls._signals, port.data_bytes), {}, made)
+        cls.encode = made["encode"]  # type: ignore[method-assign]
+        cls.decode = classmethod(made["decode"])  # type: ignore[assignment, method-assign]
 
     def encode(self) -> bytes:
         """Process data of the telegram, ``port.data_bytes`` bytes.
 
         :raises OverflowError: when a value does not fit its signal.
         """
-        plan = self._plan or self._compile()
-        word = 0
-        for value, (shift, mask, _, lowest, highest) in zip(type(self)._values(self), plan, strict=True):
-            if not lowest <= value <= highest:
-                raise OverflowError(self._misfit())
-            word |= (value & mask) << shift
-        return word.to_bytes(self._size)
+        self._compile()
+        return self.encode()
 
-    def _misfit(self) -> str:
+    def _misfit(self) -> OverflowError:
         """Names the first value that does not fit."""
-        for (name, value), (_, _, _, lowest, highest) in zip(self.items(), self._plan or (), strict=True):
+        for name, entry in self._signals:
+            value, (lowest, highest) = getattr(self, name), entry.raw_range
             if not lowest <= value <= highest:
-                return f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}"
+                return OverflowError(f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}")
         raise AssertionError(self.PORT)
 
     @classmethod
     def decode(cls, data: bytes) -> Self:
         """Telegram of process data of the right length (the traffic store has checked it)."""
-        plan = cls._plan or cls._compile()
-        word = int.from_bytes(data)
-        return cls(*[((word >> shift & mask) ^ sign) - sign for shift, mask, sign, _, _ in plan])
+        cls._compile()
+        return cls.decode(data)
 
     def items(self) -> Iterator[tuple[str, int]]:
         """``(field name, raw value)`` of every field."""
-        if not self._names:
+        if not self._signals:
             self._compile()
-        for name in self._names:
+        for name, _ in self._signals:
             yield name, getattr(self, name)
+
+
+def _codec_text(signals: Sequence[tuple[str, Signal]], data_bytes: int) -> str:
+    """Python text of ``encode`` and ``decode`` of a telegram with these fields.
+
+    A value fits when nothing is left of it, moved into the unsigned range, above its signal's length.
+    """
+    loads, misfits, packed, unpacked = [], [], [], []
+    for index, (name, entry) in enumerate(signals):
+        value, mask, shift = f"v{index}", (1 << entry.length) - 1, data_bytes * 8 - entry.first_bit - entry.length
+        bits = f"word >> {shift} & {mask}"
+        loads.append(f"    {value} = self.{name}\n")
+        if entry.signed:
+            sign = 1 << entry.length - 1
+            misfits.append(f"{value} + {sign} >> {entry.length}")
+            packed.append(f"({value} & {mask}) << {shift}")
+            # Two's complement: the sign bit turned, and its weight taken away again.
+            unpacked.append(f"({bits} ^ {sign}) - {sign}")
+        else:
+            misfits.append(f"{value} >> {entry.length}")
+            packed.append(f"{value} << {shift}")
+            unpacked.append(bits)
+    return (
+        "def encode(self):\n"
+        + "".join(loads)
+        + f"    if {' | '.join(misfits)}:\n        raise self._misfit()\n"
+        + f"    return ({' | '.join(packed)}).to_bytes({data_bytes})\n"
+        + "def decode(cls, data):\n    word = int.from_bytes(data)\n"
+        + f"    return cls({', '.join(unpacked)})\n"
+    )

@@ -18,10 +18,9 @@ class Life(Enum):
     DUPLICATE = "duplicate"
     OUT_OF_ORDER = "out_of_order"
 
-    @property
-    def fresh(self) -> bool:
-        """True when the telegram is new and may be used."""
-        return self in (Life.FIRST, Life.NEXT, Life.GAP)
+    def __init__(self, word: str) -> None:
+        #: True when the telegram is new and may be used.
+        self.fresh = word in ("first", "next", "gap")
 
 
 class LifeSign:

@@ -28,7 +28,10 @@ _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.02
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
-_TROUBLE = ("outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage")
+_TROUBLE = (
+    "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
+    "adapter_refused",
+)  # fmt: skip
 #: What python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)
 
@@ -113,6 +116,29 @@ class Link:
             return
         for frame in frames:
             self._send_one(frame)
+
+    def offer(self, frames: Sequence[Frame]) -> int:
+        """Hand over as many of the frames, from the first, as the interface takes without waiting; returns how many.
+
+        :raises BusLost: as :meth:`send`.
+        """
+        taken = 0
+        try:
+            if self._send_batch is not None:
+                self._send_batch(frames, 0.0)
+                taken = len(frames)
+            while taken < len(frames) and self._outage is None:
+                self._put(frames[taken])
+                taken += 1
+        except FAILURES as error:
+            if _is_full(error):
+                self.counters["send_retries"] += 1
+            elif self._send_batch is not None:
+                raise self._lost(f"cannot send: {error}") from error
+            else:
+                self._went_down(error, "send")
+        self.counters["sent"] += taken
+        return taken
 
     def _send_one(self, frame: Frame) -> None:
         """Hand over one frame; it is dropped when it may not wait."""

@@ -27,7 +27,11 @@ class LocalBus:
             self._deliver(frame, None)
 
     def _deliver(self, frame: Frame, sender: Callable[[Frame], list[Frame]] | None) -> None:
-        answers = [(answer, node) for node in self._nodes if node is not sender for answer in node(frame)]
+        answers = []
+        for node in self._nodes:
+            if node is not sender:
+                for answer in node(frame):
+                    answers.append((answer, node))
         # A frame reaches everybody before anybody's answer to it does, as on a bus.
         for answer, node in answers:
             self._inbox.append(answer)

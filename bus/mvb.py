@@ -24,16 +24,19 @@ CAN FD form, on ``address + 5``: the classic payloads one after the other (F4 pa
 
 from __future__ import annotations
 
-from bus.frame import FD, Frame
+from collections.abc import Callable
+from functools import cache, lru_cache
+from struct import Struct
+
+from bus.frame import FD, Frame, quick_frame
 from dbc import Port, wire_contract
 
 #: Generator without its x^7 term.
 _POLYNOMIAL = 0x65
 F_DEVICE_STATUS = 15
-
-
-#: Longest block in bytes.
-_BLOCK_BYTES = 8
+#: Payload of a single-frame telegram (data padded, check sequence, tail), and of a trailer (check sequences padded).
+_SINGLE: Callable[[bytes, int, bytes], bytes] = Struct("4sB3s").pack
+_TRAILER: Callable[[bytes, bytes], bytes] = Struct("4s4s").pack
 
 
 def _check_octet(data: int) -> int:
@@ -45,26 +48,35 @@ def _check_octet(data: int) -> int:
     return remainder << 1 | (data.bit_count() + remainder.bit_count()) & 1
 
 
-#: The octet is linear in the data, so it is the xor of one table value for each byte, by its place from the end.
-_BY_PLACE = tuple(tuple(_check_octet(value << 8 * place) for value in range(256)) for place in range(_BLOCK_BYTES))
-_P0, _P1, _P2, _P3, _P4, _P5, _P6, _P7 = _BY_PLACE
+def _octets_of_words(place: int) -> bytes:
+    """The octet of every 16-bit word that stands ``place`` words before the last one; inverted for the last."""
+    low, high = ([_check_octet(value << 16 * place + shift) for value in range(256)] for shift in (0, 8))
+    inversion = 0 if place else 0xFF
+    row, everywhere = int.from_bytes(bytes(low)), int.from_bytes(b"\1" * 256)
+    return b"".join((row ^ (octet ^ inversion) * everywhere).to_bytes(256) for octet in high)
+
+
+#: The octet is linear in the data, so it is the xor of one table value for each 16-bit word, by its place from the end.
+_W0, _W1, _W2, _W3 = (_octets_of_words(place) for place in range(4))
+_FOUR_WORDS: Callable[[bytes], tuple[int, int, int, int]] = Struct(">4H").unpack
+_TWO_WORDS: Callable[[bytes], tuple[int, int]] = Struct(">2H").unpack
 
 
 def check_sequence(block: bytes) -> int:
     """Check octet of one block of 2, 4 or 8 data bytes (other lengths up to 8 give the octet of the same rule).
 
-    :raises IndexError: more than 8 bytes.
+    :raises struct.error: more than 8 bytes.
     """
-    if len(block) == 8:
-        a, b, c, d, e, f, g, h = block
-        return 0xFF ^ _P7[a] ^ _P6[b] ^ _P5[c] ^ _P4[d] ^ _P3[e] ^ _P2[f] ^ _P1[g] ^ _P0[h]
-    if len(block) == 4:
-        a, b, c, d = block
-        return 0xFF ^ _P3[a] ^ _P2[b] ^ _P1[c] ^ _P0[d]
-    octet = 0xFF
-    for place, byte in enumerate(reversed(block)):
-        octet ^= _BY_PLACE[place][byte]
-    return octet
+    size = len(block)
+    if size == 8:
+        a, b, c, d = _FOUR_WORDS(block)
+        return _W3[a] ^ _W2[b] ^ _W1[c] ^ _W0[d]
+    if size == 4:
+        a, b = _TWO_WORDS(block)
+        return _W1[a] ^ _W0[b]
+    # Zeros in front change no remainder and no parity.
+    a, b, c, d = _FOUR_WORDS(block.rjust(8, b"\0"))
+    return _W3[a] ^ _W2[b] ^ _W1[c] ^ _W0[d]
 
 
 def master_word(f_code: int, address: int) -> bytes:
@@ -72,12 +84,14 @@ def master_word(f_code: int, address: int) -> bytes:
     return (f_code << 12 | address).to_bytes(2)
 
 
+@cache
 def master_frame(f_code: int, address: int) -> Frame:
     """The master frame with which the bus administrator asks for a telegram (CAN: 3 bytes on the poll id)."""
     word = master_word(f_code, address)
     return Frame(wire_contract().poll_id, word + bytes([check_sequence(word)]))
 
 
+@lru_cache(maxsize=256)
 def parse_master_frame(data: bytes) -> tuple[int, int] | None:
     """``(f_code, address)`` of a master frame, or None when its length or check sequence is wrong."""
     if len(data) != 3 or check_sequence(data[:2]) != data[2]:
@@ -108,16 +122,19 @@ class TelegramSource:
     :param fd: send the CAN FD form instead of the classic one.
     """
 
-    __slots__ = ("_block_ids", "_fd", "_pad", "_padded_bytes", "_port", "_sequence", "_size", "_tail", "_trailer_id")
+    __slots__ = ("_block_ids", "_ends", "_fd", "_padded_bytes", "_port", "_sequence", "_size", "_split", "_trailer_id")
 
     def __init__(self, port: Port, fd: bool = False) -> None:
         self._port = port
         self._fd = fd
-        self._tail = master_tail(port.f_code, port.address)
         self._size = port.data_bytes
+        tail = master_tail(port.f_code, port.address)
+        # What follows the check sequences, for each value of the counter; a single frame has none.
+        sequences = range(1 if port.single_frame else 16)
+        self._ends = [tail if port.single_frame else bytes((seq << 4 | port.blocks,)) + tail for seq in sequences]
+        self._split = Struct("8s" * port.blocks).unpack
         self._block_ids = range(port.address, port.address + port.blocks)
         self._trailer_id = port.address + 4
-        self._pad = b"\0" * (4 - port.blocks)
         # F4 has 40 bytes, a length that CAN FD does not know.
         self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
@@ -130,19 +147,16 @@ class TelegramSource:
         if len(data) != self._size:
             raise ValueError(f"{self._port.name}: found {len(data)} data bytes, allowed {self._size}")
         if self._size <= 4:
-            payload = data.ljust(4, b"\0") + bytes((check_sequence(data),)) + self._tail
-            return [Frame(self._port.fd_id, payload, FD) if self._fd else Frame(self._block_ids[0], payload)]
+            payload = _SINGLE(data, check_sequence(data), self._ends[0])
+            return [Frame(self._port.fd_id, payload, FD) if self._fd else quick_frame((self._block_ids[0], payload, 0))]
         sequence = self._sequence
         self._sequence = (sequence + 1) & 0xF
-        frames, sums = [], []
-        for index, can_id in enumerate(self._block_ids):
-            block = data[8 * index : 8 * index + 8]
-            sums.append(check_sequence(block))
-            frames.append(Frame(can_id, block))
-        trailer = bytes(sums) + self._pad + bytes((sequence << 4 | len(sums),)) + self._tail
+        blocks = self._split(data)
+        trailer = _TRAILER(bytes(map(check_sequence, blocks)), self._ends[sequence])
         if self._fd:
             return [Frame(self._port.fd_id, (data + trailer).ljust(self._padded_bytes, b"\0"), FD)]
-        frames.append(Frame(self._trailer_id, trailer))
+        frames = [quick_frame((can_id, block, 0)) for can_id, block in zip(self._block_ids, blocks, strict=True)]
+        frames.append(quick_frame((self._trailer_id, trailer, 0)))
         return frames
 
 

@@ -4,14 +4,21 @@ A real bus has one order for all listeners. ``vcan`` has one only per sending pr
 handed to the listeners on the processor it runs on, so a third party may see the controller's answer before the
 administrator's poll, or after what the administrator sent next (measured: 6 to 11 of 9600 frames on two processors).
 The administrator waits for each answer in lockstep, so the order on the wire is known, and is put back here. An answer
-that never comes lets the bus fall silent: :meth:`BusOrder.flush` then gives up waiting for it.
+that never comes lets the bus fall silent, because the recorder does not answer a poll that it holds:
+:meth:`BusOrder.flush` then gives up waiting for it.
 """
 
 from __future__ import annotations
 
+import time
+
 from bus.frame import Frame
 from bus.mvb import F_DEVICE_STATUS
 from dbc import wire_contract
+
+#: Silence after which held frames are given up. A controller that is slow, or a bus that is down for a moment, is no
+#: reason to record in another order; what the administrator waits for is on its way as long as nothing is held.
+PATIENCE_S = 0.5
 
 
 class BusOrder:
@@ -19,9 +26,10 @@ class BusOrder:
 
     :param source: whose answers may arrive out of order (a node that is not the recorder itself).
     :param fd: the bus carries the CAN FD form.
+    :param patience_s: silence on the wall clock after which held frames are given up.
     """
 
-    def __init__(self, source: str = "controller", fd: bool = False) -> None:
+    def __init__(self, source: str = "controller", fd: bool = False, patience_s: float = PATIENCE_S) -> None:
         contract = wire_contract()
         self._poll_id = contract.poll_id
         self._answers = {
@@ -33,9 +41,12 @@ class BusOrder:
         self._held: list[Frame] = []
         #: Frames that had to be moved.
         self.moved = 0
+        self._patience_s = patience_s
+        self._silent_since_s: float | None = None
 
     def feed(self, frame: Frame) -> list[Frame]:
         """Take the next frame as it arrived; returns what can be recorded now."""
+        self._silent_since_s = None
         if self._awaited:
             if frame.can_id != self._awaited[0]:
                 self._held.append(frame)
@@ -58,7 +69,14 @@ class BusOrder:
         return [frame]
 
     def flush(self) -> list[Frame]:
-        """Nothing has come for a while: everything held, in the order of arrival."""
+        """Nothing has come now; after ``patience_s`` of that everything held, in the order of arrival."""
+        if not self._early and not self._held:
+            return []
+        now_s = time.monotonic()
+        if self._silent_since_s is None:
+            self._silent_since_s = now_s
+        if now_s - self._silent_since_s < self._patience_s:
+            return []
         frames = [*self._early, *self._held]
         self._awaited, self._early, self._held = [], [], []
         return frames

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import TypeVar
 
 from bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
@@ -39,19 +38,32 @@ CAUSES = (
 )
 
 
-@dataclass(slots=True)
 class _Sink:
     """Receiving side of one port."""
 
-    port: Port
-    tail: bytes
-    fd_bytes: int
-    blocks: list[bytes | None]
-    first_ns: int = 0
-    last_ns: int = 0
-    data: bytes = b""
-    committed_ns: int = -1
-    accepted: int = 0
+    __slots__ = (
+        "accepted", "block_count", "blocks", "committed_ns", "data", "data_bytes", "fd_bytes", "first_ns", "is_single",
+        "last_ns", "missing", "name", "tail",
+    )  # fmt: skip
+
+    def __init__(self, port: Port) -> None:
+        self.name = port.name
+        self.data_bytes = port.data_bytes
+        self.is_single = port.single_frame
+        self.block_count = port.blocks
+        self.tail = master_tail(port.f_code, port.address)
+        self.fd_bytes = port.data_bytes + 8
+        if port.single_frame:
+            self.fd_bytes = 8
+        elif port.f_code == 4:
+            # 40 bytes are no length of CAN FD.
+            self.fd_bytes = -(-self.fd_bytes // 16) * 16
+        # Blocks of the telegram that is coming; how many of them are still to come, and when they came.
+        self.blocks = [b""] * port.blocks
+        self.missing = port.blocks
+        self.data = b""
+        self.committed_ns = -1
+        self.accepted = self.first_ns = self.last_ns = 0
 
 
 class TrafficStore:
@@ -68,14 +80,7 @@ class TrafficStore:
         # CAN identifier -> (sink, block index); -1 is the trailer, -2 a single frame, -3 the CAN FD form.
         self._by_id: dict[int, tuple[_Sink, int]] = {}
         for port in ports:
-            fd_bytes = (
-                8
-                if port.single_frame
-                else -(-(port.data_bytes + 8) // 16) * 16
-                if port.f_code == 4
-                else (port.data_bytes + 8)
-            )
-            sink = _Sink(port, master_tail(port.f_code, port.address), fd_bytes, [None] * port.blocks)
+            sink = _Sink(port)
             self._sinks[port.name] = sink
             if port.single_frame:
                 self._by_id[port.address] = (sink, -2)
@@ -99,23 +104,23 @@ class TrafficStore:
         if found is None:
             return self._reject("unknown_id")
         sink, part = found
-        if part == -2:
-            if flags or len(data) != 8:
-                return self._reject("wrong_length")
-            return self._commit_single(sink, data, now_ns)
         if part == -3:
             if not flags & FD or len(data) != sink.fd_bytes:
                 return self._reject("wrong_length")
             return self._commit_fd(sink, data, now_ns)
         if flags or len(data) != 8:
             return self._reject("wrong_length")
+        if part == -2:
+            return self._commit_single(sink, data, now_ns)
         if part == -1:
             return self._commit_blocks(sink, data, now_ns)
-        if not any(sink.blocks):
+        if sink.missing == sink.block_count:
             sink.first_ns = sink.last_ns = now_ns
         else:
             # Blocks that waited in a mailbox are handed over in the order of the blocks, not of their arrival.
             sink.first_ns, sink.last_ns = min(sink.first_ns, now_ns), max(sink.last_ns, now_ns)
+        if not sink.blocks[part]:
+            sink.missing -= 1
         sink.blocks[part] = data
         return None
 
@@ -124,8 +129,7 @@ class TrafficStore:
         return None
 
     def _commit_single(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
-        size = 2 if sink.port.f_code == 0 else 4
-        payload = data[:size]
+        payload = data[: sink.data_bytes]
         if check_sequence(payload) != data[4]:
             return self._reject("wrong_check_sequence")
         if data[5:] != sink.tail:
@@ -133,17 +137,19 @@ class TrafficStore:
         return self._commit(sink, payload, now_ns)
 
     def _commit_fd(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
-        if sink.port.single_frame:
+        if sink.is_single:
             return self._commit_single(sink, data, now_ns)
-        size = sink.port.data_bytes
-        sink.blocks[:] = [data[k : k + 8] for k in range(0, size, 8)]
+        size = sink.data_bytes
+        sink.blocks = [data[k : k + 8] for k in range(0, size, 8)]
+        sink.missing = 0
         sink.first_ns = sink.last_ns = now_ns
         return self._commit_blocks(sink, data[size : size + 8], now_ns)
 
     def _commit_blocks(self, sink: _Sink, trailer: bytes, now_ns: int) -> str | None:
-        blocks, count = sink.blocks[:], sink.port.blocks
-        sink.blocks[:] = [None] * count
-        if None in blocks:
+        blocks, count, missing = sink.blocks, sink.block_count, sink.missing
+        sink.blocks = [b""] * count
+        sink.missing = count
+        if missing:
             return self._reject("missing_block")
         if max(sink.last_ns, now_ns) - min(sink.first_ns, now_ns) > self._assembly_ns:
             return self._reject("assembly_timeout")
@@ -151,17 +157,15 @@ class TrafficStore:
             return self._reject("wrong_block_count")
         if trailer[5:] != sink.tail:
             return self._reject("wrong_master_word")
-        data = b"".join(blocks)  # type: ignore[arg-type]
-        for k in range(count):
-            if check_sequence(data[8 * k : 8 * k + 8]) != trailer[k]:
-                return self._reject("wrong_check_sequence")
-        return self._commit(sink, data, now_ns)
+        if bytes(map(check_sequence, blocks)) != trailer[:count]:
+            return self._reject("wrong_check_sequence")
+        return self._commit(sink, b"".join(blocks), now_ns)
 
     def _commit(self, sink: _Sink, data: bytes, now_ns: int) -> str:
         sink.data = data
         sink.committed_ns = now_ns
         sink.accepted += 1
-        return sink.port.name
+        return sink.name
 
     def read(self, telegram: type[T], now_ns: int) -> tuple[T | None, int]:
         """Newest telegram of a port and its age in ns: ``(None, NEVER_NS)`` before the first one.

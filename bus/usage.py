@@ -9,6 +9,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
+from bus.realtime import PRIORITY_MAX
+
 #: Seeds travel as 32 bit in the handshake.
 SEED_MAX = 0xFFFF_FFFF
 #: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
@@ -92,6 +94,20 @@ def add_task_argument(parser: argparse.ArgumentParser) -> None:
         default=0,
         metavar="N",
         help="the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
+    )
+
+
+def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
+    """Option of every node of a realtime run.
+
+    :param said: what the help says of the default.
+    """
+    parser.add_argument(
+        "--realtime-priority",
+        type=whole_number(0, PRIORITY_MAX),
+        default=default,
+        metavar="N",
+        help=f"SCHED_FIFO priority and locked memory, if permitted; 0: normal scheduling ({said})",
     )
 
 

@@ -25,7 +25,10 @@ POSITION_MAX_01MM = 2_000_000_000
 
 def limited_01mm(position_mm: int) -> int:
     """A position from the wire as the law is given it."""
-    return min(max(position_mm * 10, -POSITION_MAX_01MM), POSITION_MAX_01MM)
+    position_01mm = position_mm * 10
+    if -POSITION_MAX_01MM <= position_01mm <= POSITION_MAX_01MM:
+        return position_01mm
+    return POSITION_MAX_01MM if position_01mm > 0 else -POSITION_MAX_01MM
 
 
 #: Before the first balise.

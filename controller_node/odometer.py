@@ -84,7 +84,8 @@ class Odometer:
             self._speed_01mmps = speed_01mmps
         self._reckon(at_ns)
         # It went evenly from one reading to the other: the half of the difference is still missing.
-        self._place += (speed_01mmps - self._speed_01mmps) * max(at_ns - self._speed_ns, 0) // 2
+        if at_ns > self._speed_ns:
+            self._place += (speed_01mmps - self._speed_01mmps) * (at_ns - self._speed_ns) // 2
         self._speed_01mmps, self._speed_ns = speed_01mmps, at_ns
 
     def position(self, telegram: TrnPos, at_ns: int) -> None:
@@ -148,5 +149,6 @@ class Odometer:
         self._at_ns = at_ns
         self._place += self._speed_01mmps * step_ns
         if self._speed_01mmps:
-            changed_01mmps = self._accel_01mmps2 * max(at_ns - self._speed_ns, 0) // _NS_PER_S
+            since_ns = at_ns - self._speed_ns
+            changed_01mmps = self._accel_01mmps2 * since_ns // _NS_PER_S if since_ns > 0 else 0
             self._slack += (self._speed_error_01mmps + changed_01mmps) * step_ns

@@ -201,4 +201,6 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
     else:
         code = min(law_code, last + ramp) if returning else law_code
         returning = code < law_code
-    return state._replace(code=code, returning=returning), code, level is Level.EMERGENCY
+    if code != last or returning != state.returning:
+        state = state._replace(code=code, returning=returning)
+    return state, code, level is Level.EMERGENCY

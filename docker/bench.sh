@@ -1,23 +1,28 @@
 #!/bin/sh
-# Role of one container of the bench: bench bus | plant | controller | supervisor | results
+# Role of one container of the bench: bench bus | adapter | plant | controller | supervisor | results
 #
-# The containers share the network namespace of `bus` and the volume /bus, where they leave for each other
-#   can       python-can's interface and channel, one per line: written by `bus`, waited for by the others
+# The containers share one network namespace (that of `bus`, or with `adapter` the host's) and the volume /bus, where
+# they leave for each other
+#   can       python-can's interface and channel, one per line: written by `bus` or `adapter`, waited for by the nodes
 #   results   written by `results` when ./runs can be written to
+#   problem   in place of either: the line that says why not
 #   verdict   exit code of the supervisor; every role ends when it appears
-# The names in capitals come from docker-compose.yml.
+# The names in capitals come from docker-compose.yml and docker-compose.hardware.yml.
 set -eu
-role=${1:?role: bus, plant, controller, supervisor or results}
-start_s=60
+role=${1:?role: bus, adapter, plant, controller, supervisor or results}
+# linux/if_arp.h and linux/if.h
+arphrd_can=280
+iff_up=1
 
 say() { echo "$role: $*" >&2; }
 
-# Wait until a file of the volume is there, at most start_s seconds.
+# Wait until a file of the volume is there; not zero when there is a problem in its place.
 await() {
-    tries=$((start_s * 10))
+    tries=$((START_TIMEOUT * 10))
     until [ -e "/bus/$1" ]; do
+        [ ! -e /bus/problem ] || return 1
         tries=$((tries - 1))
-        [ $tries -gt 0 ] || { say "/bus/$1 did not appear within $start_s s"; exit 3; }
+        [ $tries -gt 0 ] || { say "/bus/$1 did not appear within $START_TIMEOUT s"; exit 3; }
         sleep 0.1
     done
 }
@@ -46,9 +51,35 @@ end_with_verdict() {
     exit "${1:-0}"
 }
 
+# A problem is told by the supervisor alone; the other nodes end with it.
 read_bus() {
-    await can
+    await can || { [ "$role" = supervisor ] || end_with_verdict; refused; }
     { read -r interface && read -r channel; } </bus/can
+}
+
+refused() {
+    read -r problem </bus/problem
+    say "$problem"
+    echo 2 | leave verdict
+    exit 2
+}
+
+# SCHED_FIFO priority to ask for: none in lockstep, which has no deadlines.
+priority() {
+    if [ "$PACE" = realtime ]; then echo "$1"; else echo 0; fi
+}
+
+# Why an interface of this network namespace cannot be the bus; nothing when it can.
+why_not() {
+    device=/sys/class/net/$1
+    up="sudo ip link set $1 type can bitrate 500000 && sudo ip link set $1 txqueuelen 1000 up"
+    if [ ! -e "$device" ]; then
+        echo "$1: the host has no such interface (CAN_CHANNEL names it; bring it up with: $up)"
+    elif [ "$(cat "$device/type")" != $arphrd_can ]; then
+        echo "$1: is no CAN interface (CAN_CHANNEL names one)"
+    elif [ $(($(cat "$device/flags") & iff_up)) = 0 ]; then
+        echo "$1: the interface is down (bring it up on the host with: $up)"
+    fi
 }
 
 case $role in
@@ -57,7 +88,8 @@ bus)
         say "socketcan:vcan0 (the kernel has vcan; the interface lives in this container's namespace)"
         printf 'socketcan\nvcan0\n' | leave can
     else
-        python3 -m bus.hub -c /bus/hub.sock &
+        # A frame is carried before a node goes on.
+        python3 -m bus.hub -c /bus/hub.sock --realtime-priority "$(priority 45)" &
         hub=$!
         trap 'kill -TERM $hub 2>/dev/null; exit 143' TERM INT
         await hub.sock
@@ -66,32 +98,37 @@ bus)
     fi
     end_with_verdict
     ;;
+adapter)
+    problem=$(why_not "$CAN_CHANNEL")
+    if [ -n "$problem" ]; then
+        echo "$problem" | leave problem
+    else
+        say "socketcan:$CAN_CHANNEL (the host's interface; its bit rate is the host's)"
+        printf 'socketcan\n%s\n' "$CAN_CHANNEL" | leave can
+    fi
+    end_with_verdict
+    ;;
 plant)
     read_bus
-    run railhil node plant "$SCENARIO" --pace "$PACE" --seed "$SEED" -i "$interface" -c "$channel"
+    run railhil node plant "$SCENARIO" --pace "$PACE" --rate "$RATE" --seed "$SEED" \
+        --appear-timeout "$START_TIMEOUT" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
 controller)
     read_bus
     run railhil node controller "$SCENARIO" --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        -i "$interface" -c "$channel"
+        --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
 supervisor)
     read_bus
-    await results
-    read -r problem </bus/results || problem=
-    code=2
-    if [ -n "$problem" ]; then
-        say "$problem"
-    else
-        # The run folder's default name is below ./runs, which is /runs from here.
-        cd /
-        run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-            --seed "$SEED" --pace "$PACE" --quiet -i "$interface" -c "$channel"
-    fi
+    await results || refused
+    # The run folder's default name is below ./runs, which is /runs from here.
+    cd /
+    run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
+        --seed "$SEED" --pace "$PACE" --rate "$RATE" --appear-timeout "$START_TIMEOUT" --quiet -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;
@@ -103,14 +140,14 @@ results)
         chgrp "$BENCH_GID" /runs && chmod g+rwx /runs
     elif [ "$owner" != "$BENCH_UID" ]; then
         echo "./runs belongs to user $owner, the bench runs as $BENCH_UID: start with RAILHIL_UID=$owner" \
-            "RAILHIL_GID=$(stat -c %g /runs)" | leave results
+            "RAILHIL_GID=$(stat -c %g /runs)" | leave problem
         end_with_verdict
     fi
     : | leave results
     end_with_verdict
     ;;
 *)
-    say "unknown role, allowed: bus, plant, controller, supervisor, results"
+    say "unknown role, allowed: bus, adapter, plant, controller, supervisor, results"
     exit 2
     ;;
 esac

@@ -1,9 +1,9 @@
 """All tests, with every capability brought up that this machine can have: ``python -m hil_tests.everything [PART]``.
 
 Parts: ``anywhere`` (with gcc, clang and Chromium installed where they are missing); ``vcan``, kernel SocketCAN (the
-host's, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's, else a private one). A
-capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous
-integration never skips silently.
+host's in a network namespace, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's,
+else a private one), then one on a kernel with CAN. A capability that cannot be had is said loudly; with
+``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous integration never skips silently.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ import os
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from bus.select import vcan_available
 from hil_tests.machines import debian
 
 _ROOT = Path(__file__).resolve().parent.parent
@@ -33,6 +33,8 @@ class Part:
     key: str
     name: str
     command: list[str]
+    #: What is to be installed for it, by the name of what goes missing without.
+    tools: dict[str, Callable[[], None]] = field(default_factory=dict)
 
     def run(self) -> int:
         """Run and return the exit code."""
@@ -50,20 +52,25 @@ def parts() -> list[Part]:
     side_by_side = ["-n", str(len(os.sched_getaffinity(0))), "--dist", "loadfile"]
     # Named by folder: collecting all modules takes minutes in an emulated machine.
     vcan = [*_PYTEST, "-p", "no:cacheprovider", "-m", "needs_socketcan", "hil_tests/vcan"]
-    if not (vcan_available() and vcan_available("vcan1")):
-        vcan = [*machine, "hil_tests.machines.vcan_vm", "--timeout", "1500", "--", *vcan]
+    vcan = [*machine, "hil_tests.machines.vcan", "--timeout", "1500", "--", *vcan]
     docker = [*machine, "hil_tests.machines.docker_engine", "--timeout", "1500", "--"]
     return [
-        Part("anywhere", "tests that run anywhere", [*_PYTEST, *side_by_side, "-m", _ANYWHERE]),
-        Part("vcan", "kernel SocketCAN", vcan),
+        Part(
+            "anywhere",
+            "tests that run anywhere",
+            [*_PYTEST, *side_by_side, "-m", _ANYWHERE],
+            {"exported C": debian.install_compilers, "report in a browser": debian.install_browser},
+        ),
+        Part("vcan", "kernel SocketCAN", vcan, {"CAN tools": debian.install_can_tools}),
         Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"]),
+        Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.compose.vcan_runs"]),
     ]
 
 
-def _install_tools() -> list[str]:
-    """Have compilers and a browser; names of what could not be had."""
+def _install_tools(chosen: Sequence[Part]) -> list[str]:
+    """Have what the parts need; names of what could not be had."""
     missing = []
-    for name, install in (("exported C", debian.install_compilers), ("report in a browser", debian.install_browser)):
+    for name, install in [item for part in chosen for item in part.tools.items()]:
         try:
             install()
         except (debian.CapabilityError, debian.MachineError) as error:
@@ -76,16 +83,15 @@ def main() -> int:
     """Run all parts, or those named; 0 when everything that could run passed and nothing that must run was missing."""
     parser = argparse.ArgumentParser(prog="python -m hil_tests.everything")
     every = parts()
-    parser.add_argument(
-        "part", nargs="*", metavar="PART", help=f"{', '.join(part.key for part in every)}; default: all"
-    )
+    keys = list(dict.fromkeys(part.key for part in every))
+    parser.add_argument("part", nargs="*", metavar="PART", help=f"{', '.join(keys)}; default: all")
     wanted = parser.parse_args().part
     for name in wanted:
-        if name not in [part.key for part in every]:
-            parser.error(f"found {name!r}, allowed: {', '.join(part.key for part in every)}")
+        if name not in keys:
+            parser.error(f"found {name!r}, allowed: {', '.join(keys)}")
     chosen = [part for part in every if part.key in wanted or not wanted]
     failed: list[str] = []
-    missing = _install_tools()
+    missing = _install_tools(chosen)
     for part in chosen:
         code = part.run()
         if code == _NO_CAPABILITY:

@@ -12,6 +12,7 @@ from supervisor.options import RunOptions
 from supervisor.report.recorded import RecordedRun, recorded_run
 from supervisor.run import RunResult
 from supervisor.telemetry import read_origin, read_summary
+from supervisor.timing import lockstep_timing
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
@@ -29,9 +30,9 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         sim_time_s=9.0,
         first_frame_s=0.5,
         transport=f"railhil:{folder}/hub.sock",
-        jitter=None,
         telemetry=read_summary(folder),
         origin=read_origin(folder),
+        timing=lockstep_timing(run.trace),
     )
     options = RunOptions(scenario.name, arithmetic=arithmetic, seed=seed)
     write_folder(folder, scenario, options, result, run.trace, [])

@@ -17,14 +17,34 @@ from benchmarks.__main__ import NAMES, run
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.machine import Machine, cpu_model
 from benchmarks.memory import peak_mb
+from benchmarks.native import compiler
 from benchmarks.processes import RunCommand
+from bus.select import vcan_available
 from controller_node.arithmetic import make
 
 UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB", "km/h s2", "m", "m/s2/km"}
+
+
+def fifo_permitted() -> bool:
+    """Whether this user may have SCHED_FIFO."""
+    before = os.sched_getscheduler(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    except PermissionError:
+        return False
+    os.sched_setscheduler(0, before, os.sched_param(0))
+    return True
+
+
+#: Socket pair, hub on a Unix socket and on TCP, gateway; and kernel CAN where there is one.
+WAYS = 4 + vcan_available()
+LANGUAGES = 2 if compiler() else 1
+SCHEDULINGS = 2 if fifo_permitted() else 1
 #: A figure that must be there, and the number of figures, so that none is dropped without notice.
 EXPECTED = {
     "lockstep": (6, "iq: command to first frame, median"),
-    "round_trip": (16, "pinned: hub, TCP loopback, p99"),
+    "transports": (WAYS * 3 * LANGUAGES + 1 + WAYS - 1, "hub, gateway, hub: round trip, one CPU, Python"),
+    "jitter": ((WAYS - 1) * 2 * SCHEDULINGS * LANGUAGES, "hub, TCP loopback: busy, normal, Python"),
     "arithmetic": (58, "rsmpy, 100,000 at once: apytypes"),
     "controller_step": (20, "float32: step of 1000 trains, per train, median"),
     "plant": (4, "direct run with iq, per core"),
@@ -64,6 +84,8 @@ def test_benchmark_gives_figures_with_units(name):
         assert figure["value"] > 0, figure
         assert (figure["ratio"] is None) == (figure["against"] == ""), figure
         assert figure["ratio"] is None or figure["ratio"] > 0, figure
+        assert all(math.isfinite(value) for value in figure["spread"].values()), figure
+    assert all(missing["name"] and missing["why"] for missing in result["missing"])
     assert result["title"]
     assert result["method"]
     assert os.sched_getaffinity(0) == before

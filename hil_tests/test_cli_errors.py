@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from bus.errors import BusUnavailable
 from bus.frame import Frame
 from bus.ident import Role, make_ident
 from bus.local import LocalBus
@@ -25,8 +26,7 @@ from hil_tests.cli import Done, Started, railhil, wait_for
 from plant_sim.node import PlantNode, PlantOptions, Refused
 from scenarios.errors import InputError
 from scenarios.load import load
-from supervisor import cli
-from supervisor import run as supervisor_run
+from supervisor import cli, join
 from supervisor.cli import outside
 from supervisor.folder import run_folder
 from supervisor.framelog import log_line, sha256_of
@@ -206,13 +206,13 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
 def test_interface_without_its_driver(monkeypatch, tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
 
-    def broken(_config: object) -> None:
+    def broken(_config: object, _name: str) -> None:
         raise NameError("name 'canGetNumberOfChannels' is not defined")
 
-    monkeypatch.setattr(supervisor_run, "open_link", broken)
+    monkeypatch.setattr(join, "open_link", broken)
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
     run = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path)
-    with pytest.raises(supervisor_run.BusUnavailable, match="bus kvaser:0 cannot be opened: name 'canGet"):
+    with pytest.raises(BusUnavailable, match="bus kvaser:0 cannot be opened: name 'canGet"):
         run.execute()
 
 
@@ -221,6 +221,7 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
 
     class Chatter:
         counters: dict[str, int] = {}  # noqa: RUF012
+        take_gap_ns = staticmethod(int)
 
         def receive(self, timeout_s: float) -> list[Frame]:
             return [Frame(0x7FF, b"\0")]
@@ -228,7 +229,7 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
         def close(self) -> None:
             pass
 
-    monkeypatch.setattr(supervisor_run, "open_link", lambda _config: Chatter())
+    monkeypatch.setattr(join, "open_link", lambda _config, _name: Chatter())
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
     options = RunOptions("lvshun_tieshan", attach=True, appear_s=0.3)
     result = Run(load("lvshun_tieshan"), options, choice, tmp_path).execute()

@@ -26,7 +26,15 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "ipfc.h",
             "ipfc_log.txt",
             "ipfc_mailboxes.h",
+            "ipfc_node.h",
+            "railhil_control.c",
+            "railhil_control.h",
+            "railhil_guard.c",
+            "railhil_guard.h",
             "railhil_iq.h",
+            "railhil_mvb.h",
+            "railhil_node.c",
+            "railhil_position.c",
             "railhil_run.c",
         ]
     )

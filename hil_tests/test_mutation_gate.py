@@ -21,16 +21,10 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
         ("self._last = -1", "1 -> 2"): "any negative number says 'none yet'",
     },
     store: {
-        ("first_ns: int = 0", "0 -> 1"): "written with the first block, before it is read",
-        ("first_ns: int = 0", "0 -> -1"): "written with the first block, before it is read",
-        ("last_ns: int = 0", "0 -> 1"): "written with the first block, before it is read",
-        ("last_ns: int = 0", "0 -> -1"): "written with the first block, before it is read",
-        ("committed_ns: int = -1", "1 -> 2"): "any negative number says 'never'",
-        # The CAN FD length of F4, the only one that needs padding: 40 bytes rounded up, however, are 48.
-        ("else -(-(port.data_bytes + 8) // 16) * 16", "8 -> 9"): "41 is rounded up to 48 like 40",
-        ("else -(-(port.data_bytes + 8) // 16) * 16", "8 -> 7"): "39 is rounded up to 48 like 40",
-        ("else -(-(port.data_bytes + 8) // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
-        ("else -(-(port.data_bytes + 8) // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",
+        ("self.committed_ns = -1", "1 -> 2"): "any negative number says 'never'",
+        # The CAN FD length of F4, the only one that needs padding.
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",
     },
     gate: {},
     guard: {},

@@ -6,7 +6,7 @@ from collections import deque
 from math import inf, isfinite
 
 from plant_sim import dynamics, forces
-from plant_sim.dynamics import Lag, Window
+from plant_sim.dynamics import Lag, Motion, Window
 from plant_sim.events import MOVED_MIN_M, EventKind, PlantEvent, passing_s
 from plant_sim.sensors import AxleSensors
 from plant_sim.status import TrainStatus
@@ -62,6 +62,8 @@ class Plant:
         self._emergency_commanded = False
         self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
         self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
+        self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
+        self._applied = 0.0
         self._front_limit = front_speed_limit(scenario.line, train)
         self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, 0.0)
 
@@ -276,7 +278,11 @@ class Plant:
 
     @property
     def _applied_n(self) -> float:
-        return dynamics.applied_n(self._constants, self._window, self._motion)
+        # Three readings of a tick are about this force; state and window are immutable, so the same ones have the same.
+        of = self._motion, self._window
+        if of[0] is not self._applied_of[0] or of[1] is not self._applied_of[1]:
+            self._applied_of, self._applied = of, dynamics.applied_n(self._constants, self._window, self._motion)
+        return self._applied
 
 
 def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:

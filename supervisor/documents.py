@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
 from scenarios.errors import InputError, Words
 from scenarios.validation import validated
@@ -94,9 +95,56 @@ class _Jitter(_Part):
     max_ms: float
 
 
+class _Lateness(_Jitter):
+    late_share: float
+
+
+class _Histogram(_Part):
+    edges_ms: list[float]
+    counts: list[int]
+
+    @model_validator(mode="after")
+    def _bins(self) -> _Histogram:
+        rising = all(low < high for low, high in itertools.pairwise([0.0, *self.edges_ms]))
+        if not self.counts or len(self.edges_ms) != len(self.counts) + 1 or not rising or min(self.counts) < 0:
+            raise ValueError("rising edges above 0, a count between each two")
+        return self
+
+
+class _Answers(_Part):
+    port: str
+    p50_ms: float
+    p99_ms: float
+    max_ms: float
+
+
+class _Timing(_Part):
+    source: str
+    polls: int
+    missed_polls: int
+
+
+class _RealtimeTiming(_Timing):
+    lateness: _Lateness
+    histogram: _Histogram
+    answers: list[_Answers]
+    scheduling: dict[str, str]
+
+
+def _timing_tag(document: Any) -> str:
+    return "lockstep" if isinstance(document, dict) and document.get("source") == "none" else "realtime"
+
+
 class _Run(_Part):
     sim_time_s: float
     wall_time_s: float
+    timing: (
+        Annotated[
+            Annotated[_Timing, Tag("lockstep")] | Annotated[_RealtimeTiming, Tag("realtime")],
+            Discriminator(_timing_tag),
+        ]
+        | None
+    ) = None
 
 
 def _telemetry_tag(document: Any) -> str:
@@ -134,7 +182,7 @@ def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None
         raise InputError(path, "file", Words("no JSON document"), allowed, str(error)) from None
     if not isinstance(document, dict):
         raise InputError(path, "file", document, f"a JSON object: {allowed}")
-    validated(model, document, lambda keys: path, ("shown", "summary"))
+    validated(model, document, lambda keys: path, ("shown", "summary", "lockstep", "realtime"))
     return document
 
 

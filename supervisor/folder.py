@@ -123,7 +123,9 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
     words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
+    words += ["--no-rt"] * (not options.ask_for_fifo)
     words += ["--perturbed"] * options.perturbed + ["--attach"] * options.attach
+    words += ["--no-controller"] * options.foreign
     words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     return shlex.join(words + bus_arguments)
 
@@ -150,18 +152,11 @@ def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> di
         "perturbed": options.perturbed,
         "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "counters": result.counters,
+        "timing": None if result.timing is None else result.timing.as_json(),
     }
     document["telemetry"] = None if result.telemetry is None else result.telemetry.as_json()
-    if result.jitter is not None:
-        jitter = result.jitter
-        document["jitter"] = {
-            "cycles": jitter.cycles,
-            "p50_ms": jitter.p50_ms,
-            "p99_ms": jitter.p99_ms,
-            "p999_ms": jitter.p999_ms,
-            "max_ms": jitter.max_ms,
-            "late_share": jitter.late_share,
-        }
+    if result.timing is not None and result.timing.jitter is not None:
+        document["jitter"] = result.timing.jitter.as_json()
     return document
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 from can.io import BLFWriter
@@ -20,6 +21,14 @@ CHANNEL = "mvb0"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
+#: Standard identifiers as they stand in the log.
+_STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
+
+
+@lru_cache(maxsize=4)
+def _stamp(time_ns: int) -> str:
+    """What a line begins with; all frames of a tick share it."""
+    return f"({time_ns // 1_000_000_000}.{time_ns // _NS_PER_US % 1_000_000:06d}) {CHANNEL} "
 
 
 def log_line(time_ns: int, frame: Frame) -> str:
@@ -29,9 +38,9 @@ def log_line(time_ns: int, frame: Frame) -> str:
     three times as much as the line.
     """
     can_id, data, flags = frame
-    stamp = f"({time_ns // 1_000_000_000}.{time_ns // _NS_PER_US % 1_000_000:06d}) {CHANNEL} "
-    if not flags:
-        return f"{stamp}{can_id:03X}#{data.hex().upper()} R\n"
+    stamp = _stamp(time_ns)
+    if not flags and can_id < 0x800:
+        return f"{stamp}{_STANDARD[can_id]}{data.hex().upper()} R\n"
     if flags & ERROR:
         return f"{stamp}{_ERROR_ID:08X}#{data.hex().upper()}\n"
     identifier = f"{can_id:08X}" if flags & EXTENDED else f"{can_id:03X}"

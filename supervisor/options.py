@@ -23,8 +23,12 @@ class RunOptions:
     task_period_ms: int = 0
     #: Of the law, from a file; None: its own.
     parameters: ParameterSet | None = None
+    #: Realtime: ask for SCHED_FIFO and locked memory.
+    ask_for_fifo: bool = True
     #: Attach to nodes that are running already instead of starting them.
     attach: bool = False
+    #: The controller is somebody else (a board, another program): everything but it is started.
+    foreign: bool = False
     #: Wall time for all nodes to appear.
     appear_s: float = 25.0
 
@@ -32,6 +36,11 @@ class RunOptions:
     def label(self) -> str:
         """The law, with the digest of its parameters when they come from a file: its name in the handshake."""
         return self.controller if self.parameters is None else self.parameters.controller
+
+    @property
+    def realtime_scheduling(self) -> bool:
+        """True when the processes of this run are to ask for SCHED_FIFO and locked memory."""
+        return self.pace == "realtime" and self.ask_for_fifo
 
     @property
     def law_arguments(self) -> list[str]:

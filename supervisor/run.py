@@ -12,17 +12,18 @@ from bus.errors import BusLost
 from bus.exitcodes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from bus.link import Link
 from bus.order import BusOrder
+from bus.realtime import RECORDER_PRIORITY, Scheduling, cycle, said_in
 from bus.select import HUB_INTERFACE, BusChoice
 from bus.telegrams import Event
 from scenarios.model import Scenario
 from supervisor.framelog import FrameLog, read_log
 from supervisor.join import open_recorder, refuse_occupied
+from supervisor.launch import start_hub, start_nodes
 from supervisor.options import RunOptions
 from supervisor.processes import Node, Nodes, process_start_ns
 from supervisor.score import Score, score
 from supervisor.session import Session
 from supervisor.stopping import StopSignals
-from supervisor.telemetry import FILE_NAME as TELEMETRY
 from supervisor.telemetry import (
     LawOrigin,
     ShownTelemetry,
@@ -31,7 +32,7 @@ from supervisor.telemetry import (
     read_summary,
     shown_telemetry,
 )
-from supervisor.timing import Jitter, jitter_of, write_wall_times
+from supervisor.timing import WALL, Timing, arrivals_of, lockstep_timing, realtime_timing, write_wall_times
 from supervisor.trace import Trace, trace_of
 
 #: Wall time without any frame after which a started run counts as dead.
@@ -58,12 +59,12 @@ class RunResult:
     #: From the start of this process (the command), interpreter start included.
     first_frame_s: float
     transport: str
-    jitter: Jitter | None
     #: What the controller has said about its arithmetic, in its file or else on the bus; None without a word.
     telemetry: TelemetrySummary | ShownTelemetry | None = None
     #: What it has said in its file of the law's own parameters.
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
+    timing: Timing | None = None
 
     @property
     def speed_factor(self) -> float:
@@ -107,6 +108,7 @@ class Run:
         #: Exit code of a run that a signal has ended (128 + its number), else 0.
         self.stopped_exit_code = 0
         self._lost = ""
+        self._scheduling = Scheduling()
         # The hub has one order for all; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or options.pace != "lockstep"
         self._order = None if in_order else BusOrder(fd=choice.fd)
@@ -146,7 +148,7 @@ class Run:
         """Start the nodes and open the bus; a bus that is there already is looked at first."""
         lockstep = self.options.pace == "lockstep"
         if self.choice.needs_hub:
-            nodes.start("hub", "bus.hub", ["-c", self.choice.config["channel"], "--once"])
+            start_hub(nodes, self.options, self.choice)
         elif not self.options.attach:
             link = open_recorder(self.choice, nodes, lockstep)
             try:
@@ -160,18 +162,12 @@ class Run:
         return open_recorder(self.choice, nodes, lockstep)
 
     def _start(self, nodes: Nodes) -> None:
-        bus, options = self.choice.arguments, self.options
-        if options.attach:
-            return
-        plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
-        plant += ["--appear-timeout", str(options.appear_s)]
-        nodes.start("plant", "plant_sim", plant + ["--perturbed"] * options.perturbed + bus)
-        task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
-        law = [*options.law_arguments, *task, "--telemetry", str(self.folder / TELEMETRY)]
-        nodes.start("controller", "controller_node", [options.scenario, *law, *bus])
+        if not self.options.attach:
+            start_nodes(nodes, self.options, self.choice, self.folder)
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
-        with StopSignals() as stop:
+        priority = RECORDER_PRIORITY if self.options.realtime_scheduling else 0
+        with StopSignals() as stop, cycle("supervisor", priority, aloud=False) as self._scheduling:
             try:
                 self._record(link, nodes, stop)
             except BusLost:
@@ -245,7 +241,7 @@ class Run:
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without score, and whether it was refused for bad input."""
         refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
-        if refusals:
+        if refusals and not (self.options.foreign and self.session.disagreements):
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.disagreements) or "the plant did not start the run", True
@@ -263,13 +259,10 @@ class Run:
         session = self.session
         self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
         result = score(self.scenario, self.trace)
-        jitter = None
+        timing = self._timing()
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
-        if self.options.pace == "realtime":
-            write_wall_times(session.wall_ticks, session.wall_ns, self.folder / "wall.csv")
-            jitter = jitter_of(session.wall_ticks, session.wall_ns, self.scenario, self.options.rate)
-            if not jitter.valid and code in (PASS, FAIL):
-                code, line = INVALID, line or jitter.sentence()
+        if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
+            code, line = INVALID, line or timing.jitter.sentence()
         if line:
             code = USAGE if refused else INVALID
         if session.ended is Event.ENDED_PLANT_ERROR:
@@ -284,12 +277,26 @@ class Run:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
             transport=self.choice.transport,
-            jitter=jitter,
-            # All nodes have ended by now.
             telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
             origin=read_origin(self.folder),
             counters=counters,
+            timing=timing,
         )
+
+    def _timing(self) -> Timing:
+        """Timing of the run; all nodes have ended by now."""
+        session, options = self.session, self.options
+        if options.pace == "lockstep":
+            return lockstep_timing(self.trace)
+        write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
+        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / options.rate)
+        said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in self._outputs()}
+        return realtime_timing(self.folder, self.trace, arrivals, {**said, "supervisor": self._scheduling.sentence})
+
+    def _outputs(self) -> list[Path]:
+        """What the nodes have said that were started here."""
+        paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
+        return [path for path in paths if path.is_file()]
 
 
 def _blame(node: Node) -> tuple[int, int]:

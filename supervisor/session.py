@@ -86,7 +86,9 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        self._own_ids = {self._poll_id, *(can_id for port in sinks for can_id in (*port.can_ids, port.fd_id))}
+        own_ids = {self._poll_id, *(can_id for port in sinks for can_id in (*port.can_ids, port.fd_id))}
+        # Everything else is recorded unseen, and that is most of it.
+        self._seen_ids = {self._status_id, *self._clock_ids, *own_ids}
 
     @property
     def sim_time_s(self) -> float:
@@ -111,15 +113,16 @@ class Session:
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
-        can_id = frame.can_id
-        if can_id in self._clock_ids:
-            if self._clock.feed(frame):
-                self.wall_ticks.append(self._clock.tick)
-                self.wall_ns.append(time.monotonic_ns())
-        elif can_id in self._own_ids:
-            return self._handle_own(frame)
-        elif can_id == self._status_id:
-            return []
+        if frame[0] in self._seen_ids:
+            can_id = frame[0]
+            if can_id in self._clock_ids:
+                if self._clock.feed(frame):
+                    self.wall_ticks.append(self._clock.tick)
+                    self.wall_ns.append(time.monotonic_ns())
+            elif can_id == self._status_id:
+                return []
+            else:
+                return self._handle_own(frame)
         if self.recording:
             self.frames += 1
             self._write(log_line(self._clock.now_ns, frame))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from bus.frame import Frame
 from bus.ident import Ident
+from bus.mvb import master_tail
 from bus.store import TrafficStore
 from dbc import wire_contract
 
@@ -25,6 +26,21 @@ class Trace:
     def __init__(self) -> None:
         self._times_ns: dict[str, array[int]] = {}
         self._data: dict[str, bytearray] = {}
+        #: Polls in the record.
+        self.polls = 0
+        self._missed_polls = 0
+        self._awaited: set[str] = set()
+
+    @property
+    def missed_polls(self) -> int:
+        """Polls that no good telegram followed before the port was polled again or the record ended."""
+        return self._missed_polls + len(self._awaited)
+
+    def polled(self, port: str) -> None:
+        """Take a poll of a port."""
+        self.polls += 1
+        self._missed_polls += port in self._awaited
+        self._awaited.add(port)
 
     def add(self, port: str, time_ns: int, data: bytes) -> None:
         """Append one telegram."""
@@ -33,6 +49,7 @@ class Trace:
             times_ns = self._times_ns[port] = array("q")
             self._data[port] = bytearray()
         times_ns.append(time_ns)
+        self._awaited.discard(port)
         self._data[port] += data
 
     def count(self, port: str) -> int:
@@ -76,8 +93,14 @@ class Trace:
 def trace_of(frames: Iterable[tuple[int, Frame]]) -> Trace:
     """Trace of recorded frames ``(time_ns, frame)`` in bus order."""
     trace = Trace()
-    store = TrafficStore(wire_contract().ports)
+    contract = wire_contract()
+    store = TrafficStore(contract.ports)
+    polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
     for time_ns, frame in frames:
+        if frame.can_id == contract.poll_id:
+            if (asked := polls.get(frame.data)) is not None:
+                trace.polled(asked)
+            continue
         port = store.feed(frame, time_ns)
         if port is not None:
             trace.add(port, time_ns, store.raw(port))

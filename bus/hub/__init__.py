@@ -8,6 +8,7 @@ module       what it holds
 ``link``     the client's end of a connection: whole packets, deadlines
 ``client``   :class:`~bus.hub.client.HubBus`, the python-can plugin ``railhil``
 ``ports``    the hub's end of a connection: never blocks, bounded queue
+``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` what waits for it
 ``switch``   the loop that carries packets from one port to all others
 ``bitlength`` length of a frame on the wire, stuff bits counted
 ``model``    optional bit rate and arbitration

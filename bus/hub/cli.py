@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 
 from bus.errors import BusUnavailable
 from bus.hub.address import default_channel
+from bus.hub.portspec import parse_ports
 from bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
+from bus.realtime import cycle
+from bus.usage import add_priority_argument
 
 
 def _positive_int(text: str) -> int:
@@ -53,6 +57,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="BYTES",
         help="how far a client may fall behind before it is disconnected, default %(default)s",
     )
+    parser.add_argument(
+        "--port",
+        action="append",
+        default=[],
+        metavar="INTERFACE:CHANNEL[,KEY=VALUE...]",
+        help="another python-can bus that frames are carried to and from (gateway); may be given several times",
+    )
+    parser.add_argument(
+        "--lossless",
+        action="store_true",
+        help="for lockstep: frames wait for a --port that is full or down, instead of being dropped",
+    )
+    add_priority_argument(parser, 0, "default 0")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -61,15 +78,24 @@ def run(args: argparse.Namespace) -> int:
         if not args.bitrate_model and (args.bitrate is not None or args.data_bitrate is not None):
             option = "-b/--bitrate" if args.bitrate is not None else "--data-bitrate"
             raise BusUnavailable(f"option {option}: found without --bitrate-model, allowed: only with it")
+        if args.lossless and not args.port:
+            raise BusUnavailable("option --lossless: found without --port, allowed: only with it")
+        channel = args.channel or default_channel()
+        ports = parse_ports(args.port, channel)
         bitrate_bps = (args.bitrate or DEFAULT_BITRATE_BPS) if args.bitrate_model else None
-        serve(
-            args.channel or default_channel(),
-            once=args.once,
-            bitrate_bps=bitrate_bps,
-            data_bitrate_bps=args.data_bitrate,
-            arbitration=args.arbitration,
-            queue_limit_bytes=args.queue_limit,
-        )
+        # A hub that serves one run after the other keeps its garbage collector.
+        around = cycle("hub", args.realtime_priority) if args.realtime_priority else contextlib.nullcontext()
+        with around:
+            serve(
+                channel,
+                once=args.once,
+                bitrate_bps=bitrate_bps,
+                data_bitrate_bps=args.data_bitrate,
+                arbitration=args.arbitration,
+                queue_limit_bytes=args.queue_limit,
+                ports=ports,
+                lossless=args.lossless,
+            )
     except BusUnavailable as error:
         print(f"railhil bus hub: error: {error}", file=sys.stderr)
         return 2

@@ -16,7 +16,7 @@ from typing import Any
 import can
 
 from bus.errors import BusUnavailable
-from bus.frame import EXTENDED, FD, Frame
+from bus.frame import EXTENDED, Frame
 from bus.hub import wire
 from bus.hub.address import Address, connect, default_channel, describe, new_socket, parse_channel
 from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, StreamLink
@@ -171,29 +171,9 @@ class HubBus(can.BusABC):
         comes before anything is sent.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
-        if not frames:
-            return
-        if len(frames) <= wire.MAX_BATCH_FRAMES and not any(frame[2] for frame in frames):
-            self._send(wire.pack_plain(frames), deadline_s)
-            return
-        packets: list[bytes] = []
-        batch: list[bytes] = []
-        for frame in frames:
-            packed = wire.pack_frame(frame)
-            if frame.flags & FD:
-                if not self._fd_enabled:
-                    raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
-                if batch:
-                    packets.append(b"".join(batch))
-                    batch = []
-                packets.append(packed)
-                continue
-            batch.append(packed)
-            if len(batch) == wire.MAX_BATCH_FRAMES:
-                packets.append(b"".join(batch))
-                batch = []
-        if batch:
-            packets.append(b"".join(batch))
+        packets = wire.pack_frames(frames)
+        if not self._fd_enabled and any(len(packet) == wire.FD_SIZE for packet in packets):
+            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
         for packet in packets:
             self._send(packet, deadline_s)
 

@@ -1,6 +1,6 @@
 """The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
 
-:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (a gateway).
+:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (:mod:`bus.hub.gateway`).
 """
 
 from __future__ import annotations
@@ -31,8 +31,12 @@ class Port(ABC):
     """One port of the switch.
 
     ``name`` is shown in messages. ``is_member`` says that packets flow: false until the hello is answered.
-    ``receive_own`` asks for a copy of the port's own packets.
+    ``receive_own`` asks for a copy of the port's own packets. ``due_ns`` is when the switch shall call :meth:`flush`
+    without being told that the port is writable (monotonic clock), None for not at all.
     """
+
+    #: It comes and goes by itself; a bus given on the command line does not.
+    is_client = True
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -42,6 +46,7 @@ class Port(ABC):
         self.coalescer: Coalescer | None = None
         #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.
         self.has_backlog = False
+        self.due_ns: int | None = None
 
     @abstractmethod
     def fileno(self) -> int:
@@ -68,6 +73,10 @@ class Port(ABC):
     @abstractmethod
     def close(self) -> None:
         """Give the descriptor back; what is queued is lost."""
+
+    def statistics(self) -> str:
+        """What the port has carried and lost, in one line; empty when it does not count."""
+        return ""
 
 
 class SocketPort(Port):

@@ -10,7 +10,7 @@ import os
 import select
 import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from bus.hub.address import describe
 from bus.hub.coalesce import HOLD_S, coalescer_of
@@ -21,6 +21,8 @@ from bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
 MAX_PORTS = 256
 #: How long a stopped hub goes on handing out what it has already taken.
 DRAIN_TIMEOUT_S = 1.0
+_DRAIN_LOOK_S = 0.005
+_STOP, _TELL = b"s", b"t"
 _READ = select.EPOLLIN
 _WRITE = select.EPOLLOUT
 _READ_EVENTS = select.EPOLLIN | select.EPOLLHUP | select.EPOLLERR
@@ -30,7 +32,8 @@ class Switch:
     """Ports around a listening socket.
 
     ``properties`` go into the hello answered to each client. ``report`` takes one line about each client
-    that is cut off. With ``once`` the loop ends when the last client has left.
+    that is cut off. With ``once`` the loop ends when the last client has left. ``bus_ports`` are there from the
+    beginning to the end.
     """
 
     def __init__(
@@ -42,6 +45,7 @@ class Switch:
         report: Callable[[str], None],
         model: WireModel | None = None,
         once: bool = False,
+        bus_ports: Sequence[Port] = (),
     ) -> None:
         self._listener = listener
         self._queue_limit_bytes = queue_limit_bytes
@@ -51,7 +55,8 @@ class Switch:
         self._once = once
         self._ports: dict[int, Port] = {}
         #: Replaced, never changed in place: a port may be dropped while packets are carried.
-        self._members: list[Port] = []
+        self._members: list[Port] = list(bus_ports)
+        self._bus_ports = tuple(bus_ports)
         self._bulk_readers = False
         #: Event mask each port is registered with; 0 means that it is not registered.
         self._watched: dict[Port, int] = {}
@@ -63,10 +68,23 @@ class Switch:
         self._wake_read, self._wake_write = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
         self._epoll.register(self._wake_read, _READ)
         self._epoll.register(listener.fileno(), _READ)
+        for port in bus_ports:
+            self._watch(port)
 
     def stop(self) -> None:
         """End the loop; may be called from another thread or a signal handler."""
-        os.write(self._wake_write, b"\0")
+        os.write(self._wake_write, _STOP)
+
+    def tell(self) -> None:
+        """Let the loop report what its ports have counted; may be called as :meth:`stop`."""
+        os.write(self._wake_write, _TELL)
+
+    def report_statistics(self) -> None:
+        """One line for each port that counts."""
+        for port in self._members:
+            line = port.statistics()
+            if line:
+                self._report(line)
 
     def run(self) -> None:
         """Serve until :meth:`stop`, or with ``once`` until the last client has left."""
@@ -83,15 +101,19 @@ class Switch:
                 elif fd == listener_fd:
                     self._accept()
                 elif fd == self._wake_read:
-                    self._stopping = True
+                    self._wake()
+            for port in self._bus_ports:
+                if port.due_ns is not None and port.due_ns <= time.monotonic_ns():
+                    self._flush(port)
             if self._model is not None:
                 self._deliver_due(self._model)
         self._drain()
 
     def close(self) -> None:
-        """Close the ports and what the loop needs; the listening socket stays with its owner."""
+        """Close the clients' ports and what the loop needs; listening socket and buses stay with their owner."""
         for port in self._ports.values():
-            port.close()
+            if port.is_client:
+                port.close()
         self._ports.clear()
         self._members = []
         self._epoll.close()
@@ -101,8 +123,8 @@ class Switch:
     # --- the hot path -------------------------------------------------------------------------------------
 
     def _wait(self) -> list[tuple[int, int]]:
-        if self._model is not None:
-            due_ns = self._model.next_due_ns()
+        if self._model is not None or self._bus_ports:
+            due_ns = self._next_due_ns()
             if due_ns is not None:
                 # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
                 timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
@@ -114,6 +136,13 @@ class Switch:
                 return ready
             self._flush_held()
         return self._epoll.poll()
+
+    def _next_due_ns(self) -> int | None:
+        """When the model or a bus has something to do without being told by a descriptor."""
+        times_ns = [port.due_ns for port in self._bus_ports]
+        if self._model is not None:
+            times_ns.append(self._model.next_due_ns())
+        return min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
 
     def _flush_held(self) -> None:
         """Nothing happens on the bus: hand over what is held for the clients that read in bulk."""
@@ -199,6 +228,12 @@ class Switch:
         else:
             self._epoll.modify(fd, events)
 
+    def _wake(self) -> None:
+        asked = os.read(self._wake_read, 64)
+        if _TELL in asked:
+            self.report_statistics()
+        self._stopping = self._stopping or _STOP in asked
+
     def _accept(self) -> None:
         try:
             sock, _ = self._listener.accept()
@@ -216,7 +251,9 @@ class Switch:
             return
         self._accepted += 1
         kind = SocketPort if sock.family == socket.AF_UNIX else StreamPort
-        port = kind(sock, f"client {self._accepted}", self._queue_limit_bytes)
+        self._watch(kind(sock, f"client {self._accepted}", self._queue_limit_bytes))
+
+    def _watch(self, port: Port) -> None:
         self._ports[port.fileno()] = port
         self._watched[port] = _READ
         self._epoll.register(port.fileno(), _READ)
@@ -258,7 +295,7 @@ class Switch:
             self._is_accepting = True
         self._members = [member for member in self._members if member is not port]
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
-        if self._once and self._had_member and not self._members:
+        if self._once and self._had_member and not any(member.is_client for member in self._members):
             self._stopping = True
 
     def _drain(self) -> None:
@@ -274,7 +311,11 @@ class Switch:
             if not ready:
                 if not any(port.has_backlog for port in self._members):
                     break
-                ready = self._epoll.poll(max(deadline_s - time.monotonic(), 0.0))
+                # A bus that is full does not say when it has room again.
+                for bus_port in self._bus_ports:
+                    self._flush(bus_port)
+                longest_s = _DRAIN_LOOK_S if self._bus_ports else DRAIN_TIMEOUT_S
+                ready = self._epoll.poll(min(max(deadline_s - time.monotonic(), 0.0), longest_s))
             for fd, events in ready:
                 port = self._ports.get(fd)
                 if port is not None and events & _READ_EVENTS:
@@ -284,6 +325,6 @@ class Switch:
         self._flush_held()
         for port in self._members:
             if port.has_backlog:
-                self._report(f"{port.name} has not read all packets before the stop")
+                self._report(f"{port.name} has not taken all packets before the stop")
         if self._model is not None and self._model.pending_frames():
             self._report(f"{self._model.pending_frames()} frames were still waiting for the wire at the stop")

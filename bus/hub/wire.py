@@ -38,7 +38,7 @@ from typing import Any
 
 import can
 
-from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 
 PROTOCOL_VERSION = 1
 CLASSIC_SIZE = 16
@@ -153,6 +153,29 @@ def pack_plain(frames: Sequence[Frame]) -> bytes:
     return b"".join(parts)
 
 
+def pack_frames(frames: Sequence[Frame]) -> list[bytes]:
+    """Packets of any frames in order: up to 256 classic frames in each, every CAN FD frame in its own.
+
+    Raises ValueError as :func:`pack_frame`.
+    """
+    if len(frames) <= MAX_BATCH_FRAMES and not any(frame[2] for frame in frames):
+        return [pack_plain(frames)] if frames else []
+    packets: list[bytes] = []
+    batch: list[bytes] = []
+    for frame in frames:
+        packed = pack_frame(frame)
+        if batch and (frame.flags & FD or len(batch) == MAX_BATCH_FRAMES):
+            packets.append(b"".join(batch))
+            batch = []
+        if frame.flags & FD:
+            packets.append(packed)
+        else:
+            batch.append(packed)
+    if batch:
+        packets.append(b"".join(batch))
+    return packets
+
+
 def pack_message(message: can.Message) -> bytes:
     """One python-can message as 16 bytes, or 72 with FD. Raises ValueError for what no CAN frame can hold."""
     remote = message.is_remote_frame
@@ -184,7 +207,7 @@ def unpack_frames(packet: bytes, offset: int = 0) -> list[Frame]:
         wire_id, length, fd_flags, data = _FD.unpack(packet)
         return [_frame(wire_id, length, data, FD | (BRS if fd_flags & FD_BRS else 0))]
     return [
-        Frame(wire_id, data[:length]) if wire_id <= SFF_MASK else _frame(wire_id, length, data, 0)
+        quick_frame((wire_id, data[:length], 0)) if wire_id <= SFF_MASK else _frame(wire_id, length, data, 0)
         for wire_id, length, data in _CLASSIC.iter_unpack(packet[offset:] if offset else packet)
     ]
 

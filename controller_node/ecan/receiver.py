@@ -70,9 +70,11 @@ class Receiver:
             self.read_when_due()
         now_ns = clock.tick * clock.base_tick_ns
         number = ecan.receive(frame, now_ns)
+        if number < 0:
+            return []
         if number == self._poll_number:
             return self._responder.handle(frame)
-        if number >= 0 and number not in self._task_numbers:
+        if number not in self._task_numbers:
             self._reading = number
             self._responder.deliver(frame, now_ns)
         return []

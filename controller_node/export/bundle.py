@@ -1,4 +1,4 @@
-"""Everything that is written for one law: C files, mailbox table, reference log, host program, memory note."""
+"""Everything that is written for one law: C files, mailbox table, node, reference log, host program, memory note."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 
 from controller_node.export.body import NAMED_Q
 from controller_node.export.mailboxes import mailbox_header
+from controller_node.export.node_header import node_header
 from controller_node.export.note import memory_note
 from controller_node.export.reference import reference_log
 from controller_node.export.source import Source, SourceWriter, c_name
@@ -24,6 +25,16 @@ from scenarios.parameters import ParameterSet
 
 #: Words of a record without a balise.
 _RECORD_WORDS = 5
+#: The controller around the law, the same for every law but for names.
+_NODE_FILES = (
+    "railhil_mvb.h",
+    "railhil_guard.h",
+    "railhil_guard.c",
+    "railhil_position.c",
+    "railhil_control.h",
+    "railhil_control.c",
+    "railhil_node.c",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +55,12 @@ def _host_program(name: str, programs: LawProgram) -> str:
     balise = range(_RECORD_WORDS, _RECORD_WORDS + (len(BALISE_INPUTS) if programs.track else 0))
     text = _template("railhil_run.c", name).replace("@RECORD_WORDS@", str(balise.stop))
     return text.replace("@BALISE@", "".join(f", record[{word}]" for word in balise))
+
+
+def _node_file(file: str, name: str, programs: LawProgram) -> str:
+    balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
+    text = _template(file, name).replace("@PREFIX@", name.upper())
+    return text.replace("@BALISE@", balise if programs.track else "")
 
 
 def _names_of_iqmath() -> str:
@@ -81,6 +98,8 @@ def make_bundle(scenario: Scenario, law: str, indexing: str = "time", parameters
             f"{name}.h": source.header,
             "railhil_iq.h": _template("railhil_iq.h", name).replace("@NAMES@", _names_of_iqmath()),
             f"{name}_mailboxes.h": mailbox_header(name, mailboxes()),
+            f"{name}_node.h": node_header(name, programs, scenario, indexing, parameters),
+            **{file: _node_file(file, name, programs) for file in _NODE_FILES},
             f"{name}_log.txt": reference_log(scenario, programs, indexing, source.columns, parameters),
             "railhil_run.c": _host_program(name, programs),
             "Makefile": _template("Makefile", name),

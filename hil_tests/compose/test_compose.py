@@ -5,15 +5,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from hil_tests.bench import local_run
+from hil_tests.compose.engine import PROJECT, SERVICES, Up, compose, containers, docker, traces_on_host, up
 from scenarios.load import load
 from supervisor.framelog import sha256_of
 
@@ -21,65 +19,11 @@ pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
 _ROOT = Path(__file__).parents[2]
 _NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "docker")
-_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "pyproject.toml", "README.md", "LICENSE")
-_SERVICES = {"bus", "results", "plant", "controller", "supervisor"}
-_PROJECT = "railhil-test"
+_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
+          "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
 #: The image is Python, NumPy, SciPy and Matplotlib without their tests; a compiler alone would be 200 MB more.
-_IMAGE_MAX_BYTES = 480_000_000
-
-
-@dataclass(frozen=True, slots=True)
-class Up:
-    """A finished ``compose up``: where, its exit code, its output, and what the engine says of each container."""
-
-    folder: Path
-    exit_code: int
-    out: str
-    containers: dict[str, dict[str, Any]]
-
-    @property
-    def run_folder(self) -> Path:
-        """The one run folder in ``./runs``."""
-        (folder,) = (self.folder / "runs").iterdir()
-        return folder
-
-
-def tool(*words: str, cwd: Path | None = None, **variables: str) -> subprocess.CompletedProcess[str]:
-    """Run a command to its end."""
-    return subprocess.run(
-        words, cwd=cwd, env={**os.environ, **variables}, capture_output=True, text=True, timeout=840, check=False
-    )
-
-
-def docker(*words: str) -> str:
-    """Standard output of a docker command that must succeed."""
-    done = tool("docker", *words)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def compose(folder: Path, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
-    """Run a compose command in a copy of the project."""
-    command = os.environ.get("RAILHIL_COMPOSE", "docker compose").split()
-    return tool(*command, "-p", _PROJECT, *words, cwd=folder, **variables)
-
-
-def up(folder: Path, **variables: str) -> Up:
-    """Run the bench to its end and look at the containers before they are removed."""
-    done = compose(folder, "up", "--no-color", "--exit-code-from", "supervisor", **variables)
-    names = docker("ps", "-aq", "--filter", f"label=com.docker.compose.project={_PROJECT}").split()
-    found = json.loads(docker("inspect", *names)) if names else []
-    containers = {entry["Config"]["Labels"]["com.docker.compose.service"]: entry for entry in found}
-    down = compose(folder, "down", "--volumes")
-    assert down.returncode == 0, down.stderr
-    return Up(folder, done.returncode, done.stdout + done.stderr, containers)
-
-
-def traces_on_host() -> set[str]:
-    """What a container leaves on a host when it leaves something: interfaces, and mounts of its volume."""
-    mounts = {line.split()[1] for line in Path("/proc/mounts").read_text().splitlines() if _PROJECT in line}
-    return mounts | set(os.listdir("/sys/class/net"))
+_IMAGE_MAX_BYTES = 430_000_000
 
 
 @pytest.fixture(scope="module")
@@ -95,9 +39,9 @@ def project(tmp_path_factory) -> Iterator[Path]:
     before = traces_on_host()
     yield folder
     assert traces_on_host() == before
-    assert docker("ps", "-aq", "--filter", f"label=com.docker.compose.project={_PROJECT}") == ""
-    assert _PROJECT not in docker("volume", "ls", "-q")
-    assert _PROJECT not in docker("network", "ls", "--format", "{{.Name}}")
+    assert containers() == []
+    assert PROJECT not in docker("volume", "ls", "-q")
+    assert PROJECT not in docker("network", "ls", "--format", "{{.Name}}")
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +59,8 @@ def test_exit_code_is_the_verdict(bench):
 
 def test_results_are_those_of_the_bench_without_containers(bench, tmp_path):
     names = {path.name for path in bench.run_folder.iterdir()}
-    assert {"frames.log", "frames.blf", "signals.csv", "score.json", "certificate.json", "junit.xml"} <= names
+    expected_names = {"frames.log", "frames.blf", "signals.csv", "score.json", "certificate.json", "junit.xml"}
+    assert expected_names | {"report.html"} <= names
     expected = local_run(load("lvshun_tieshan"), tmp_path, seed=_SEED).frames_sha256
     assert sha256_of(bench.run_folder / "frames.log") == expected
     assert json.loads((bench.run_folder / "certificate.json").read_text())["frames_sha256"] == expected
@@ -129,17 +74,9 @@ def test_bus_says_which_transport_it_is(bench):
 
 
 def test_privileges(bench):
-    assert set(bench.containers) == _SERVICES
-    for service, entry in bench.containers.items():
-        host = entry["HostConfig"]
-        assert host["ReadonlyRootfs"] is True, service
-        assert host["CapDrop"] == ["ALL"], service
-        assert (host["CapAdd"] or []) == (["NET_ADMIN"] if service == "bus" else []), service
-        assert not host["Privileged"], service
-        assert entry["Config"]["User"].split(":")[0] != "0" or service == "results"
-        bus_id = bench.containers["bus"]["Id"]
-        assert host["NetworkMode"] == ("none" if service == "bus" else f"container:{bus_id}"), service
-        assert not host["PortBindings"], service
+    assert set(bench.containers) == SERVICES
+    bench.assert_confined({"bus": ["NET_ADMIN"]})
+    assert bench.network_modes() == {"none", f"container:{bench.containers['bus']['Id']}"}
 
 
 def test_image_is_small_and_has_no_build_tools(bench):
@@ -150,9 +87,29 @@ def test_image_is_small_and_has_no_build_tools(bench):
     assert docker("run", "--rm", "--network", "none", "--entrypoint", "sh", "railhil-bench", "-c", look) == ""
 
 
-def test_unknown_scenario_is_one_clear_line_and_exit_code_2(project):
-    done = up(project, SCENARIO="no_such_line")
+def told(done: Up, *words: str) -> str:
+    """The one line in which the supervisor names ``words``."""
     assert done.exit_code == 2, done.out
     assert "Traceback" not in done.out
-    lines = [line for line in done.out.splitlines() if "supervisor" in line and "no_such_line" in line]
+    lines = [line for line in done.out.splitlines() if "supervisor" in line and all(word in line for word in words)]
     assert len(lines) == 1, done.out
+    return lines[0]
+
+
+def test_unknown_scenario_is_one_clear_line_and_exit_code_2(project):
+    told(up(project, SCENARIO="no_such_line"), "no_such_line")
+
+
+@pytest.mark.parametrize(
+    ("channel", "words"),
+    [
+        ("can_none", ("no such interface", "ip link set can_none type can bitrate 500000", "txqueuelen 1000 up")),
+        ("lo", ("is no CAN interface", "CAN_CHANNEL")),
+    ],
+)
+def test_interface_of_the_host_that_cannot_be_the_bus_is_one_clear_line(project, channel, words):
+    done = up(project, "docker-compose.hardware.yml", CAN_CHANNEL=channel)
+    told(done, channel, *words)
+    assert len([line for line in done.out.splitlines() if channel in line]) == 1, done.out
+    assert set(done.containers) == SERVICES - {"bus"} | {"adapter"}
+    done.assert_confined({})

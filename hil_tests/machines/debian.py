@@ -63,8 +63,8 @@ def cache_lock(name: str) -> Iterator[None]:
         yield
 
 
-def require_debian_root(purpose: str) -> None:
-    """Refuse unless this is root on an x86-64 Debian.
+def require_debian(purpose: str) -> None:
+    """Refuse unless this is an x86-64 Debian.
 
     Raises:
         CapabilityError: with the first condition that does not hold.
@@ -73,6 +73,15 @@ def require_debian_root(purpose: str) -> None:
         raise CapabilityError(f"{purpose} needs an x86_64 host, this one is {platform.machine()}")
     if not Path("/etc/debian_version").exists() or find_command("apt-get") is None:
         raise CapabilityError(f"{purpose} needs Debian (no /etc/debian_version with apt-get on this host)")
+
+
+def require_debian_root(purpose: str) -> None:
+    """Refuse unless this is root on an x86-64 Debian.
+
+    Raises:
+        CapabilityError: with the first condition that does not hold.
+    """
+    require_debian(purpose)
     if os.geteuid() != 0:
         raise CapabilityError(f"{purpose} needs root, this is user id {os.geteuid()}")
 
@@ -158,6 +167,18 @@ def install_compilers() -> None:
     if not all(find_command(command) for command in packages):
         require_debian_root("exported C")
         install_commands(packages, "exported C")
+
+
+def install_can_tools() -> None:
+    """Have can-utils and iproute2, with which the tests on kernel SocketCAN listen, send and switch interfaces.
+
+    Raises:
+        CapabilityError: they are missing and cannot be had.
+    """
+    packages = {"candump": "can-utils", "ip": "iproute2", "setpriv": "util-linux"}
+    if not all(find_command(command) for command in packages):
+        require_debian_root("tests on kernel SocketCAN")
+        install_commands(packages, "tests on kernel SocketCAN")
 
 
 def install_browser() -> None:

@@ -65,7 +65,8 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
         disk = Path(scratch, "docker.ext4")
         with debian.cache_lock(DATA_FOLDER):
             _disk_with(data, disk)
-        words = [sys.executable, "-m", "hil_tests.machines.docker_engine", "--", *command]
+        words = [sys.executable, "-m", "hil_tests.machines.docker_engine", "--no-base-image"]
+        words += ["--timeout", str(timeout_s), "--", *command]
         return vcan_vm.run(words, shares=shares, disks={disk: data}, timeout_s=timeout_s, memory_mb=4096)
 
 

@@ -1,21 +1,16 @@
-"""Run a command on real SocketCAN: ``python -m hil_tests.machines.vcan_vm [--share DIR] -- COMMAND ...``
+"""A throw-away virtual machine with kernel SocketCAN: ``railhil vcan --via machine [--share DIR] -- COMMAND ...``
 
-Boots Debian's kernel in an emulated machine (QEMU, software translation, no network card) whose root is this
-host's root, read-only under an overlay in memory. ``vcan0`` and ``vcan1`` are up; the command runs as root in
-the caller's directory with the caller's environment, about ten times slower than on the host. What it writes
-is gone afterwards, except below the folders given with ``--share``.
-
-Exit code: the command's own; 77 when this host cannot have the machine (one line says why); 124 after
-``--timeout``; 125 when the machine itself failed; 2 for a wrong command line.
+Boots Debian's kernel in an emulated machine (QEMU, software translation, no network card) whose root is this host's
+root, read-only under an overlay in memory. The CAN interfaces are up; the command runs as root in the caller's
+directory with the caller's environment, about ten times slower than on the host. What it writes is gone afterwards,
+except below the shared folders. The command has no terminal and no input.
 """
 
 from __future__ import annotations
 
-import argparse
 import os
 import selectors
 import shlex
-import signal
 import subprocess
 import sys
 import tempfile
@@ -34,14 +29,16 @@ _EXIT_GRACE_S = 20.0
 
 
 def ensure_machine() -> VmImage:
-    """Install and download what is missing.
+    """Install and download what is missing; only the first needs root.
 
     Raises:
-        CapabilityError: not root, not Debian on x86-64, or a package cannot be had.
+        CapabilityError: not Debian on x86-64, or a package is missing and cannot be had.
         MachineError: a package is not as expected.
     """
-    debian.require_debian_root(_PURPOSE)
-    debian.install_commands(_PACKAGES, _PURPOSE)
+    debian.require_debian(_PURPOSE)
+    if not all(debian.find_command(command) for command in _PACKAGES):
+        debian.require_debian_root(_PURPOSE)
+        debian.install_commands(_PACKAGES, _PURPOSE)
     return ensure_image()
 
 
@@ -65,6 +62,7 @@ def _qemu_words(image: VmImage, control: Path, shares: Sequence[Path], disks: Se
     """Command line of the machine; its two output ports write to the pipe ends ``pipes``."""
     # setpriv: the machine must not outlive this process, even when this process is killed outright.
     words = ["setpriv", "--pdeathsig", "KILL", "qemu-system-x86_64"]
+    # Not KVM: where hosts offer it inside a virtual machine, machines were seen to abort or hang in it.
     words += ["-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", str(memory_mb)]
     words += ["-nodefaults", "-no-user-config", "-nographic", "-no-reboot", "-nic", "none"]
     words += ["-kernel", str(image.kernel), "-initrd", str(image.initrd)]
@@ -106,6 +104,7 @@ def _copy_until_end(sources: Mapping[int, BinaryIO], deadline_s: float) -> bool:
 def run(
     command: Sequence[str],
     *,
+    interfaces: Sequence[str] = ("vcan0", "vcan1"),
     cwd: Path | None = None,
     environment: Mapping[str, str] | None = None,
     shares: Sequence[Path] = (),
@@ -119,6 +118,7 @@ def run(
 
     Args:
         command: words of the command, looked up in the host's file system.
+        interfaces: virtual CAN interfaces that are up in the machine.
         cwd: directory it runs in, the caller's by default; ``environment`` likewise.
         shares: host folders that the command may write to, at the same path.
         timeout_s: for everything from boot to power-off.
@@ -141,6 +141,7 @@ def run(
         text = _quoted_command(command, where, os.environ if environment is None else environment)
         (control / "command").touch(mode=0o600)
         (control / "command").write_text(text, encoding="utf-8", errors="surrogateescape")
+        (control / "interfaces").write_text("".join(f"{name}\n" for name in interfaces))
         folders = [folder.resolve() for folder in shares]
         (control / "shares").write_text("".join(f"share{n} {path}\n" for n, path in enumerate(folders)))
         mounts = list((disks or {}).items())
@@ -160,7 +161,7 @@ def run(
                 os.close(err_write)
                 sinks = {out_read: stdout or sys.stdout.buffer, err_read: stderr or sys.stderr.buffer}
                 if not _copy_until_end(sinks, deadline_s):
-                    debian.say(f"vcan_vm: stopped after {timeout_s:g} s")
+                    debian.say(f"vcan: stopped after {timeout_s:g} s")
                     return debian.EXIT_TIMEOUT
                 machine.wait(timeout=_EXIT_GRACE_S)
             finally:
@@ -186,27 +187,7 @@ def _exit_code(control: Path) -> int:
     return int(left.read_text())
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Command line; see the module's docstring for the exit codes."""
-    parser = argparse.ArgumentParser(
-        prog="python -m hil_tests.machines.vcan_vm",
-        description="Run a command in a virtual machine whose kernel has SocketCAN, with vcan0 and vcan1 up.",
-    )
-    parser.add_argument("--share", type=Path, action="append", default=[], metavar="DIR",
-                        help="folder of the host that the command may write to (may be given again)")  # fmt: skip
-    parser.add_argument("--timeout", type=float, default=600.0, metavar="S", help="for all of it (default 600)")
-    parser.add_argument("--memory", type=int, default=2048, metavar="MB", help="of the machine (default 2048)")
-    parser.add_argument("command", nargs="+", help="command and its arguments, after --")
-    options = parser.parse_args(arguments)
-    for folder in options.share:
-        if not folder.is_dir():
-            parser.error(f"--share: {folder} is no folder")
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    return debian.guarded(
-        "vcan_vm",
-        lambda: run(options.command, shares=options.share, timeout_s=options.timeout, memory_mb=options.memory),
-    )
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    from hil_tests.machines.vcan import main
+
+    sys.exit(main(["--via", "machine", *sys.argv[1:]]))

@@ -44,9 +44,9 @@ while read -r controller _ _ enabled; do
 done </proc/cgroups
 
 ip link set lo up
-for interface in vcan0 vcan1; do
+while read -r interface; do
     ip link add "$interface" type vcan && ip link set "$interface" up || say "no $interface"
-done
+done <$control/interfaces
 
 # The command writes to pipes, not to the ports: a port cannot be opened twice, /dev/stdout must be.
 mkfifo /out /err
@@ -54,7 +54,9 @@ cat </out >/dev/vport0p1 &
 copy_out=$!
 cat </err >/dev/vport0p2 &
 copy_err=$!
-chroot /new /bin/sh /run/railhil-vm/command >/out 2>/err </dev/null
+# In a mount namespace of its own the new root can become the real one; in a mere chroot the kernel refuses user
+# namespaces.
+unshare -m /bin/sh -c 'cd /new && mount --move . / && exec chroot . /bin/sh /run/railhil-vm/command' >/out 2>/err </dev/null
 echo $? >$control/exit_code.part
 mv $control/exit_code.part $control/exit_code
 # What the command left running may hold the pipes; the rest of its output gets five seconds.

@@ -3,88 +3,91 @@
 from __future__ import annotations
 
 import argparse
-import os
 import platform
-import socket
 import sys
-import time
+from dataclasses import asdict
 from importlib.metadata import version
-from typing import Any
 
 import can
 from can.cli import add_bus_arguments
 
+from bus.errors import BusUnavailable
+from bus.exitcodes import PASS, USAGE
 from bus.limits import LIMITS
-from bus.select import choose_bus, vcan_available
+from bus.link import open_link
+from bus.select import BusChoice, choose_bus, config_from_namespace
 from dbc import wire_contract
 from supervisor.cli.output import Output, print_json, table
+from supervisor.doctor.finding import Finding
+from supervisor.doctor.kernelcan import kernel_can
+from supervisor.doctor.lateness import lateness
+from supervisor.doctor.machine import machine
+from supervisor.doctor.scheduling import scheduling
+from supervisor.doctor.tools import tools
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("doctor", help="what this machine and its transports can promise")
     parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)
 
 
-def _kernel_can() -> str:
-    if not hasattr(socket, "AF_CAN"):
-        return "no (this Python has no AF_CAN)"
-    try:
-        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
-    except OSError as error:
-        return f"no ({error.strerror}); load can, can_raw and vcan, or use the hub"
-    return (
-        "yes, vcan0 is up"
-        if vcan_available()
-        else "yes, but no vcan0 (ip link add vcan0 type vcan; ip link set vcan0 up)"
-    )
-
-
-def _realtime() -> str:
-    try:
-        parameter = os.sched_param(os.sched_get_priority_min(os.SCHED_FIFO))
-        policy, previous = os.sched_getscheduler(0), os.sched_getparam(0)
-        os.sched_setscheduler(0, os.SCHED_FIFO, parameter)
-        os.sched_setscheduler(0, policy, previous)
-    except (OSError, AttributeError) as error:
-        return f"no SCHED_FIFO ({getattr(error, 'strerror', error)}); give CAP_SYS_NICE or an rtprio limit"
-    return "SCHED_FIFO permitted"
-
-
-def facts(namespace: argparse.Namespace) -> dict[str, Any]:
-    """Everything that the command prints, as plain values."""
-    choice = choose_bus(namespace)
-    clock = time.get_clock_info("monotonic")
+def facts(choice: BusChoice) -> dict[str, str]:
+    """Versions, and the bus that a command would take."""
     return {
         "railhil": version("railhil"),
         "python": f"{platform.python_version()} ({sys.executable})",
         "python-can": version("python-can"),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
-        "cores": len(os.sched_getaffinity(0)),
-        "clock": f"{clock.implementation}, resolution {clock.resolution:g} s",
-        "kernel CAN": _kernel_can(),
-        "realtime": _realtime(),
         "bus": f"{choice.transport} ({choice.reason})",
-        "hub interface": "registered" if "railhil" in can.VALID_INTERFACES else "not registered: reinstall the package",
         "DBC sha256": wire_contract().sha256,
     }
 
 
+def findings(quick: bool) -> list[Finding]:
+    """Everything that is examined, in the order of print."""
+    found = [*kernel_can(), *scheduling(), *machine(), *([] if quick else lateness()), *tools()]
+    if "railhil" not in can.VALID_INTERFACES:
+        found.append(
+            Finding("hub interface", "not registered with python-can", "pip install --force-reinstall railhil")
+        )
+    return found
+
+
+def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | None:
+    """Whether the bus that the user names can be opened; None when none is named."""
+    if not config_from_namespace(namespace):
+        return None
+    try:
+        open_link(choice.config).close()
+    except BusUnavailable as error:
+        return Finding("bus asked for", str(error), "the lines above, and docs/adapters.md")
+    return Finding("bus asked for", f"{choice.transport} can be opened")
+
+
 def work(namespace: argparse.Namespace) -> int:
-    """Print facts and limits."""
-    found = facts(namespace)
+    """Print facts, findings and limits; exit code 2 when the bus that was asked for cannot be opened."""
+    choice = choose_bus(namespace)
+    asked = _asked_bus(namespace, choice)
+    found = findings(namespace.quick) + ([asked] if asked else [])
+    code = USAGE if asked and asked.advice else PASS
     if namespace.json:
-        print_json({**found, "limits": LIMITS})
-        return 0
+        print_json({**facts(choice), "findings": [asdict(item) for item in found], "limits": LIMITS})
+        return code
     console = Output()
-    for key, value in found.items():
-        console.say(f"{key:14} {value}")
+    for key, value in facts(choice).items():
+        console.say(f"{key:18} {value}")
+    for item in found:
+        console.say(f"{item.subject:18} {item.found}")
+        if item.advice:
+            console.say(f"{'':18} -> {item.advice}", style="yellow")
     limits = table()
     limits.add_column("transport", no_wrap=True)
     limits.add_column("what it does not model")
     for transport, text in LIMITS.items():
         limits.add_row(transport, text)
     console.print(limits)
-    return 0
+    return code

@@ -48,6 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     add_task_argument(parser)
+    parser.add_argument(
+        "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
+    )
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     add_bus_arguments(parser)
@@ -86,6 +89,7 @@ def run_options(
         perturbed=namespace.perturbed,
         task_period_ms=namespace.task_period_ms,
         parameters=parameters,
+        ask_for_fifo=not namespace.no_rt,
         attach=attach,
         appear_s=namespace.appear_timeout,
     )

@@ -25,6 +25,10 @@ _PROGRAMS = {
     ),
     "export-c": ("controller_node.export", "write a control law as C99 for the target"),
     "tune": ("hil_tests.tuning", "tune the parameters of a law on training runs, compare on others"),
+    "vcan": (
+        "hil_tests.machines.vcan",
+        "run a command where vcan0 is up: a namespace of this kernel, else a virtual machine",
+    ),
 }
 
 

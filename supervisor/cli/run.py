@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from pathlib import Path
 
-from scenarios.errors import InputError
+from scenarios.errors import InputError, Words
 from scenarios.load import load
 from scenarios.parameters import load_parameters
 from supervisor.cli.dbcfile import check_foreign_dbc
@@ -34,6 +35,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
+    parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     parser.add_argument("--json", action="store_true", help="print score.json instead of the table")
     parser.set_defaults(work=work)
@@ -41,10 +43,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _options(namespace: argparse.Namespace) -> RunOptions:
     check_law(namespace.controller, "--controller")
-    if namespace.attach and namespace.task_period_ms:
-        raise InputError("command line", "--task-period-ms", namespace.task_period_ms, "0 with --attach")
+    given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
+    if len(given) > 1:
+        raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
+    if given and namespace.task_period_ms:
+        raise InputError("command line", "--task-period-ms", namespace.task_period_ms, f"0 with {given[0]}")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
-    return run_options(namespace, namespace.controller, parameters, namespace.attach)
+    options = run_options(namespace, namespace.controller, parameters, namespace.attach)
+    return dataclasses.replace(options, foreign=namespace.no_controller)
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -54,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc)
     console = Output(stderr=namespace.json)
-    with chosen_bus(namespace, options.attach) as choice:
+    with chosen_bus(namespace, options.attach or options.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, options.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal

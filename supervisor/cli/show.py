@@ -12,6 +12,7 @@ from supervisor.cli.output import Output, table
 from supervisor.report.facts import parameters_sentence
 from supervisor.report.recorded import RecordedRun
 from supervisor.report.table import COLUMNS, shown, value_of
+from supervisor.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
 from supervisor.run import RunResult
 from supervisor.score import Score
 
@@ -60,12 +61,11 @@ def print_result(console: Output, run: RecordedRun, result: RunResult, folder: P
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
         f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"
     )
-    if result.jitter is not None:
-        jitter = result.jitter
-        console.say(
-            f"lateness of {jitter.cycles} cycles: p50 {jitter.p50_ms:.3f} ms, p99 {jitter.p99_ms:.3f} ms, "
-            f"p99.9 {jitter.p999_ms:.3f} ms, max {jitter.max_ms:.3f} ms"
-        )
+    if result.timing is not None and result.timing.jitter is not None:
+        timing = result.timing.as_json()
+        console.say(f"{jitter_sentence(timing['lateness'])} (measured by the {timing['source']})")
+        console.say(f"answers: {answers_sentence(timing)}")
+        console.say(f"scheduling: {scheduling_sentence(timing)}")
     if result.telemetry is not None:
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")

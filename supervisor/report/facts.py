@@ -15,6 +15,7 @@ from typing import Any
 from bus.limits import limits_of
 from scenarios.parameters import DIGEST_DIGITS
 from supervisor.report.recorded import RecordedRun
+from supervisor.report.timing import timing_rows
 from supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
 
 _UNKNOWN = "not recorded"
@@ -91,18 +92,6 @@ def _signed(run: RecordedRun) -> str:
     )
 
 
-def _timing(document: dict[str, Any]) -> list[tuple[str, str]]:
-    """Wall-clock figures of a realtime run, from ``score.json``."""
-    rows = []
-    if jitter := document.get("jitter"):
-        names = (("p50", "p50_ms"), ("p99", "p99_ms"), ("p99.9", "p999_ms"), ("max", "max_ms"))
-        text = ", ".join(f"{name} {jitter[key]:.3f} ms" for name, key in names)
-        rows.append(("Jitter", f"lateness of {jitter['cycles']} cycles: {text}"))
-    if run := document.get("run"):
-        rows.append(("Wall time", f"{run['sim_time_s']:.2f} s simulated in {run['wall_time_s']:.2f} s of wall time"))
-    return rows
-
-
 def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
     """All facts of one run, in reading order."""
     certificate, scenario, document = run.certificate, run.scenario, run.score_document
@@ -112,7 +101,6 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         return _UNKNOWN if found is None else str(found)
 
     transport = said("transport")
-    realtime = certificate.get("pace") == "realtime"
     rows = [
         ("Scenario", f"{scenario.title} ({scenario.name})"),
         ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
@@ -125,7 +113,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("Stopped", _signed(run)),
         ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
         ("Pacing", said("pace")),
-        *(_timing(document) if realtime else ()),
+        *timing_rows(document),
         ("Transport", _transport(transport)),
         ("Not modelled there", limits_of(transport)),
         ("Frames", said("frames")),

@@ -13,9 +13,12 @@ from matplotlib.figure import Figure
 
 from scenarios.model import Scenario
 from supervisor.report import panels
+from supervisor.report.histogram import Lateness, lateness
 from supervisor.report.panels import Drawn
 from supervisor.report.recorded import RecordedRun, curves
 from supervisor.report.styles import styles
+from supervisor.report.timing import timing_of
+from supervisor.timing import LATE_MS, LATE_SHARE_MAX
 
 _WIDTH_IN = 8.5
 _LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
@@ -51,6 +54,11 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
     ]
     if not drawn:
         return []
+    late = [
+        Lateness(run.label, style, **timing_of(run)["histogram"])
+        for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
+        if timing_of(run).get("histogram")
+    ]
     with panels.drawing("none"):
         found = [_speed(scenario, drawn), _error(scenario, drawn), _distance(scenario, drawn)]
         found += [_notch(scenario, drawn), _force(scenario, drawn)]
@@ -60,6 +68,8 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
             found.append(_basis(scenario, with_basis))
         if with_softening:
             found.append(_softening(scenario, with_softening))
+        if late:
+            found.append(_lateness(late))
     return found
 
 
@@ -220,3 +230,17 @@ def _softening(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
         "satisfaction 0."
     )
     return _stacked(scenario, runs, "softening", title, "α, μ", caption, panels.softening, legend=True)
+
+
+def _lateness(runs: Sequence[Lateness]) -> Picture:
+    title = "Lateness of the cycles"
+    caption = (
+        "How long after its absolute deadline each cycle began, in wall time; both axes are logarithmic. The dotted "
+        f"line is {LATE_MS:g} ms: a run with more than {LATE_SHARE_MAX:.1%} of its cycles beyond it is INVALID."
+    )
+    columns, legend_rows = _legend([*(run.label for run in runs), f"{LATE_MS:g} ms"])
+    figure = Figure(figsize=(_WIDTH_IN, _BOTTOM_IN + 2.2 + _LEGEND_IN * legend_rows + 0.1))
+    axes = _axes(figure, _BOTTOM_IN, 2.2)
+    lateness(axes, runs)
+    panels.legend(axes, columns)
+    return Picture("lateness", title, caption, _svg(figure, "lateness", title))

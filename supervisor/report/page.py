@@ -9,6 +9,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from bus.wholefile import whole_file
+from supervisor.report import timing
 from supervisor.report.deviations import deviations
 from supervisor.report.facts import facts, without_paths
 from supervisor.report.figures import pictures
@@ -41,6 +42,8 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         columns=COLUMNS,
         rows=rows(scenario, runs),
         facts=facts(runs),
+        timing=timing.table(runs),
+        timing_headings=timing.HEADINGS,
         pictures=pictures(scenario, runs),
         source=source,
         deviations=deviating,

@@ -1,0 +1,118 @@
+"""The transports of the bench as benchmarks use them: what must be started, and where the ends attach."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from benchmarks.figures import Missing
+from benchmarks.machine import is_emulated
+from benchmarks.processes import hub
+from bus.hub.address import TCP_SCHEME
+from bus.select import HUB_INTERFACE, vcan_available
+
+VCAN = "vcan0"
+
+
+@dataclass(slots=True)
+class Ends:
+    """Where the two ends of a pair attach.
+
+    ``near``, ``far``: kind and address as :mod:`benchmarks.peer` takes them. ``hub_pids``: processes between them.
+    """
+
+    near: tuple[str, str]
+    far: tuple[str, str]
+    hub_pids: list[int] = field(default_factory=list)
+
+    @property
+    def near_flags(self) -> list[str]:
+        """Command-line flags of the bus at the near end."""
+        return _flags(*self.near)
+
+    @property
+    def far_flags(self) -> list[str]:
+        """Command-line flags of the bus at the far end."""
+        return _flags(*self.far)
+
+
+def _flags(kind: str, address: str) -> list[str]:
+    if kind == "can":
+        return ["-i", "socketcan", "-c", address]
+    return ["-i", HUB_INTERFACE, "-c", TCP_SCHEME + address if kind == "tcp" else address]
+
+
+@dataclass(frozen=True, slots=True)
+class Transport:
+    """One way from node to node.
+
+    :ivar short: name for folders; a socket path must stay short.
+    :ivar opened: starts what is between the ends in an empty folder (short path), and ends it.
+    :ivar runs: a run of the bench can go over it.
+    """
+
+    name: str
+    short: str
+    opened: Callable[[Path], AbstractContextManager[Ends]]
+    runs: bool = True
+
+
+@contextmanager
+def _pair(folder: Path) -> Iterator[Ends]:
+    near, far = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    with near, far:
+        yield Ends(("pair", str(near.fileno())), ("pair", str(far.fileno())))
+
+
+@contextmanager
+def _unix(folder: Path) -> Iterator[Ends]:
+    with hub(str(folder / "hub.sock")) as (channel, pid):
+        yield Ends(("hub", channel), ("hub", channel), [pid])
+
+
+@contextmanager
+def _tcp(folder: Path) -> Iterator[Ends]:
+    with hub(f"{TCP_SCHEME}127.0.0.1:0") as (channel, pid):
+        where = ("tcp", channel.removeprefix(TCP_SCHEME))
+        yield Ends(where, where, [pid])
+
+
+@contextmanager
+def _gateway(folder: Path) -> Iterator[Ends]:
+    with ExitStack() as stack:
+        sides = [stack.enter_context(hub(str(folder / name))) for name in ("a.sock", "b.sock")]
+        ports = [word for channel, _ in sides for word in ("--port", f"{HUB_INTERFACE}:{channel}")]
+        _, pid = stack.enter_context(hub(str(folder / "gateway.sock"), "--lossless", *ports))
+        (near, near_pid), (far, far_pid) = sides
+        yield Ends(("hub", near), ("hub", far), [near_pid, pid, far_pid])
+
+
+@contextmanager
+def _vcan(folder: Path) -> Iterator[Ends]:
+    yield Ends(("can", VCAN), ("can", VCAN))
+
+
+SOCKET_PAIR = Transport("socket pair, no hub", "pair", _pair, runs=False)
+UNIX_HUB = Transport("hub, Unix socket", "unix", _unix)
+TCP_HUB = Transport("hub, TCP loopback", "tcp", _tcp)
+GATEWAY = Transport("hub, gateway, hub", "gateway", _gateway)
+KERNEL = Transport("kernel vcan", "vcan", _vcan)
+
+
+def transports() -> tuple[list[Transport], list[Missing]]:
+    """The transports that are measured on this machine, and those that are not, with the reason."""
+    found, missing = [SOCKET_PAIR, UNIX_HUB], []
+    if is_emulated():
+        # Starting their processes would take minutes there, and elsewhere they can be had as they are.
+        missing += [Missing(way.name, "left out on an emulated machine") for way in (TCP_HUB, GATEWAY)]
+    else:
+        found += [TCP_HUB, GATEWAY]
+    if vcan_available(VCAN):
+        found.append(KERNEL)
+    else:
+        why = f"this kernel has no {VCAN}: railhil vcan -- python -m benchmarks --only transports"
+        missing.append(Missing(KERNEL.name, why))
+    return found, missing

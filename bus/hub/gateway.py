@@ -1,0 +1,308 @@
+"""Another python-can bus as a port of the hub: what makes it a gateway.
+
+The bus is a :class:`bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over and takes
+them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the port's own:
+waiting for a bus that is down, and reading one that has no descriptor (most vendors' drivers). The hub is not a node of
+the control path, and no other thread touches the link meanwhile.
+
+::
+
+                    +--------------- BusPort ---------------+
+    switch -------- | queue ----------------> Link.offer ---|----> bus
+           <------- | Link.receive(0) <-- descriptor -------|<----
+                    | arrived <-- thread: Link.receive, open |
+                    +---------------------------------------+
+
+Error frames tell of the wire that they come from, and stay there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable
+
+import can
+
+from bus.errors import BusLost, BusUnavailable
+from bus.frame import ERROR, FD, Frame
+from bus.hub.backlog import Backlog
+from bus.hub.ports import Port
+from bus.hub.portspec import PortSpec, descriptor_of, open_port
+from bus.hub.wire import pack_frames, unpack_frames
+from bus.link import Link
+
+#: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), one that is down after the other.
+RETRY_NS = 500_000
+DOWN_RETRY_NS = 20_000_000
+_OPEN_RETRY_S = 0.2
+#: Long enough for a silent serial adapter to be asked for its state.
+_THREAD_LOOK_S = 0.1
+_READS_AT_ONCE = 256
+_SHOWN_FIRST = ("received", "sent", "outages")
+
+
+class BusPort(Port):
+    """A python-can bus as a port.
+
+    ``counters``: ``dropped`` (frames that the bus did not take in time), ``fd_dropped`` (CAN FD frames for a bus
+    without), ``local_error_frames`` (not carried on), beside those of the link.
+
+    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`bus.hub.backlog`); else for a moment for
+        a full one and not at all for a missing one, so that nothing old is sent later.
+    :param report: takes one line.
+    :raises BusUnavailable: the bus cannot be opened.
+    """
+
+    is_client = False
+
+    def __init__(self, spec: PortSpec, *, lossless: bool, report: Callable[[str], None]) -> None:
+        super().__init__(f"port {spec.transport}")
+        self.is_member = True
+        self.counters: Counter[str] = Counter()
+        #: Of links that had to be replaced.
+        self._earlier: Counter[str] = Counter()
+        self._spec = spec
+        self._lossless = lossless
+        self._report = report
+        self._backlog = Backlog(lossless)
+        self._arrived: deque[list[Frame]] = deque()
+        self._thread: threading.Thread | None = None
+        self._thread_is_done = False
+        self._closing = threading.Event()
+        #: Of the bus that the epoll descriptor watches; None while the thread has it.
+        self._watched_fd: int | None = None
+        #: The link has given up: it is to be opened anew.
+        self._is_lost = False
+        self._link = open_port(spec, lossless)
+        self._takes_fd = self._link.bus.protocol is not can.CanProtocol.CAN_20
+        self._epoll = select.epoll()
+        self._wake_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        self._is_awake = False
+        self._epoll.register(self._wake_fd, select.EPOLLIN)
+        self._has_descriptor = descriptor_of(self._link) is not None
+        self._attend()
+
+    # --- what the switch calls ----------------------------------------------------------------------------
+
+    def fileno(self) -> int:
+        """See :meth:`Port.fileno`; stays the same when the bus is opened again."""
+        return self._epoll.fileno()
+
+    def receive(self) -> list[bytes]:
+        """See :meth:`Port.receive`."""
+        if self._is_awake:
+            self._is_awake = False
+            with contextlib.suppress(BlockingIOError):
+                os.eventfd_read(self._wake_fd)
+        frames = self._read() if self._thread is None else self._take_over()
+        if any(frame[2] & ERROR for frame in frames):
+            kept = [frame for frame in frames if not frame.flags & ERROR]
+            self.counters["local_error_frames"] += len(frames) - len(kept)
+            frames = kept
+        return pack_frames(frames)
+
+    def send(self, packet: bytes) -> bool:
+        """See :meth:`Port.send`."""
+        frames = self._suitable(unpack_frames(packet))
+        if frames and not self.has_backlog and not self._is_down:
+            frames = frames[self._offer(frames) :]
+        return self._enqueue(frames) if frames else False
+
+    def flush(self) -> None:
+        """See :meth:`Port.flush`."""
+        if self._is_down and not self._lossless:
+            self.counters["dropped"] += self._backlog.drop_all()
+        self._dropped(self._backlog.drop_stale())
+        if not self._is_down:
+            self._backlog.give(self._offer)
+        self._set_timer()
+
+    def close(self) -> None:
+        """See :meth:`Port.close`."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join(1.0)
+            if self._thread.is_alive():
+                # It is opening a port, which nothing can cut short; it ends with the process.
+                return
+        with contextlib.suppress(Exception):
+            # A driver that has lost its device may raise anything at its end.
+            self._link.close()
+        self._epoll.close()
+        os.close(self._wake_fd)
+
+    def statistics(self) -> str:
+        """See :meth:`Port.statistics`."""
+        # Copies in one step each: the thread may be counting.
+        total = self.counters + Counter(dict(self._earlier)) + Counter(dict(self._link.counters))
+        line = f"{total['received']} frames in, {total['sent']} out, {total['outages']} outages"
+        others = [f"{name} {count}" for name, count in sorted(total.items()) if name not in _SHOWN_FIRST]
+        waiting = [f"waiting {self._backlog.frames}"] if self._backlog else []
+        return f"{self.name}: {', '.join([line, *others, *waiting])}"
+
+    # --- to the bus ---------------------------------------------------------------------------------------
+
+    @property
+    def _is_down(self) -> bool:
+        is_away = self._thread is not None and self._has_descriptor
+        return is_away or self._is_lost or self._link.is_down
+
+    def _suitable(self, frames: list[Frame]) -> list[Frame]:
+        """The frames that this bus can carry."""
+        barred = ERROR if self._takes_fd else ERROR | FD
+        if not any(frame[2] & barred for frame in frames):
+            return frames
+        suitable = []
+        for frame in frames:
+            if not frame.flags & barred:
+                suitable.append(frame)
+            elif frame.flags & ERROR:
+                self.counters["local_error_frames"] += 1
+            else:
+                self._count("fd_dropped", "CAN FD frames are dropped, the bus was opened without fd=true")
+        return suitable
+
+    def _offer(self, frames: list[Frame]) -> int:
+        """Frames that the bus has taken, from the first."""
+        try:
+            taken = self._link.offer(frames)
+        except BusLost as error:
+            self._lost(error)
+            taken = 0
+        if self._link.is_down or self._is_lost:
+            self._attend()
+        return taken
+
+    def _enqueue(self, frames: list[Frame]) -> bool:
+        if self._is_down and not self._lossless:
+            self.counters["dropped"] += len(frames)
+            return False
+        self._dropped(self._backlog.add(frames))
+        is_new = not self.has_backlog
+        self._set_timer()
+        return is_new
+
+    def _dropped(self, frames: int) -> None:
+        if frames:
+            self._count("dropped", "frames are dropped, the bus does not take them in time", frames)
+
+    def _set_timer(self) -> None:
+        self.has_backlog = bool(self._backlog)
+        wait_ns = DOWN_RETRY_NS if self._is_down else RETRY_NS
+        self.due_ns = time.monotonic_ns() + wait_ns if self.has_backlog else None
+
+    def _count(self, name: str, words: str, count: int = 1) -> None:
+        if not self.counters[name]:
+            self._report(f"{self.name}: {words} (said once, all are counted)")
+        self.counters[name] += count
+
+    # --- from the bus -------------------------------------------------------------------------------------
+
+    def _read(self) -> list[Frame]:
+        """What the descriptor has announced."""
+        frames: list[Frame] = []
+        try:
+            for _ in range(_READS_AT_ONCE):
+                arrived = self._link.receive(0.0)
+                frames += arrived
+                # python-can's own readers may keep frames where a poll cannot see them; ours do not.
+                if not arrived or type(self._link) is not Link:
+                    break
+            else:
+                self._wake()
+        except BusLost as error:
+            self._lost(error)
+        if self._link.is_down or self._is_lost:
+            self._attend()
+        return frames
+
+    def _take_over(self) -> list[Frame]:
+        """What the thread has read; the bus itself when the thread is done with it."""
+        is_done = self._thread_is_done
+        frames: list[Frame] = []
+        while self._arrived:
+            frames += self._arrived.popleft()
+        if is_done and self._thread is not None:
+            self._thread.join()
+            self._thread = None
+            self._attend()
+            self.flush()
+        return frames
+
+    # --- outages ------------------------------------------------------------------------------------------
+
+    def _lost(self, error: BusLost) -> None:
+        """The link has given up."""
+        if not self._link.is_down:
+            self._earlier["outages"] += 1
+        self._is_lost = True
+        self._report(f"{self.name} is down ({error}); it is opened again when it is there")
+
+    def _attend(self) -> None:
+        """Let the descriptor, or the thread, look after the bus."""
+        if self._has_descriptor and not self._link.is_down and not self._is_lost:
+            self._watched_fd = self._link.bus.fileno()
+            self._epoll.register(self._watched_fd, select.EPOLLIN)
+            return
+        if self._watched_fd is not None:
+            with contextlib.suppress(OSError, ValueError):
+                # It may have been closed by its driver.
+                self._epoll.unregister(self._watched_fd)
+            self._watched_fd = None
+        if self._thread is None:
+            self._thread_is_done = False
+            self._thread = threading.Thread(target=self._look_after, name=self.name, daemon=True)
+            self._thread.start()
+
+    def _look_after(self) -> None:
+        """Thread: read the bus, wait for it when it is down; ends when the descriptor can do that again."""
+        lost_s = time.monotonic()
+        while not self._closing.is_set():
+            if self._is_lost:
+                if not self._open_again():
+                    self._closing.wait(_OPEN_RETRY_S)
+                    continue
+                self._is_lost = False
+                if not self._link.is_down:
+                    self._report(f"{self.name} is open again after {time.monotonic() - lost_s:.2f} s")
+            if self._has_descriptor and not self._link.is_down:
+                break
+            try:
+                frames = self._link.receive(_THREAD_LOOK_S)
+            except BusLost as error:
+                lost_s = time.monotonic()
+                self._lost(error)
+                continue
+            if frames:
+                self._arrived.append(frames)
+                self._wake()
+        self._thread_is_done = True
+        self._wake()
+
+    def _wake(self) -> None:
+        """Let the switch call :meth:`receive`."""
+        os.eventfd_write(self._wake_fd, 1)
+        self._is_awake = True
+
+    def _open_again(self) -> bool:
+        with contextlib.suppress(Exception):
+            # What is left of a bus that is gone may raise anything.
+            self._link.close()
+        try:
+            link = open_port(self._spec, self._lossless)
+        except BusUnavailable:
+            # The reason of the outage has been said.
+            return False
+        self._earlier.update(self._link.counters)
+        self._link = link
+        try:
+            # An interface that is there but not up is opened without complaint, and tells at the first read.
+            self._arrived.append(link.receive(0.0))
+        except BusLost:
+            return False
+        return True

@@ -1,0 +1,180 @@
+/* Position for the law, and balises: see railhil_guard.h.
+ *
+ * The odometer stands beside a position that is reckoned from the accepted speeds and follows it with a time constant
+ * of 1 s. A TRN_POS telegram counts when it fits: when it is nearer to the reckoned position than what both may be off.
+ */
+#include "railhil_guard.h"
+
+#include "@LAW@_node.h"
+
+#define NS_PER_S INT64_C(1000000000)
+#define NS_PER_MS INT64_C(1000000)
+#define WORD_MM INT64_C(65536)
+/* A pause counts as at most this long: no product below leaves 64 bits. */
+#define PAUSE_MAX_NS INT64_C(100000000000)
+#define PLACE_MAX INT64_C(4000000000000000000)
+/* Positions for the law, 0.1 mm. */
+#define POSITION_MAX_01MM INT64_C(2000000000)
+
+/* a * share / whole, floored, for 0 <= share <= whole <= 1e9 without a product of more than 64 bits. */
+static int64_t share_of(int64_t a, int64_t share, int64_t whole)
+{
+    const int64_t quotient = railhil_floored(a, whole);
+    return quotient * share + (a - quotient * whole) * share / whole;
+}
+
+static int64_t elapsed(int64_t since_ns, int64_t now_ns)
+{
+    return railhil_lesser(railhil_greater(now_ns - since_ns, 0), PAUSE_MAX_NS);
+}
+
+static int64_t tolerance(const railhil_odometer_t *odometer)
+{
+    return RAILHIL_ODOMETER_EXACT + odometer->speed_01mmps * RAILHIL_HOLD_MS * NS_PER_MS + odometer->slack;
+}
+
+/* Carries the position on with the last speed. A clock that was set back is waited for. */
+static void reckon(railhil_odometer_t *odometer, int64_t at_ns)
+{
+    const int64_t step_ns = elapsed(odometer->at_ns, at_ns);
+    if (step_ns == 0 || !odometer->begun) {
+        return;
+    }
+    odometer->at_ns = at_ns;
+    odometer->place = railhil_within(odometer->place + odometer->speed_01mmps * step_ns, PLACE_MAX);
+    if (odometer->speed_01mmps != 0) {
+        const int64_t changed_01mmps = RAILHIL_ACCEL_MAX_01MMPS2 * elapsed(odometer->speed_ns, at_ns) / NS_PER_S;
+        const int64_t error_01mmps = RAILHIL_SPEED_ERROR_01MMPS + changed_01mmps;
+        odometer->slack = railhil_lesser(odometer->slack + error_01mmps * step_ns, PLACE_MAX);
+    }
+}
+
+void railhil_odometer_speed(railhil_odometer_t *odometer, int32_t speed_01mmps, int64_t at_ns)
+{
+    int64_t missing;
+    if (!odometer->begun) {
+        odometer->begun = 1;
+        odometer->at_ns = odometer->speed_ns = odometer->fitted_ns = odometer->trusted_ns = at_ns;
+        odometer->speed_01mmps = speed_01mmps;
+    }
+    reckon(odometer, at_ns);
+    /* It went evenly from one reading to the other: the half of the difference is still missing. */
+    missing = railhil_floored((speed_01mmps - odometer->speed_01mmps) * elapsed(odometer->speed_ns, at_ns), 2);
+    odometer->place = railhil_within(odometer->place + missing, PLACE_MAX);
+    odometer->speed_01mmps = speed_01mmps;
+    odometer->speed_ns = at_ns;
+}
+
+static int32_t limited_01mm(int64_t position_mm)
+{
+    return (int32_t)railhil_within(10 * position_mm, POSITION_MAX_01MM);
+}
+
+void railhil_position(railhil_guard_t *guard, const unsigned char *process)
+{
+    railhil_odometer_t *odometer = &guard->odometer;
+    const int64_t now_ns = railhil_now_ns(guard);
+    const int life = process[7] & 0xF;
+    const railhil_life_t judged = railhil_life(odometer->life, life);
+    int32_t reading_01mm;
+    int64_t off;
+    int64_t since_ns;
+    int64_t share_ns;
+    if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
+        guard->counts[judged == RAILHIL_OLD ? RAILHIL_POSITION_OUT_OF_ORDER : RAILHIL_POSITION_DUPLICATE]++;
+        return;
+    }
+    odometer->life = life;
+    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+        guard->counts[RAILHIL_POSITION_CHECK]++;
+        odometer->run = 0;
+        return;
+    }
+    reckon(odometer, now_ns);
+    reading_01mm = limited_01mm((int32_t)railhil_get32(process));
+    if (!odometer->heard) {
+        /* The first one: there is nothing yet that it could contradict. */
+        odometer->heard = 1;
+        odometer->place = reading_01mm * NS_PER_S;
+        odometer->fitted_ns = now_ns;
+    }
+    off = reading_01mm * NS_PER_S - odometer->place;
+    if (railhil_greater(off, -off) > tolerance(odometer)) {
+        guard->counts[RAILHIL_POSITION_JUMP]++;
+        odometer->run = 0;
+        return;
+    }
+    since_ns = railhil_greater(now_ns - odometer->fitted_ns, 0);
+    share_ns = railhil_lesser(since_ns, RAILHIL_FOLLOWING_NS);
+    odometer->place += share_of(off, share_ns, RAILHIL_FOLLOWING_NS);
+    odometer->slack -= share_of(odometer->slack, share_ns, RAILHIL_FOLLOWING_NS);
+    if (since_ns > RAILHIL_POSITION_IN_TIME_NS) {
+        odometer->run = 0;
+    }
+    odometer->run = odometer->run < RAILHIL_GOOD_POSITIONS ? odometer->run + 1 : RAILHIL_GOOD_POSITIONS;
+    odometer->reading_01mm = reading_01mm;
+    odometer->fitted_ns = now_ns;
+    if (odometer->run == RAILHIL_GOOD_POSITIONS) {
+        odometer->trusted_ns = now_ns;
+    }
+}
+
+static int64_t reckoned_01mm(railhil_guard_t *guard)
+{
+    reckon(&guard->odometer, railhil_now_ns(guard));
+    return railhil_within(railhil_floored(guard->odometer.place, NS_PER_S), POSITION_MAX_01MM);
+}
+
+int32_t railhil_position_01mm(railhil_guard_t *guard)
+{
+    const railhil_odometer_t *odometer = &guard->odometer;
+    if (odometer->heard && odometer->run == RAILHIL_GOOD_POSITIONS &&
+        railhil_now_ns(guard) - odometer->fitted_ns <= RAILHIL_POSITION_IN_TIME_NS) {
+        return odometer->reading_01mm;
+    }
+    return (int32_t)reckoned_01mm(guard);
+}
+
+int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
+{
+    return RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS;
+}
+
+void railhil_balise(railhil_guard_t *guard, const unsigned char *process)
+{
+    railhil_balise_t *balise = &guard->balise;
+    const int32_t number = process[0];
+    const int32_t number_before = balise->number;
+    const int64_t here_mm = railhil_floored(reckoned_01mm(guard), 10);
+    const int64_t within_mm = tolerance(&guard->odometer) / NS_PER_S / 10 + 1;
+    int64_t furthest_mm = WORD_MM - 1 - within_mm;
+    int64_t behind_mm;
+    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+        guard->counts[RAILHIL_BALISE_CHECK]++;
+        return;
+    }
+    if (number == 0) {
+        guard->counts[RAILHIL_BALISE_NUMBER]++;
+        return;
+    }
+    /* It lies behind here, and not behind the place where the port was last heard. What lies under the train that has
+     * not moved was read when it rolled in. */
+    if (balise->heard && here_mm > within_mm) {
+        furthest_mm = here_mm - balise->heard_mm;
+    }
+    balise->heard = 1;
+    balise->heard_mm = here_mm - within_mm;
+    balise->number = number;
+    if (number == number_before || number == balise->last[0]) {
+        return;
+    }
+    behind_mm = here_mm + within_mm - (int64_t)railhil_get16(process + 5);
+    behind_mm -= railhil_floored(behind_mm, WORD_MM) * WORD_MM + within_mm;
+    if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm) {
+        guard->counts[RAILHIL_BALISE_LATE]++;
+        return;
+    }
+    balise->last[0] = number;
+    balise->last[1] = limited_01mm((int32_t)railhil_get32(process + 1));
+    balise->last[2] = limited_01mm(here_mm - behind_mm);
+}

@@ -1,0 +1,100 @@
+"""The compose file on a kernel with CAN, then the tests of what it left: ``python -m hil_tests.compose.vcan_runs``
+
+Where an engine answers already, it is used, and the host's kernel must have the interfaces can0 (up) and can1 (down).
+Else all of it runs in a virtual machine (:mod:`hil_tests.machines.docker_vm`), where everything is slow; so only
+``on_vcan.sh`` runs there, and the tests of ``on_vcan.py`` look at the folder it leaves from here.
+
+Exit code: that of the tests; 77 when this host cannot have an engine on a kernel with CAN, 125 when that failed.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from hil_tests.machines import debian, docker_vm
+from hil_tests.machines.docker_engine import docker_engine, engine_answers
+
+_SCRIPT = Path(__file__).with_name("on_vcan.sh")
+_TESTS = Path(__file__).with_name("on_vcan.py")
+_SHORT = Path(__file__).with_name("short_move.toml")
+_ROOT = Path(__file__).parents[2]
+#: What compose reads; the image is built before.
+_PROJECT = (
+    "docker-compose.yml",
+    "docker-compose.hardware.yml",
+    "docker-compose.realtime.yml",
+    "Dockerfile",
+    "scenarios",
+)
+_TIMEOUT_S = 1200.0
+_INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
+#: linux/if.h
+_IFF_UP = 1
+#: Names the folder to the tests.
+FOLDER_VARIABLE = "RAILHIL_VCAN_RUNS"
+
+
+def _copy(project: Path) -> None:
+    """What compose needs of the project, with the short scenario among the mounted ones."""
+    project.mkdir()
+    for name in _PROJECT:
+        if (_ROOT / name).is_dir():
+            shutil.copytree(_ROOT / name, project / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copy(_ROOT / name, project / name)
+    shutil.copy(_SHORT, project / "scenarios")
+    (project / "runs").mkdir()
+
+
+def _is_up(interface: str) -> bool | None:
+    """Whether an interface of this kernel is up; None when it is not there."""
+    flags = Path("/sys/class/net", interface, "flags")
+    return bool(int(flags.read_text(), 16) & _IFF_UP) if flags.exists() else None
+
+
+def _on_this_kernel(words: list[str]) -> int:
+    """Run the containers with the engine that answers."""
+    if _is_up("can0") is not True or _is_up("can1") is not False:
+        raise debian.CapabilityError(
+            "docker compose on kernel CAN: no interfaces can0 (up) and can1 (down) on this host"
+        )
+    with docker_engine() as environment:
+        variables = {**os.environ, **environment}
+        build = [*environment["RAILHIL_COMPOSE"].split(), "build", "-q"]
+        if subprocess.run(build, cwd=_ROOT, env=variables, timeout=_TIMEOUT_S, check=False).returncode != 0:
+            raise debian.MachineError("the image does not build")
+        return subprocess.run(words, env=variables, timeout=_TIMEOUT_S, check=False).returncode
+
+
+def run() -> int:
+    """Run the containers, then the tests; returns the exit code.
+
+    Raises:
+        CapabilityError, MachineError: as :func:`hil_tests.machines.docker_vm.run`.
+    """
+    # Not below /run: the machine has its own file system there.
+    with tempfile.TemporaryDirectory(prefix="railhil-vcan-", dir="/var/tmp") as name:
+        folder = Path(name)
+        _copy(folder / "project")
+        words = ["sh", str(_SCRIPT), str(folder), sys.executable]
+        if engine_answers():
+            code = _on_this_kernel(words)
+        else:
+            words = ["sh", "-ec", f"{_INTERFACES} && exec {shlex.join(words)}"]
+            code = docker_vm.run(words, shares=[folder], timeout_s=_TIMEOUT_S)
+        if code != 0:
+            raise debian.MachineError(f"{_SCRIPT.name} ended with {code}")
+        tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(_TESTS)]
+        return subprocess.run(tests, cwd=_ROOT, env={**os.environ, FOLDER_VARIABLE: name}, check=False).returncode
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    sys.exit(debian.guarded("vcan_runs", run))

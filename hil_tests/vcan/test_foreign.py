@@ -1,0 +1,45 @@
+"""The exported controller in C on kernel SocketCAN, as a process of its own beside our plant and recorder."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from hil_tests.bench import BenchRun
+from hil_tests.foreign import build_node, export_node, without_status
+from hil_tests.vcan.bench import counters_of, disturbed, run_on, socketcan
+from scenarios.model import Scenario
+
+pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
+
+
+@pytest.fixture(scope="module")
+def program(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """IPFC for the short move; not optimised, because the machine is slow."""
+    export = tmp_path_factory.mktemp("export")
+    export_node(move, export)
+    return build_node(export, flags=("-std=c99", "-O0"))
+
+
+def test_foreign_controller_sends_the_same_frames_on_vcan(
+    program: Path, move: Scenario, reference: BenchRun, folder: Path
+) -> None:
+    """Every frame of the record but CTL_STAT is that of our node; nothing is lost or refused."""
+    command = [str(program), "can", "vcan0"]
+    result, exit_codes = run_on(socketcan(), move, folder, controller_command=command)
+    said = (folder / "controller.txt").read_text()
+    assert (result.line, exit_codes) == ("", [0, 0]), said
+    assert result.score.verdict == "PASS"
+    assert disturbed(result.counters) == disturbed(counters_of(folder, "plant")) == {}
+    assert said.strip().endswith("control periods, run event 4"), said
+    assert reference.log is not None
+    assert without_status(folder / "frames.log") == without_status(reference.log)
+    assert len(set(reference.notches)) > 10
+
+
+def test_interface_that_is_not_there_is_one_line(program: Path) -> None:
+    done = subprocess.run([program, "can", "vcan9"], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "ipfc_node: vcan9: cannot be opened: No such device\n"
