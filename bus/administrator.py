@@ -51,6 +51,8 @@ class Administrator:
         self._now_ns = now_ns
         self._pacer = pacer
         self._sources = {port.name: TelegramSource(port, fd) for port in published}
+        # Identifiers of the frame that completes a telegram, classic and CAN FD.
+        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in wire_contract().ports}
         self._queue: list[Frame] = []
         self._watchdog_ns = watchdog_ns
         self._reply_ns = reply_ns
@@ -102,7 +104,7 @@ class Administrator:
     def _wait_for(self, port: Port, deadline_ns: int) -> bool | None:
         """True: an answer was committed, False: it was refused, None: no answer by the deadline."""
         receive, feed, now_ns = self._endpoint.receive, self._store.feed, self._now_ns
-        name, last_ids = port.name, (port.can_ids[-1], port.fd_id)
+        name, last_ids = port.name, self._last_ids[port.name]
         while True:
             remaining_ns = deadline_ns - time.monotonic_ns()
             if remaining_ns <= 0:

@@ -51,7 +51,7 @@ class BusClock:
 
     __slots__ = (
         "_expected", "_flags", "_frame_tick", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
-        "base_tick_ns", "rate", "running", "tick",
+        "base_tick_ns", "now_ns", "rate", "running", "tick",
     )  # fmt: skip
 
     def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
@@ -69,6 +69,8 @@ class BusClock:
         self._polls = 0
         self._poll_tick = 0
         self.tick = 0
+        #: Simulation time of the current tick in ns: asked ten times a tick, so it is no property.
+        self.now_ns = 0
         self.running = False
         #: Pace by TIME_SYNC: simulated seconds per wall second; 0: lockstep, or not known.
         self.rate = 0.0
@@ -105,8 +107,13 @@ class BusClock:
         self._frame_tick = tick
         self._expected = -1
         self._polls = 0
-        self.tick = max(self.tick, tick)
+        if new:
+            self._set(tick)
         return new
+
+    def _set(self, tick: int) -> None:
+        self.tick = tick
+        self.now_ns = tick * self.base_tick_ns
 
     def polled(self, period_ticks: int) -> None:
         """Take a poll that comes at every tick that is a multiple of ``period_ticks``.
@@ -117,7 +124,9 @@ class BusClock:
             return
         if self._polls == 0:
             self._poll_tick = -(-self._frame_tick // period_ticks) * period_ticks
-        self.tick = max(self.tick, self._poll_tick + self._polls * period_ticks)
+        tick = self._poll_tick + self._polls * period_ticks
+        if tick > self.tick:
+            self._set(tick)
         self._polls += 1
 
     def silence(self, wall_ns: int) -> None:
@@ -126,7 +135,7 @@ class BusClock:
         A hint like the polls: the next clock frame is taken for the nearest tick with its life sign.
         """
         if self.running:
-            self.tick += int(wall_ns * self.rate) // self.base_tick_ns
+            self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
 
     def synchronise(self, telegram: TimeSync) -> None:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick."""
@@ -136,7 +145,7 @@ class BusClock:
             return
         known = self._life >= 0 and self._polls > 0 and abs(tick - self.tick) <= MAX_STEP * self._ticks_per_frame
         self.running = True
-        self.tick = tick
+        self._set(tick)
         if known:
             # The clock frames are missing since before the last poll: their life sign goes on where it was.
             return
@@ -144,11 +153,6 @@ class BusClock:
         self._frame_tick = tick
         self._life = self._expected = -1
         self._polls = 0
-
-    @property
-    def now_ns(self) -> int:
-        """Simulation time of the current tick in ns."""
-        return self.tick * self.base_tick_ns
 
 
 class Pacer:
