@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -163,8 +163,10 @@ def fifo(pairs: Sequence[Pair]) -> Iterator[None]:
         yield
     finally:
         for pid, limit in limits.items():
-            os.sched_setscheduler(pid, os.SCHED_OTHER, os.sched_param(0))
-            resource.prlimit(pid, resource.RLIMIT_RTTIME, limit)
+            # One that has died has nothing to give back; the others have.
+            with suppress(ProcessLookupError):
+                os.sched_setscheduler(pid, os.SCHED_OTHER, os.sched_param(0))
+                resource.prlimit(pid, resource.RLIMIT_RTTIME, limit)
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable
 from bus.clock import Pacer
 from bus.errors import BusOccupied, PeerSilent
 from bus.frame import BRS, FD, Frame
+from bus.ident import Role
 from bus.layout import Telegram
 from bus.link import Endpoint
 from bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
@@ -21,6 +22,8 @@ from dbc import Port, wire_contract
 
 #: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
 REPLY_NS = 5_000_000
+#: How long the answers to one device status poll are listened to, when each device is there.
+_SCAN_ANSWER_S = 0.03
 #: Lockstep: a peer that has not answered for this long on the wall clock is lost.
 WATCHDOG_NS = 2_000_000_000
 
@@ -122,20 +125,57 @@ class Administrator:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.
 
         :returns: the devices that did *not* answer.
-        :raises BusOccupied: somebody else polls on this bus.
+        :raises BusOccupied: somebody else polls on this bus, or two nodes answer as one device.
         """
         missing = set(devices)
-        poll_id = wire_contract().poll_id
         deadline_ns = time.monotonic_ns() + timeout_ns
         while missing and time.monotonic_ns() < deadline_ns:
             self._endpoint.send([master_frame(F_DEVICE_STATUS, device) for device in sorted(missing)])
             round_ns = time.monotonic_ns() + interval_ns
             while missing and (remaining_ns := round_ns - time.monotonic_ns()) > 0:
-                for frame in self._endpoint.receive(remaining_ns / 1e9):
-                    if frame.can_id == poll_id and not frame.flags:
-                        raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
-                    if frame.can_id == wire_contract().device_status_id:
-                        answer = parse_device_status(frame.data)
-                        if answer is not None:
-                            missing.discard(answer[0])
+                missing -= self._status_answers(self._endpoint.receive(remaining_ns / 1e9)).keys()
+        if not missing:
+            self._refuse_doubles(set(devices))
         return missing
+
+    def _status_answers(self, frames: list[Frame]) -> Counter[int]:
+        """Devices that have answered, each as often as it did."""
+        contract = wire_contract()
+        answers: Counter[int] = Counter()
+        for frame in frames:
+            if frame.can_id == contract.poll_id and not frame.flags:
+                raise BusOccupied("another bus administrator polls on this bus: one bench at a time")
+            if frame.can_id == contract.device_status_id:
+                answer = parse_device_status(frame.data)
+                if answer is not None:
+                    answers[answer[0]] += 1
+        return answers
+
+    def _refuse_doubles(self, devices: set[int]) -> None:
+        """Two nodes that answer as one device would spoil the run: their answers come twice for one poll."""
+        names = {role.value: role.name.lower() for role in Role}
+        self._late_answers()
+        for device in sorted(devices):
+            # Asked a second time before it is believed: one answer too many may be a late one of the scan.
+            if self._answers_of(device) > 1 and self._answers_of(device) > 1:
+                raise BusOccupied(
+                    f"two nodes answer as device {device} ({names.get(device, 'a node')}): one too many on this bus; "
+                    "a controller that is there already is used with --no-controller"
+                )
+
+    def _answers_of(self, device: int) -> int:
+        self._endpoint.send([master_frame(F_DEVICE_STATUS, device)])
+        return self._late_answers()[device]
+
+    def _late_answers(self) -> Counter[int]:
+        """Answers until none has come for a while."""
+        found: Counter[int] = Counter()
+        now_s = time.monotonic_ns() / 1e9
+        end_s, quiet_s = now_s + 10 * _SCAN_ANSWER_S, now_s + _SCAN_ANSWER_S
+        while now_s < min(end_s, quiet_s) and (frames := self._endpoint.receive(quiet_s - now_s)):
+            answers = self._status_answers(frames)
+            now_s = time.monotonic_ns() / 1e9
+            if answers:
+                found += answers
+                quiet_s = now_s + _SCAN_ANSWER_S
+        return found

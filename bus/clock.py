@@ -15,8 +15,8 @@ from dbc import wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16
-#: SimRate says "this fast or faster".
-_RATE_MAX_10TH = 255
+#: SimRate in tenths: 0 is kept for lockstep, the ends stand for "this slow or slower", "this fast or faster".
+RATE_MIN_10TH, RATE_MAX_10TH = 1, 255
 
 
 def to_time_sync(tick: int, base_tick_ns: int, **fields: int) -> TimeSync:
@@ -29,6 +29,11 @@ def from_time_sync(telegram: TimeSync, base_tick_ns: int) -> int:
     """Tick that a TIME_SYNC telegram stands for (nearest)."""
     total_ns = (telegram.seconds_s * _FRACTION + telegram.fraction_65536th_s) * 1_000_000_000 // _FRACTION
     return (total_ns + base_tick_ns // 2) // base_tick_ns
+
+
+def rate_to_10th(rate: float) -> int:
+    """SimRate of a pace in simulated seconds per wall second; 0 only in lockstep."""
+    return min(max(round(rate * 10), RATE_MIN_10TH), RATE_MAX_10TH) if rate else 0
 
 
 class BusClock:
@@ -72,7 +77,7 @@ class BusClock:
         #: Simulation time of the current tick in ns: asked ten times a tick, so it is no property.
         self.now_ns = 0
         self.running = False
-        #: Pace by TIME_SYNC: simulated seconds per wall second; 0: lockstep, or not known.
+        #: Pace by TIME_SYNC in simulated seconds per wall second, see :func:`rate_to_10th`; 0: lockstep, or not known.
         self.rate = 0.0
 
     def feed(self, frame: Frame) -> bool:
@@ -132,14 +137,16 @@ class BusClock:
     def silence(self, wall_ns: int) -> None:
         """Nothing could be heard for ``wall_ns``: time has gone on at the pace of the run.
 
-        A hint like the polls: the next clock frame is taken for the nearest tick with its life sign.
+        A hint like the polls: the next clock frame is taken for the nearest tick with its life sign. At a pace beyond
+        the ends of SimRate (0.05, 25.5) it is reckoned by the end, and the next TIME_SYNC puts it right: a slow run
+        takes a speed for older than it is, a fast one for old enough.
         """
         if self.running:
             self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
 
     def synchronise(self, telegram: TimeSync) -> None:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick."""
-        self.rate = telegram.rate_10th / 10 if telegram.rate_10th < _RATE_MAX_10TH else 0.0
+        self.rate = telegram.rate_10th / 10
         tick = from_time_sync(telegram, self.base_tick_ns)
         if tick == self.tick and self.running:
             return

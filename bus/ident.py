@@ -5,6 +5,7 @@ from __future__ import annotations
 import zlib
 from dataclasses import dataclass
 from enum import IntEnum
+from importlib.metadata import entry_points
 from typing import ClassVar
 
 from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
@@ -80,7 +81,8 @@ class Ident(Telegram):
         ):
             a, b = getattr(self, name), getattr(other, name)
             if a != b and known(a) and known(b):
-                found.append(f"{title} differs: {mine} {_shown(name, a)}, {theirs} {_shown(name, b)}")
+                hint = "; say --controller and --parameters alike" if name == "law" else ""
+                found.append(f"{title} differs: {mine} {_shown(name, a)}, {theirs} {_shown(name, b)}{hint}")
         seeds_known = Role.CONTROLLER not in (self.role, other.role)
         if seeds_known and (self.seed, self.perturbed) != (other.seed, other.perturbed):
             found.append(f"seed differs: {mine} {self.seed}, {theirs} {other.seed}")
@@ -89,8 +91,16 @@ class Ident(Telegram):
 
 def _shown(field: str, value: int) -> str:
     """A handshake value as a user knows it: names where there are names, else the hexadecimal code."""
+    if field == "law":
+        return _law_shown(value)
     words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS, "pace": PACES}.get(field, ())
     return words[value] if value < len(words) else f"{value:08x}"
+
+
+def _law_shown(code: int) -> str:
+    """The installed laws of this code, with their own parameters; a digest of a parameter file tells nothing."""
+    names = sorted(entry.name for entry in entry_points(group="railhil.laws") if law_code(entry.name) == code)
+    return " or ".join(names) or f"{code:03x} (no installed law with its own parameters)"
 
 
 @dataclass(slots=True)

@@ -47,6 +47,7 @@ class KernelLink(Link):
     ) -> None:
         super().__init__(bus, reopen, say)
         self._lost_before = 0
+        self._failure: OSError | None = None
         self._use_socket()
 
     @property
@@ -70,13 +71,21 @@ class KernelLink(Link):
         self._socket.send(pack_frame(frame), socket.MSG_DONTWAIT)
 
     def _get(self, timeout_s: float | None) -> list[Frame]:
+        if self._failure is not None:
+            failure, self._failure = self._failure, None
+            raise failure
         packet = self._first(timeout_s)
         frames: list[Frame] = []
         while packet:
             frames += unpack_frames(packet)
             if len(frames) >= _BATCH_FRAMES:
                 break
-            packet = self._read(socket.MSG_DONTWAIT)
+            try:
+                packet = self._read(socket.MSG_DONTWAIT)
+            except OSError as error:
+                # First what came before it.
+                self._failure = error
+                break
         return frames
 
     def _first(self, timeout_s: float | None) -> bytes:
@@ -109,7 +118,7 @@ class KernelLink(Link):
 
     def _try_again(self) -> bool:
         index = _index_of(self._channel)
-        if not index or not self._is_up():
+        if not index or not is_up(self._channel):
             return False
         if index == self._index:
             return True
@@ -119,13 +128,15 @@ class KernelLink(Link):
         self._use_socket()
         return True
 
-    def _is_up(self) -> bool:
+
+def is_up(channel: str) -> bool:
+    """Whether there is a network interface of this name, and it is up."""
+    try:
         with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
-            try:
-                answer = fcntl.ioctl(probe, _SIOCGIFFLAGS, _IFREQ.pack(self._channel.encode(), 0))
-            except OSError:
-                return False
-        return bool(_IFREQ.unpack(answer)[1] & _IFF_UP)
+            answer = fcntl.ioctl(probe, _SIOCGIFFLAGS, _IFREQ.pack(channel.encode(), 0))
+    except OSError:
+        return False
+    return bool(_IFREQ.unpack(answer)[1] & _IFF_UP)
 
 
 def _index_of(channel: str) -> int:

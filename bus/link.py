@@ -22,11 +22,11 @@ from bus.errors import BusLost, BusUnavailable
 from bus.frame import ERROR, Frame, from_message, to_message
 from bus.outage import GIVE_UP_S, Outage
 
-#: A full transmit queue (ENOBUFS) is retried this often, this far apart; python-can raises it at once.
-_SEND_RETRIES = 40
+#: A full transmit queue (ENOBUFS) is retried for so long, this far apart; python-can raises it at once.
+SEND_RETRY_MAX_S = 0.02
 _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
-_SEND_TIMEOUT_S = 0.02
+_SEND_TIMEOUT_S = 0.005
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
 _TROUBLE = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
@@ -79,18 +79,26 @@ class Link:
         self._reopen = reopen
         self._say = say or (lambda line: None)
         self._outage: Outage | None = None
+        #: Called while a frame waits for the bus in lockstep; what it raises ends the wait.
+        self.while_waiting: Callable[[], None] = lambda: None
         # Frames that came while a send waited for the bus.
         self._stash: list[Frame] = []
         self._heard_ns = time.monotonic_ns()
         self._was_out = False
         self._gap_ns = 0
         self._send_batch: Any = getattr(bus, "send_frames", None)
+        self._offer_batch: Any = getattr(bus, "offer_frames", None)
         self._receive_batch: Any = getattr(bus, "recv_frames", None)
 
     @property
     def is_down(self) -> bool:
         """True while the interface is gone or its controller chip is bus-off."""
         return self._outage is not None
+
+    @property
+    def has_rest(self) -> bool:
+        """True while the interface has taken part of a frame; :meth:`offer` and :meth:`receive` hand over the rest."""
+        return False
 
     def tell_trouble(self) -> None:
         """Say what went wrong on this connection, if anything did: for the end of a node."""
@@ -114,35 +122,40 @@ class Link:
                 raise self._lost(f"cannot send: {error}") from error
             self.counters["sent"] += len(frames)
             return
+        give_up_s = time.monotonic() + (GIVE_UP_S if self.lossless else SEND_RETRY_MAX_S)
         for frame in frames:
-            self._send_one(frame)
+            self._send_one(frame, give_up_s)
 
     def offer(self, frames: Sequence[Frame]) -> int:
         """Hand over as many of the frames, from the first, as the interface takes without waiting; returns how many.
+
+        With no frames only the rest of one that it has taken in part.
 
         :raises BusLost: as :meth:`send`.
         """
         taken = 0
         try:
-            if self._send_batch is not None:
-                self._send_batch(frames, 0.0)
-                taken = len(frames)
-            while taken < len(frames) and self._outage is None:
-                self._put(frames[taken])
-                taken += 1
+            if self.has_rest and self._outage is None:
+                self._put_rest()
+            if self._offer_batch is not None:
+                taken = self._offer_batch(frames)
+                self.counters["send_retries"] += taken < len(frames)
+            else:
+                while taken < len(frames) and self._outage is None:
+                    self._put(frames[taken])
+                    taken += 1
         except FAILURES as error:
             if _is_full(error):
                 self.counters["send_retries"] += 1
-            elif self._send_batch is not None:
+            elif self._offer_batch is not None:
                 raise self._lost(f"cannot send: {error}") from error
             else:
                 self._went_down(error, "send")
         self.counters["sent"] += taken
         return taken
 
-    def _send_one(self, frame: Frame) -> None:
-        """Hand over one frame; it is dropped when it may not wait."""
-        attempts = 0
+    def _send_one(self, frame: Frame, give_up_s: float) -> None:
+        """Hand over one frame; it is dropped when it may not wait, or when ``give_up_s`` (monotonic) has come."""
         while self._outage is None or self._back_for_sending():
             try:
                 self._put(frame)
@@ -150,12 +163,12 @@ class Link:
                 if not _is_full(error):
                     self._went_down(error, "send")
                     continue
-                attempts += 1
                 self.counters["send_retries"] += 1
-                if attempts >= _SEND_RETRIES and not self.lossless:
+                if time.monotonic() >= give_up_s:
+                    if self.lossless:
+                        raise self._lost(f"transmit queue full for {GIVE_UP_S:g} s") from error
                     break
-                if attempts * _SEND_RETRY_S > GIVE_UP_S:
-                    raise self._lost(f"transmit queue full for {GIVE_UP_S:g} s") from error
+                self.while_waiting()
                 time.sleep(_SEND_RETRY_S)
             else:
                 self.counters["sent"] += 1
@@ -165,12 +178,16 @@ class Link:
     def _back_for_sending(self) -> bool:
         """Whether a frame may be sent again; in lockstep that is waited for."""
         while self.lossless and self._outage is not None:
+            self.while_waiting()
             self._stash += self._look_again(None)
         return self._outage is None
 
     def _put(self, frame: Frame) -> None:
         """Hand one frame to the interface, once."""
         self.bus.send(to_message(frame), timeout=_SEND_TIMEOUT_S)
+
+    def _put_rest(self) -> None:
+        """Hand over the rest of a frame, see :attr:`has_rest`."""
 
     # -- receiving ------------------------------------------------------------------------------------------------
 
@@ -202,14 +219,20 @@ class Link:
             return []
         if frames:
             self.counters["received"] += len(frames)
-            now_ns = time.monotonic_ns()
-            if self._was_out:
-                self._was_out = False
-                self._gap_ns += now_ns - self._heard_ns
-            self._heard_ns = now_ns
-            if self._outage is not None or any(frame[2] & ERROR for frame in frames):
+            error_frames = [frame for frame in frames if frame.flags & ERROR]
+            if error_frames or self._outage is not None:
                 self._look_at(frames)
+            if len(error_frames) < len(frames):
+                self._note_heard()
         return frames
+
+    def _note_heard(self) -> None:
+        """Frames of other nodes have come; the first after an outage say how long there were none."""
+        now_ns = time.monotonic_ns()
+        if self._was_out:
+            self._was_out = False
+            self._gap_ns += now_ns - self._heard_ns
+        self._heard_ns = now_ns
 
     def _get(self, timeout_s: float | None) -> list[Frame]:
         """What has arrived, or nothing at the time-out."""
@@ -315,12 +338,9 @@ class Link:
 
     def close(self) -> None:
         """See :meth:`Endpoint.close`."""
-        if self._outage is not None and not self._outage.bus_off:
-            with contextlib.suppress(Exception):
-                # It is gone anyway, and so may be what its driver needs to say goodbye.
-                self.bus.shutdown()
-            return
-        self.bus.shutdown()
+        with contextlib.suppress(*FAILURES):
+            # An adapter that is gone cannot be told goodbye; why it is gone has been said.
+            self.bus.shutdown()
 
 
 def _is_full(error: BaseException) -> bool:
@@ -360,7 +380,8 @@ def open_link(config: dict[str, Any], name: str = "bus") -> Link:
 
             return SlcanLink(bus, reopen, say)
         return Link(bus, reopen, say)
-    except (can.CanError, OSError, ValueError, ImportError, TypeError) as error:
+    except Exception as error:
+        # An interface without its driver library raises anything (kvaser: NameError).
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error

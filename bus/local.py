@@ -20,6 +20,8 @@ class LocalBus:
         self._nodes = list(nodes)
         self._inbox: list[Frame] = []
         self.lossless = True
+        #: Nothing can fail here.
+        self.is_down = False
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Deliver frames to every node; answers reach the administrator and the other nodes in bus order."""

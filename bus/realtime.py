@@ -37,6 +37,8 @@ PRIORITY_MAX = 98
 RUNAWAY_S, KILLED_S = 0.5, 2.0
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30
+#: Normal scheduling as it is given back: who has no CAP_SYS_NICE may not take the flag away again (sched(7)).
+_GIVEN_BACK = os.SCHED_OTHER | os.SCHED_RESET_ON_FORK
 _NORMAL = "normal scheduling"
 _MARK = ": scheduling: "
 
@@ -81,6 +83,11 @@ def cycle(name: str, priority: int, aloud: bool = True) -> Iterator[Scheduling]:
             gc.enable()
 
 
+def is_said(line: str) -> bool:
+    """Whether a line of a node's output only says how it is scheduled."""
+    return _MARK in line
+
+
 def said_in(text: str, name: str) -> str:
     """What a node has last said of its scheduling in its output; a node that was not asked says nothing."""
     found = [line.partition(_MARK)[2] for line in text.splitlines() if line.startswith(name + _MARK)]
@@ -92,7 +99,7 @@ def permitted_priority(priority: int = NODE_PRIORITY) -> tuple[int, str]:
     before, parameter = os.sched_getscheduler(0), os.sched_getparam(0)
     granted, reason = _ask(priority)
     if granted:
-        os.sched_setscheduler(0, before, parameter)
+        os.sched_setscheduler(0, before | os.SCHED_RESET_ON_FORK, parameter)
     return granted, reason
 
 
@@ -105,7 +112,7 @@ def _first_in_first_out(priority: int, scheduling: Scheduling, libc: ctypes.CDLL
         return
 
     def give_up(*_: object) -> None:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.sched_setscheduler(0, _GIVEN_BACK, os.sched_param(0))
         given_up = f"SCHED_FIFO {scheduling.priority} given up: it computed for {RUNAWAY_S:g} s without a pause"
         scheduling.priority = 0
         _say(scheduling, f"{given_up}; {_NORMAL}")
@@ -122,7 +129,7 @@ def _first_in_first_out(priority: int, scheduling: Scheduling, libc: ctypes.CDLL
             _say(scheduling, f"not permitted ({reason}); {_NORMAL}, {memory}")
         yield
     finally:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.sched_setscheduler(0, _GIVEN_BACK, os.sched_param(0))
         scheduling.priority = 0
         libc.munlockall()
         signal.signal(signal.SIGXCPU, handler)

@@ -31,6 +31,9 @@ from bus.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 #: In realtime nothing is added to frames that have waited longer than this: half of what cuts traction.
 STALE_NS = 30_000_000
 
+#: An adapter that takes nothing is asked for a sign of life this often.
+_ASK_AGAIN_NS = 200_000_000
+_GOODBYE_S = 0.5
 #: A pause this long is said.
 _SAY_S = 0.2
 _CHUNK_BYTES = 4096
@@ -70,9 +73,16 @@ class SlcanLink(Link):
         """See :attr:`Link.where`."""
         return f"slcan:{self._port}"
 
+    @property
+    def has_rest(self) -> bool:
+        """See :attr:`Link.has_rest`."""
+        return bool(self._rest)
+
     def _use_port(self) -> None:
         serial: Any = self.bus
         self._port = str(serial.serialPortOrig.port)
+        # python-can says goodbye to the adapter, and would wait without end for one that takes nothing.
+        serial.serialPortOrig.write_timeout = _GOODBYE_S
         self._fd: int = serial.fileno()
         #: Of the line that is just being received.
         self._partial = b""
@@ -84,14 +94,18 @@ class SlcanLink(Link):
         self._answers = False
         #: It was stuck and has been asked for a sign of life; that has been said.
         self._asked = self._has_said = False
+        self._asked_ns = 0
+        #: The frame before was taken.
+        self._taking = True
 
-    def _send_one(self, frame: Frame) -> None:
+    def _send_one(self, frame: Frame, give_up_s: float) -> None:
         if self._asked and self._outage is None and not self.lossless:
             # Only the adapter's answer, which is received, tells that it goes on: no use in waiting for it here.
             self.counters["send_dropped"] += 1
             self._say_stuck()
+            self._ask_again()
             return
-        super()._send_one(frame)
+        super()._send_one(frame, give_up_s)
 
     def _put(self, frame: Frame) -> None:
         line = to_line(frame) + b"\r"
@@ -99,7 +113,9 @@ class SlcanLink(Link):
         if not self.lossless and self._is_stuck(now_ns):
             if not self._asked:
                 self._asked = True
+                self._asked_ns = now_ns
                 self._discard()
+            self._ask_again()
             raise StuckAdapter("the adapter does not answer")
         try:
             self._write(line)
@@ -109,6 +125,7 @@ class SlcanLink(Link):
             self._discard()
             self._write(line)
         self._unanswered.append(now_ns)
+        self._taking = True
 
     def _is_stuck(self, now_ns: int) -> bool:
         """Whether the adapter owes an answer for too long."""
@@ -123,15 +140,23 @@ class SlcanLink(Link):
             self._has_said = True
             self._say(f"{self.where} takes no frames for {self._silent_s():.2f} s; they are dropped until it does")
 
+    def _ask_again(self) -> None:
+        """The sign of life may have been lost itself."""
+        now_ns = time.monotonic_ns()
+        if now_ns - self._asked_ns > _ASK_AGAIN_NS:
+            self._asked_ns = now_ns
+            with contextlib.suppress(BlockingIOError):
+                self._write(b"\r")
+
     def _write(self, line: bytes) -> None:
         """Write a line behind the rest of the one before.
 
         :raises BlockingIOError: the port takes nothing of this line now.
         """
-        self._write_rest()
+        self._put_rest()
         self._rest = line[os.write(self._fd, line) :]
 
-    def _write_rest(self) -> None:
+    def _put_rest(self) -> None:
         while self._rest:
             self._rest = self._rest[os.write(self._fd, self._rest) :]
 
@@ -140,7 +165,8 @@ class SlcanLink(Link):
 
         The answer to the empty line is the sign of life.
         """
-        self.counters["adapter_stuck"] += 1
+        self.counters["adapter_stuck"] += self._taking
+        self._taking = False
         try:
             termios.tcflush(self._fd, termios.TCOFLUSH)
         except termios.error as error:
@@ -156,7 +182,9 @@ class SlcanLink(Link):
             ports = (self._fd,)
             readable, writable, _ = select.select(ports, ports if self._rest else (), (), rest_s)
             if writable:
-                self._write_rest()
+                with contextlib.suppress(BlockingIOError):
+                    # Writable, but not for all of it.
+                    self._put_rest()
             if not readable:
                 if not writable:
                     self._ask_status(timeout_s)
@@ -220,6 +248,8 @@ class SlcanLink(Link):
             self.counters["bus_off"] += 1
             reason = f"the adapter reports bus errors, status {flags:02X}: bus-off, wrong bit rate or no second node"
             self._go_out(Outage(reason, bus_off=True))
+        elif not flags & _BUS_ERROR and self._outage is not None and self._outage.bus_off:
+            self._came_back()
 
     def _try_again(self) -> bool:
         if not super()._try_again():

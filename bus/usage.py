@@ -15,6 +15,8 @@ from bus.realtime import PRIORITY_MAX
 SEED_MAX = 0xFFFF_FFFF
 #: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
 RATE_MIN, RATE_MAX = 0.01, 1000.0
+#: Of a realtime run that is told none.
+RATE = 1.0
 APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
 EXIT_CODES = """\
@@ -43,7 +45,7 @@ class OneLineParser(argparse.ArgumentParser):
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Parsed command line. python-can prints a ``--timing`` that it has understood: that goes to standard error,
-    where it does not spoil ``--json``."""
+    where it does not spoil ``--json``. Options of a realtime run are refused in another."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said):
@@ -52,6 +54,13 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
         print(said.getvalue(), end="")
         raise
     print(said.getvalue(), end="", file=sys.stderr)
+    if getattr(namespace, "pace", "realtime") != "realtime":
+        for option, is_given in (
+            ("--rate", namespace.rate is not None),
+            ("--no-rt", getattr(namespace, "no_rt", False)),
+        ):
+            if is_given:
+                parser.error(f"argument {option}: allowed only with --pace realtime")
     return namespace
 
 
@@ -124,4 +133,4 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="wall time for the other nodes to appear (default 25 s)",
     )
-    parser.add_argument("--rate", type=_rate, default=1.0, help="realtime: simulated seconds per second (default 1)")
+    parser.add_argument("--rate", type=_rate, help=f"realtime: simulated seconds per second (default {RATE:g})")

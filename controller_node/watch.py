@@ -193,7 +193,9 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
         code = -ladder.full_code
     elif level is Level.SERVICE_BRAKE:
         # A law or a kept notch that brakes harder than the service brake is not released.
-        code = min(law_code, max(-ladder.service_code, last - ramp), last)
+        # Nor does traction go on while the ramp begins: the ladder may come here from any level in one look.
+        braking = min(last, 0)
+        code = min(law_code, max(-ladder.service_code, braking - ramp), braking)
     elif level is Level.TRACTION_CUT:
         code = min(law_code, state.kept_code)
     elif level is Level.HOLD:

@@ -10,7 +10,7 @@ from supervisor.documents import read_certificate
 from supervisor.folder import write_folder, write_json
 from supervisor.options import RunOptions
 from supervisor.report.recorded import RecordedRun, recorded_run
-from supervisor.run import RunResult
+from supervisor.result import RunResult
 from supervisor.telemetry import read_origin, read_summary
 from supervisor.timing import lockstep_timing
 

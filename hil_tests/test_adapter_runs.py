@@ -19,7 +19,7 @@ from hil_tests.vcan.bench import counters_of, run_on
 from scenarios.load import load
 from scenarios.model import Scenario
 from supervisor.framelog import read_log
-from supervisor.run import RunResult
+from supervisor.result import RunResult
 from supervisor.trace import Trace, trace_of
 
 pytestmark = [pytest.mark.loop, pytest.mark.timeout(300)]

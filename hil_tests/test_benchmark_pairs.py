@@ -164,6 +164,21 @@ def test_fifo_is_given_and_taken_back(socket_folder: Path) -> None:
         assert {os.sched_getscheduler(pid) for pid in scheduling} == {os.SCHED_OTHER}
 
 
+@pytest.mark.loop
+def test_an_end_that_dies_under_fifo_leaves_nobody_there(loop: Path, socket_folder: Path) -> None:
+    """What has no process any more hides nothing, and the others get their scheduling back."""
+    with open_pairs(UNIX_HUB, loop, socket_folder) as (first, second):
+        living = [*first.hub_pids, *second.pids, *second.hub_pids]
+        try:
+            with fifo([first, second]):
+                os.kill(first.pids[0], signal.SIGKILL)
+                with pytest.raises(MeasurementError):
+                    first.answer()
+        except PermissionError:
+            pytest.skip("MISSING CAPABILITY SCHED_FIFO (root, or ulimit -r)")
+        assert {os.sched_getscheduler(pid) for pid in living} == {os.SCHED_OTHER}
+
+
 def test_load_is_on_every_core_and_goes() -> None:
     before = set(psutil.Process().children())
     with busy_cores(30.0):

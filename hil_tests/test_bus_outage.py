@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import errno
+import time
 from collections.abc import Callable
 
 import can
 import pytest
 
 from bus import outage as outage_module
-from bus.clock import BusClock, to_time_sync
+from bus.clock import BusClock, rate_to_10th, to_time_sync
 from bus.errorframe import describe
 from bus.errors import BusLost, BusOccupied
 from bus.frame import ERROR, Frame, from_message, to_message
+from bus.ident import Role
 from bus.link import Link
 from bus.local import LocalBus
-from bus.mvb import TelegramSource, master_frame
+from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from bus.telegrams import TrnSpeed
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.watch import Level
@@ -168,7 +170,7 @@ def test_the_time_without_frames_is_told_once_with_the_first_frame(link, adapter
 
 
 def test_a_full_queue_drops_the_old_value_and_in_lockstep_waits(link, adapter, monkeypatch):
-    monkeypatch.setattr("bus.link._SEND_RETRY_S", 0.0)
+    monkeypatch.setattr("bus.link.SEND_RETRY_MAX_S", 0.001)
     adapter.full = True
     link.send(speeds(1))
     assert link.counters["send_dropped"] == 1
@@ -199,6 +201,39 @@ def test_bus_off_is_silence_until_the_restart(link, adapter, said):
     assert (link.counters["bus_off"], link.counters["error_frames"], link.counters["send_dropped"]) == (1, 2, 1)
     assert adapter.opened == 1
     assert "bus-off" in said[0]
+
+
+def test_bus_off_is_a_gap_too(link, adapter):
+    adapter.waiting = speeds(1)
+    link.receive(0.0)
+    adapter.waiting = [_BUS_OFF]
+    link.receive(0.0)
+    time.sleep(0.05)
+    adapter.waiting = [_RESTARTED]
+    until(lambda: not link.is_down, link)
+    assert link.take_gap_ns() == 0
+    adapter.waiting = speeds(2)
+    link.receive(0.0)
+    assert link.take_gap_ns() >= 50_000_000
+
+
+def test_a_dead_adapter_is_closed_without_a_word(link, adapter, monkeypatch):
+    def shutdown() -> None:
+        raise can.CanOperationError("Could not write to serial device")
+
+    monkeypatch.setattr(link.bus, "shutdown", shutdown)
+    link.close()
+
+
+def test_a_wait_in_lockstep_can_be_ended(link, adapter):
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    link.lossless = True
+    link.while_waiting = stop
+    adapter.plugged = False
+    with pytest.raises(KeyboardInterrupt):
+        link.send(speeds(1))
 
 
 def test_in_lockstep_what_comes_while_a_frame_waits_out_bus_off_is_kept(link, adapter):
@@ -260,9 +295,22 @@ def test_in_lockstep_an_outage_takes_no_time():
     assert clock.tick == before
 
 
-def test_a_rate_beyond_the_telegram_is_not_taken_for_its_end():
-    assert clock_at(100, rate_10th=255).rate == 0
-    assert clock_at(100, rate_10th=254).rate == 25.4
+@pytest.mark.parametrize("rate", [0.01, 0.05, 0.1, 1.0, 25.4, 25.6, 1000.0])
+def test_only_lockstep_is_lockstep_to_a_controller(lvshun, rate):
+    """Whatever the telegram can hold: a realtime answer that met a full queue would wait for ever."""
+    node = ControllerNode(lvshun, ControllerOptions())
+    node.handle(speeds(0)[0])
+    for pace, lockstep in ((0.0, True), (rate, False)):
+        node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=rate_to_10th(pace)))
+        assert node.lockstep is lockstep
+
+
+@pytest.mark.parametrize(("rate", "ticks"), [(0.01, 20), (0.1, 20), (20.0, 4000), (25.5, 5100), (1000.0, 5100)])
+def test_an_outage_beyond_the_ends_of_the_telegram_is_reckoned_by_the_end(rate, ticks):
+    clock = clock_at(100, rate_to_10th(rate))
+    before = clock.tick
+    clock.silence(2_000_000_000)
+    assert clock.tick == before + ticks
 
 
 @pytest.mark.parametrize(
@@ -290,4 +338,14 @@ def test_a_plant_refuses_a_bus_with_another_administrator(lvshun):
         lvshun, PlantOptions(appear_s=1.0), LocalBus([lambda frame: [stranger] if frame.can_id == 0x80 else []])
     )
     with pytest.raises(BusOccupied, match="another bus administrator"):
+        node.run()
+
+
+def test_a_plant_refuses_two_controllers_on_its_bus(lvshun):
+    one, other = (ControllerNode(lvshun, ControllerOptions()) for _ in range(2))
+    supervisor = [device_status_frame(Role.SUPERVISOR, 0x1000)]
+    asked = master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)
+    bus = LocalBus([one.handle, other.handle, lambda frame: supervisor if frame == asked else []])
+    node = PlantNode(lvshun, PlantOptions(appear_s=1.0), bus)
+    with pytest.raises(BusOccupied, match=r"two nodes answer as device 1 \(controller\)"):
         node.run()

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import can
 import pytest
 
 from bus.errors import BusUnavailable
@@ -206,10 +207,10 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
 def test_interface_without_its_driver(monkeypatch, tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
 
-    def broken(_config: object, _name: str) -> None:
+    def broken(**_config: object) -> None:
         raise NameError("name 'canGetNumberOfChannels' is not defined")
 
-    monkeypatch.setattr(join, "open_link", broken)
+    monkeypatch.setattr(can, "Bus", broken)
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
     run = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path)
     with pytest.raises(BusUnavailable, match="bus kvaser:0 cannot be opened: name 'canGet"):
@@ -221,13 +222,11 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
 
     class Chatter:
         counters: dict[str, int] = {}  # noqa: RUF012
-        take_gap_ns = staticmethod(int)
+        is_down = False
+        take_gap_ns = tell_trouble = close = staticmethod(int)
 
         def receive(self, timeout_s: float) -> list[Frame]:
             return [Frame(0x7FF, b"\0")]
-
-        def close(self) -> None:
-            pass
 
     monkeypatch.setattr(join, "open_link", lambda _config, _name: Chatter())
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")

@@ -18,7 +18,7 @@ from bus.mvb import TelegramSource, check_sequence
 from bus.store import CAUSES, TrafficStore
 from dbc import Port
 from hil_tests.exported import STRICT
-from hil_tests.foreign import PORTABLE, SANITIZED, CFrame, build, build_node, export_node
+from hil_tests.foreign import PORTABLE, PROGRAM, SANITIZED, CFrame, build, build_node, export_node
 from scenarios.load import load
 
 pytestmark = pytest.mark.needs_compiler
@@ -145,6 +145,45 @@ int main(void)
         printf(" %s %lu", railhil_count_name(i), counts[i] + control.guard.counts[i]);
     }
     printf("\\n");
+    return 0;
+}
+"""
+
+#: The program's sending, with an interface that takes nothing for so many attempts.
+_SEND = """\
+#define _POSIX_C_SOURCE 200809L
+#include <stdlib.h>
+#include <sys/socket.h>
+static ssize_t refuse(int fd, const void *data, size_t size, int flags);
+#define send refuse
+#include "railhil_socket.c"
+static int refusals;
+static int reason;
+static ssize_t refuse(int fd, const void *data, size_t size, int flags)
+{
+    (void)fd;
+    (void)flags;
+    if (refusals-- > 0) {
+        errno = reason;
+        return -1;
+    }
+    printf("%02x ", (unsigned)((const struct can_frame *)data)->can_id);
+    return (ssize_t)size;
+}
+int main(int argc, char **argv)
+{
+    railhil_bus_t bus;
+    railhil_frame_t answer[2];
+    (void)argc;
+    memset(&bus, 0, sizeof bus);
+    memset(answer, 0, sizeof answer);
+    answer[0].can_id = 0x138;
+    answer[1].can_id = 0x139;
+    refusals = atoi(argv[1]);
+    reason = strcmp(argv[2], "full") == 0 ? ENOBUFS : ENETDOWN;
+    bus.channel = "can0";
+    printf("%d ", railhil_bus_send(&bus, answer, 2, argv[3][0] == 'l'));
+    printf("dropped %lu\\n", bus.dropped);
     return 0;
 }
 """
@@ -276,7 +315,8 @@ def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
 
 def test_program_is_integer_code_without_memory(folder: Path) -> None:
     """No float, no heap, in any file; names differ in their first 31 characters."""
-    names = [*PORTABLE, "railhil_node.c", "railhil_mvb.h", "railhil_guard.h", "railhil_control.h", "ipfc_plus_node.h"]
+    headers = [f"railhil_{name}.h" for name in ("mvb", "guard", "control", "socket")]
+    names = [*PROGRAM, *headers, "ipfc_plus_node.h"]
     for name in names:
         text = re.sub(r"/\*.*?\*/", " ", (folder / name).read_text(encoding="ascii"), flags=re.DOTALL)
         text = re.sub(r'"[^"\n]*"', '""', text)
@@ -284,6 +324,24 @@ def test_program_is_integer_code_without_memory(folder: Path) -> None:
         assert not re.findall(r"\d\.\d", text), name
         assert max(map(len, re.findall(r"[A-Za-z_]\w*", text))) <= 31, name
         assert max(map(len, (folder / name).read_text().splitlines())) <= 120, name
+
+
+def test_an_answer_in_lockstep_waits_for_the_interface(folder: Path) -> None:
+    """In realtime it is dropped: a newer one comes. Nobody sends a lockstep answer a second time."""
+    (folder / "send.c").write_text(_SEND)
+    program = build(folder, ["send.c"], "send", STRICT)
+
+    def sent(*arguments: object) -> str:
+        done = subprocess.run([program, *map(str, arguments)], capture_output=True, text=True, timeout=60, check=False)
+        return done.stdout.strip()
+
+    whole, nothing = "138 139 0 dropped 0", "0 dropped 1"
+    assert sent(3, "full", "realtime") == whole
+    assert sent(10_000, "full", "realtime") == nothing
+    assert sent(200, "full", "lockstep") == whole
+    assert sent(1, "down", "realtime") == nothing
+    assert sent(5, "down", "lockstep") == whole
+    assert sent(10_000, "full", "lockstep") == nothing
 
 
 def test_what_a_board_takes_compiles_where_int_has_16_bits(folder: Path) -> None:

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from bus.frame import EXTENDED, REMOTE, Frame
-from bus.mvb import TelegramSource, check_sequence, master_frame
+from bus.ident import CtlIdent, Role
+from bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.watch import Level
@@ -73,6 +74,60 @@ def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> No
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
+# -- one run after another ------------------------------------------------------------------------------------------
+
+
+class Pulled(Exception):
+    """The run is gone from the bus, and nobody says that it has ended."""
+
+
+def torn_off(at_poll: int, silent: range) -> Callable[[Frame], list[Frame]]:
+    """A bus that is gone at some poll; TRN_SPEED is missing before."""
+    bus = Faulty(1, 0.0, {TrnSpeed.port().address: silent})
+
+    def wire(frame: Frame) -> list[Frame]:
+        if bus.polls >= at_poll:
+            raise Pulled
+        return bus(frame)
+
+    return wire
+
+
+@pytest.mark.parametrize("law", ["ipfc", "ipfc_plus"])
+def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, tmp_path: Path) -> None:
+    """Whatever is left of the run before: a run that has ended, one that was torn off in motion, in emergency, before
+    the first period, or in a handshake."""
+    scenario = short("lvshun_tieshan_worn_wheels")
+    c = CNode(exported(scenario, law), law)
+    for at_poll, level in ((5, Level.NORMAL), (9, Level.NORMAL), (300, Level.NORMAL), (400, Level.EMERGENCY), (0, 0)):
+        if at_poll:
+            silent = range(at_poll - 100, at_poll) if level else range(0)
+            with pytest.raises(Pulled):
+                twin_run(scenario, c, tmp_path, seed=9, law=law, wire=torn_off(at_poll, silent))
+            assert (c.ended, c.level) == (0, level)
+        run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law)
+        assert run.answers > 1000
+        assert (run.levels, run.c) == ({Level.NORMAL}, {})
+        assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
+
+
+def test_no_single_poll_of_a_handshake_begins_afresh_in_motion(exported, tmp_path: Path) -> None:
+    """Both of them, in this order, but with the run going on between."""
+    port = wire_contract().port(CtlIdent.PORT)
+    own, scan = master_frame(port.f_code, port.address), master_frame(F_DEVICE_STATUS, Role.CONTROLLER)
+    polls = 0
+    added = {300: own, 400: scan, 401: own}
+
+    def wire(frame: Frame) -> list[Frame]:
+        nonlocal polls
+        polls += frame.can_id == POLL
+        return [*([added.pop(polls)] if polls in added else []), frame]
+
+    scenario = short()
+    run = twin_run(scenario, CNode(exported(scenario), "ipfc"), tmp_path, wire=wire)
+    assert (added, run.levels, run.c) == ({}, {Level.NORMAL}, {})
+
+
 # -- a bus that is not healthy --------------------------------------------------------------------------------------
 
 
@@ -88,16 +143,16 @@ class Faulty:
         self._silent = silent or {}
         self._late: list[tuple[int, Frame]] = []
         self._count = 0
-        self._polls = 0
+        self.polls = 0
         #: So often each fault happened.
         self.happened: dict[str, int] = {}
 
     def __call__(self, frame: Frame) -> list[Frame]:
         self._count += 1
-        self._polls += frame.can_id == POLL
+        self.polls += frame.can_id == POLL
         due = [late for at, late in self._late if at <= self._count]
         self._late = [item for item in self._late if item[0] > self._count]
-        if self._polls in self._silent.get(frame.can_id, ()):
+        if self.polls in self._silent.get(frame.can_id, ()):
             return due
         if self._random.random() >= self._often:
             return [*due, frame]

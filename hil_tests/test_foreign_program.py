@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -12,10 +14,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bus.frame import Frame
+from bus.frame import EXTENDED, Frame
 from bus.hub.client import HubBus
 from bus.mvb import F_DEVICE_STATUS, device_status_frame, master_frame
 from bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
+from dbc import wire_contract
 from hil_tests.bench import local_run
 from hil_tests.cli import Started, railhil, wait_for
 from hil_tests.exported import STRICT
@@ -63,6 +66,8 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert run.done.exit_code in (0, 1), run.done.err
     assert run.exit_code == 0, run.said
     assert re.search(r"\d+ control periods, run event 4$", run.said.strip()), run.said
+    assert json.loads((tmp_path / "c/certificate.json").read_text())["foreign"] is True
+    assert "parameters: not known: the controller was not ours" in railhil("show", tmp_path / "c").out
     (tmp_path / "python").mkdir()
     seed, drawn = int(arguments[1]), "--perturbed" in arguments
     expected = local_run(scenario, tmp_path / "python", seed=seed, drawn=drawn, controller=law, indexing=indexing)
@@ -80,7 +85,7 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     ("arguments", "words"),
     [
         (("yizhuang_02_xiaocun_xiaohongmen",), "scenario differs: plant"),
-        (("lvshun_tieshan", "--controller", "tpfc2"), "controller differs: controller"),
+        (("lvshun_tieshan", "--controller", "tpfc2"), "controller differs: controller ipfc, supervisor tpfc2; say"),
         (("lvshun_tieshan", "--indexing", "distance"), "indexing differs: controller time, supervisor distance"),
         (("lvshun_tieshan", "--arithmetic", "float32"), "arithmetic differs: controller iq, supervisor float32"),
     ],
@@ -94,7 +99,7 @@ def test_export_of_something_else_is_refused(
     assert not (tmp_path / "run").exists()
     if "scenario" in words:
         assert run.exit_code == 2
-        assert "the plant refuses this export: it was made for another scenario or wire" in run.said
+        assert "the nodes do not agree on what to run; railhil run says in what" in run.said
 
 
 def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, socket_folder: Path) -> None:
@@ -125,7 +130,7 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
 
 
 def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
-    """A bus on which nothing comes any more; the device status answer shows that it was listening."""
+    """A bus on which only others talk any more; the device status answer shows that it was listening."""
     channel = socket_folder / "hub.sock"
     hub = Started("bus", "hub", "-c", channel)
     wait_for(channel.exists)
@@ -139,9 +144,13 @@ def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
 
         assert wait_for(answer) == [device_status_frame(1, 0x1000)]
         begun_s = time.monotonic()
-        _, said = node.communicate(timeout=20)
+        own = wire_contract().poll_id
+        while node.poll() is None and time.monotonic() < begun_s + 20:
+            bus.send_frames([Frame(0x7F0, bytes(8)), Frame(own, bytes(3), EXTENDED)])
+            time.sleep(0.1)
+        _, said = node.communicate(timeout=1)
         assert node.returncode == 3
-        assert said.splitlines()[0].endswith("no frame for 3 s")
+        assert said.splitlines()[0].endswith("no frame of the bench for 3 s")
         assert time.monotonic() - begun_s >= _SILENCE_S - 0.3
     finally:
         node.kill()
@@ -151,14 +160,31 @@ def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
         hub.finish()
 
 
+def test_hub_that_is_mute_is_one_line(program: Path, socket_folder: Path) -> None:
+    """It takes the connection, and never says hello."""
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as mute:
+        mute.bind(str(socket_folder / "mute.sock"))
+        mute.listen()
+        done = subprocess.run(
+            [program, "hub", socket_folder / "mute.sock"], capture_output=True, text=True, timeout=60, check=False
+        )
+    assert done.returncode == 2
+    assert done.stderr.endswith("mute.sock: hub: it takes the connection and does not answer\n")
+    assert len(done.stderr.splitlines()) == 1
+
+
 def test_hub_that_goes_is_one_line(program: Path, socket_folder: Path) -> None:
     channel = socket_folder / "hub.sock"
     hub = subprocess.Popen([sys.executable, "-m", "bus.hub", "-c", str(channel)], stderr=subprocess.DEVNULL)
     wait_for(channel.exists)
     node = subprocess.Popen([program, "hub", channel], stderr=subprocess.PIPE, text=True)
     bus = HubBus(str(channel))
-    bus.send_frames([master_frame(F_DEVICE_STATUS, 1)])
-    assert bus.recv_frames(10.0)
+
+    def answer() -> list[Frame]:
+        bus.send_frames([master_frame(F_DEVICE_STATUS, 1)])
+        return bus.recv_frames(0.2)
+
+    wait_for(answer)
     hub.kill()
     hub.wait()
     bus.shutdown()

@@ -96,6 +96,11 @@ def test_a_port_is_named_as_python_can_names_buses() -> None:
         (["railhil:tcp://localhost:5000", "railhil:tcp://127.0.0.1:5000"], "the same bus twice"),
         (["railhil:./own.sock"], "found this hub itself"),
         (["railhil:tcp://192.0.2.1:5000"], "found host '192.0.2.1'"),
+        (["socketcan:can0,fd=no"], "key 'fd': found 'no', allowed: true, false"),
+        (["socketcan:can0,can_filters=1"], "key 'can_filters'"),
+        (["slcan:/dev/ttyACM0,bitrate=500k"], "key 'bitrate': found '500k', allowed: bit/s"),
+        (["railhil:a.sock,fdd=true"], "found key 'fdd', allowed for a hub: fd, name, connect_timeout, bitrate"),
+        (["railhil:a.sock,connect_timeout=soon"], "key 'connect_timeout': found 'soon', allowed: seconds"),
     ],
 )
 def test_ports_that_cannot_be_are_one_line(texts: list[str], words: str) -> None:
@@ -108,7 +113,7 @@ def test_ports_that_cannot_be_are_one_line(texts: list[str], words: str) -> None
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--port", "railhil:nowhere.sock"), "no hub at nowhere.sock"),
+        (("--port", "railhil:nowhere.sock,connect_timeout=0"), "no hub at nowhere.sock"),
         (("--port", "slcan:/dev/null/tty,sleep_after_open=0"), "bus slcan:/dev/null/tty cannot be opened"),
         (("--port", "kvaser:0"), "bus kvaser:0 cannot be opened"),
         (("--lossless",), "--lossless: found without --port"),
@@ -160,9 +165,10 @@ def test_frames_of_every_kind_cross_in_both_directions_and_everybody_sees_one_or
             between.process.send_signal(signal.SIGUSR1)
             between.wait_for_stderr(f"port railhil:{b.channel}: ")
         expected = [f"railhil hub: port {each}: 604 frames in, 605 out, 0 outages" for each in _transports(a, b)]
-        assert between.stderr().splitlines() == expected
         assert between.end() == 0
-        assert between.stderr().splitlines() == 2 * expected
+        # A burst may meet a full socket for a moment.
+        lines = [line.partition(", send_retries")[0] for line in between.stderr().splitlines()]
+        assert lines == 2 * expected
 
 
 def _transports(*hubs: HubProcess) -> list[str]:
@@ -219,6 +225,24 @@ def test_a_bus_without_descriptor_is_read_by_a_thread() -> None:
         assert taken(port, lambda frames: True) == []
         assert lines == []
         assert port.statistics() == "port virtual:gateway-test: 1 frames in, 1 out, 0 outages"
+    finally:
+        port.close()
+        other.shutdown()
+
+
+def test_frames_that_nobody_takes_over_make_room_and_are_counted() -> None:
+    """The thread reads on while the switch does not (a full bit rate model)."""
+    port, lines = opened_port("virtual:gateway-full")
+    other = can.Bus(interface="virtual", channel="gateway-full")
+    try:
+        for number in range(backlog.LIMIT_FRAMES + 10):
+            other.send(can.Message(arbitration_id=1, data=number.to_bytes(4, "big"), is_extended_id=False))
+        wait_for(lambda: port.counters["rx_lost"] == 10, PATIENCE_S)
+        numbers = [int.from_bytes(frame.data, "big") for frame in taken(port, lambda frames: True)]
+        assert numbers == list(range(10, backlog.LIMIT_FRAMES + 10))
+        assert len(lines) == 1
+        assert "frames are lost, the hub does not carry them in time" in lines[0]
+        assert port.statistics().endswith("frames in, 0 out, 0 outages, rx_lost 10")
     finally:
         port.close()
         other.shutdown()

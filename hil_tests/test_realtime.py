@@ -47,6 +47,11 @@ def slack_ns() -> int:
     return int(ctypes.CDLL(None).prctl(GET_TIMERSLACK, 0, 0, 0, 0))
 
 
+def policy() -> int:
+    """Of this process; the flag that stays when SCHED_FIFO was given back is of no account."""
+    return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+
+
 @pytest.fixture
 def short(tmp_path: Path) -> Scenario:
     """2 m in 4 s."""
@@ -69,7 +74,7 @@ def kernel(monkeypatch: pytest.MonkeyPatch) -> Kernel:
     before = resource.getrlimit
 
     def set_scheduler(_: int, policy: int, parameter: os.sched_param) -> None:
-        if policy == os.SCHED_OTHER:
+        if policy & ~os.SCHED_RESET_ON_FORK == os.SCHED_OTHER:
             return
         found.asked.append(parameter.sched_priority)
         if parameter.sched_priority > found.limit:
@@ -91,7 +96,7 @@ def test_a_cycle_without_a_priority_says_nothing_and_keeps_collector_and_slack_a
     before = slack_ns()
     assert gc.isenabled()
     with cycle("plant", 0) as scheduling:
-        assert (gc.isenabled(), slack_ns(), os.sched_getscheduler(0)) == (False, 1, os.SCHED_OTHER)
+        assert (gc.isenabled(), slack_ns(), policy()) == (False, 1, os.SCHED_OTHER)
         assert scheduling.sentence == "normal scheduling"
     assert (gc.isenabled(), slack_ns()) == (True, before)
     assert capfd.readouterr().err == ""
@@ -99,12 +104,12 @@ def test_a_cycle_without_a_priority_says_nothing_and_keeps_collector_and_slack_a
 
 def test_what_is_granted_is_said_and_given_back(capfd) -> None:
     with cycle("plant", NODE_PRIORITY) as scheduling:
-        granted = os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(0).sched_priority
+        granted = policy(), os.sched_getparam(0).sched_priority
         soft_us, hard_us = resource.getrlimit(resource.RLIMIT_RTTIME)
     assert granted == ((os.SCHED_FIFO, NODE_PRIORITY) if PERMITTED else (os.SCHED_OTHER, 0))
     assert 0 < soft_us <= 500_000
     assert 0 < hard_us <= 2_000_000
-    assert os.sched_getscheduler(0) == os.SCHED_OTHER
+    assert policy() == os.SCHED_OTHER
     assert scheduling.priority == 0
     said = capfd.readouterr().err
     assert said == f"plant: scheduling: {scheduling.sentence}\n"
@@ -180,7 +185,7 @@ import os, time
 from bus.realtime import cycle
 with cycle("plant", 40) as scheduling:
     started = time.process_time()
-    while os.sched_getscheduler(0) != os.SCHED_OTHER and time.process_time() - started < 1.8:
+    while os.sched_getscheduler(0) & os.SCHED_FIFO and time.process_time() - started < 1.8:
         pass
     print(scheduling.sentence)
 """
@@ -195,6 +200,41 @@ def test_a_runaway_gives_realtime_up() -> None:
         assert said_in(done.stderr, "plant") == given_up
     else:
         assert done.stdout.startswith("not permitted")
+
+
+_UNPRIVILEGED = """
+import os, signal, sys
+from bus import realtime
+
+def drop():
+    # A user with an rtprio limit has SCHED_FIFO and no CAP_SYS_NICE: so it is once this process is nobody's.
+    os.setresgid(65534, 65534, 65534)
+    os.setresuid(65534, 65534, 65534)
+
+if sys.argv[1] == "permitted_priority":
+    ask = realtime._ask
+    realtime._ask = lambda priority: (ask(priority), drop())[0]
+    granted = realtime.permitted_priority()[0]
+else:
+    with realtime.cycle("plant", 40, aloud=False) as scheduling:
+        granted = scheduling.priority
+        drop()
+        if sys.argv[1] == "runaway":
+            signal.raise_signal(signal.SIGXCPU)
+print(granted, os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_OTHER)
+"""
+
+
+@pytest.mark.skipif(
+    os.geteuid() != 0 or not PERMITTED, reason="NOT TESTED: giving SCHED_FIFO back without CAP_SYS_NICE, needs root"
+)
+@pytest.mark.parametrize("what", ["cycle", "runaway", "permitted_priority"])
+def test_a_user_with_a_limit_can_give_scheduling_back(what: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _UNPRIVILEGED, what], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "40 True\n"
 
 
 # -- K1: a step of the wall clock -------------------------------------------------------------------------------------

@@ -202,18 +202,20 @@ def test_what_is_below(tmp_path: Path, files: dict[str, str], subjects: list[str
 
 
 @pytest.mark.parametrize(
-    ("priority", "p99_ms", "max_ms", "advice"),
+    ("priority", "virtual", "p99_ms", "max_ms", "advice"),
     [
-        (0, 1.0, 3.0, ""),
-        (0, 1.1, 3.0, "p99 above 1 ms: fewer other processes, or SCHED_FIFO"),
-        (NODE_PRIORITY, 0.3, 5.0, ""),
-        (NODE_PRIORITY, 0.31, 5.0, "p99 above 0.3 ms: a PREEMPT_RT kernel"),
-        (NODE_PRIORITY, 0.1, 5.1, "stopped from outside: give the virtual machine whole processors of its host"),
+        (0, True, 1.0, 3.0, ""),
+        (0, True, 1.1, 3.0, "p99 above 1 ms: fewer other processes, or SCHED_FIFO"),
+        (NODE_PRIORITY, True, 0.3, 5.0, ""),
+        (NODE_PRIORITY, True, 0.31, 5.0, "p99 above 0.3 ms: a PREEMPT_RT kernel"),
+        (NODE_PRIORITY, True, 0.1, 5.1, "most likely stopped by the host: give the virtual machine whole processors"),
+        (NODE_PRIORITY, False, 0.1, 5.1, "a driver, another realtime process or the firmware (SMI): a PREEMPT_RT"),
     ],
 )
-def test_lateness_is_judged(priority: int, p99_ms: float, max_ms: float, advice: str) -> None:
-    finding = lateness.judged(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority)
-    assert finding.advice == advice
+def test_lateness_is_judged(priority: int, virtual: bool, p99_ms: float, max_ms: float, advice: str) -> None:
+    finding = lateness.judged(Jitter(200, 0.05, p99_ms, p99_ms, max_ms, 0.0), priority, virtual)
+    assert finding.advice.startswith(advice)
+    assert bool(finding.advice) is bool(advice)
     assert f"p99 {p99_ms:.3f} ms, max {max_ms:.3f} ms late" in finding.found
 
 
@@ -270,4 +272,16 @@ def test_a_bus_that_cannot_be_opened_is_exit_code_2(tmp_path: Path) -> None:
     asked = json.loads(done.out)["findings"][-1]
     assert asked["subject"] == "bus asked for"
     assert "cannot be opened" in asked["found"]
+    # Its driver library is not there, and python-can does not raise an error of its own for that.
+    kvaser = railhil("doctor", "--quick", "-i", "kvaser", "-c", "0")
+    (line,) = (line for line in kvaser.out.splitlines() if line.startswith("bus asked for"))
+    assert (kvaser.exit_code, "bus kvaser:0 cannot be opened" in line) == (2, True)
+    assert "Traceback" not in kvaser.err
     assert railhil("doctor", "--quick", "-i", "virtual", "-c", "x").out.count("virtual:x can be opened") == 1
+
+
+@pytest.mark.parametrize("given", ["-c x", "-b 5"])
+def test_a_channel_without_an_interface_is_one_line(given: str) -> None:
+    done = railhil("doctor", "--quick", *given.split())
+    line = f"railhil: command line: --interface: found only {given}, allowed -i INTERFACE beside it, or can.rc\n"
+    assert (done.exit_code, done.out, done.err) == (2, "", line)

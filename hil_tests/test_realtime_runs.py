@@ -178,7 +178,8 @@ def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tm
     ]
     try:
         out = tmp_path / "run"
-        done = railhil("run", scenario, "--attach", *pace, "--quiet", "--out", out, *bus)
+        # Without the plant's rate: that stands in TIME_SYNC.
+        done = railhil("run", scenario, "--attach", *pace[:2], "--quiet", "--out", out, *bus)
         assert done.exit_code in (0, 1, 3), done.err
     finally:
         for node in nodes:
@@ -188,6 +189,8 @@ def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tm
     timing = score(out)["run"]["timing"]
     assert (timing["source"], timing["answers"], list(timing["scheduling"])) == ("supervisor", [], ["supervisor"])
     assert timing["lateness"] == timing["arrivals"]
+    assert timing["pace"] == "pace of the plant: 10 as TIME_SYNC says in tenths, not 1 (--rate)"
+    assert timing["pace"] in done.out
     assert "(measured by the supervisor)" in done.out
     assert "plant and controller were started elsewhere" in done.out
 
@@ -197,6 +200,7 @@ def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tm
     [
         (("--timing-file", "x.csv"), "--timing-file: found 'x.csv', allowed only with --pace realtime"),
         (("--pace", "realtime", "--timing-file", "/nowhere/x.csv"), "--timing-file: found '/nowhere/x.csv', allowed a"),
+        (("--rate", "4"), "argument --rate: allowed only with --pace realtime"),
         (("--realtime-priority", "99"), "--realtime-priority: found 99, allowed 0..98"),
         (("--realtime-priority", "-1"), "--realtime-priority: "),
     ],

@@ -13,12 +13,14 @@ import pytest
 from bus.frame import Frame
 from bus.mvb import TelegramSource, master_frame
 from bus.telegrams import NotchCmd, SupCmd
+from bus.usage import parse
 from dbc import wire_contract
 from hil_tests.recordings import recorded_folder
 from hil_tests.test_realtime import SHORT_TOML
 from plant_sim.timing import MISSED_NS, PlantTiming
 from scenarios.errors import InputError
 from scenarios.load import load
+from supervisor.cli import commands
 from supervisor.documents import read_score
 from supervisor.folder import write_json
 from supervisor.report.page import page
@@ -34,6 +36,7 @@ from supervisor.timing import (
     Timing,
     arrivals_of,
     jitter_from,
+    kept_pace,
     lockstep_timing,
     plant_timing,
     realtime_timing,
@@ -125,6 +128,36 @@ def test_without_a_whole_table_the_arrivals_stand_for_it(tmp_path: Path, text: s
     arrivals = late(1000, 2)
     timing = realtime_timing(tmp_path, Trace(), arrivals, SCHEDULING)
     assert (timing.source, timing.jitter, timing.answers) == (RECORDER, arrivals, ())
+
+
+@pytest.mark.parametrize(
+    ("asked", "told", "kept", "said"),
+    [
+        (4.0, 4.0, 4.0, ""),
+        # The telegram holds tenths, within its ends: what was asked for is exact.
+        (0.25, 0.2, 0.25, ""),
+        (1000.0, 25.5, 1000.0, ""),
+        (0.01, 0.1, 0.01, ""),
+        (4.0, 0.0, 4.0, ""),
+        (1.0, 20.0, 20.0, "pace of the plant: 20 as TIME_SYNC says in tenths, not 1 (--rate)"),
+        (1.0, 25.5, 25.5, "pace of the plant: 25.5 or faster as TIME_SYNC says in tenths, not 1 (--rate)"),
+        (1.0, 0.1, 0.1, "pace of the plant: 0.1 or slower as TIME_SYNC says in tenths, not 1 (--rate)"),
+    ],
+)
+def test_the_plants_pace_is_taken(asked: float, told: float, kept: float, said: str) -> None:
+    assert kept_pace(asked, told) == (kept, said)
+
+
+@pytest.mark.parametrize("given", [["run", "--rate", "1"], ["run", "--no-rt"], ["compare", "--rate", "20"]])
+def test_options_of_a_realtime_run_are_refused_in_lockstep(
+    given: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        parse(commands.parser(), given)
+    assert ended.value.code == 2
+    line = f"railhil: argument {given[1]}: allowed only with --pace realtime (see railhil --help)\n"
+    assert capsys.readouterr().err == line
+    assert parse(commands.parser(), [*given, "--pace", "realtime"]).pace == "realtime"
 
 
 @pytest.mark.parametrize(("plant_ms", "arrivals_late", "valid"), [(0.1, 500, True), (6.0, 0, False)])

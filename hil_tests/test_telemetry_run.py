@@ -28,7 +28,7 @@ from hil_tests.cli import Started, railhil, wait_for
 from scenarios.model import Scenario
 from supervisor.folder import junit, score_json
 from supervisor.options import RunOptions
-from supervisor.run import RunResult
+from supervisor.result import RunResult
 from supervisor.score import Score
 from supervisor.telemetry import Headroom, read_summary, shown_telemetry
 from supervisor.trace import Trace

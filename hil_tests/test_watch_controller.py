@@ -240,8 +240,9 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
     state = after(WatchState(code=300), Seen(257))
     step = LADDER.ramp_code_per_s * 20 // 1000
     state, codes = run_commands(state, 300, 100)
-    assert codes[0] == 300 - step
-    assert codes[1] == 300 - 2 * step
+    # No traction in this level: the ramp begins at coasting.
+    assert codes[0] == -step
+    assert codes[1] == -2 * step
     assert codes[-1] == -LADDER.service_code
     back = after(state, *goods(10))
     assert back.level is Level.NORMAL
@@ -250,6 +251,15 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
     assert max(b - a for a, b in pairwise(codes)) <= step
     assert codes[-1] == 300
     assert run_commands(back, 1500, 1)[1] == [1500]
+
+
+def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
+    state = observe(LADDER, WatchState(code=7 * 256), Seen(age_ms=300))
+    assert state.level is Level.SERVICE_BRAKE
+    code = 7 * 256
+    for elapsed_ms in (20, 20, 20):
+        state, code, _ = command(LADDER, state, 7 * 256, elapsed_ms)
+        assert code < 0, "brakes from the first notch on"
 
 
 def test_harder_braking_is_not_released_by_the_service_brake() -> None:

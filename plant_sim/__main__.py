@@ -13,7 +13,7 @@ from bus.exitcodes import guarded
 from bus.link import open_link
 from bus.realtime import NODE_PRIORITY, cycle
 from bus.select import choose_bus
-from bus.usage import OneLineParser, add_priority_argument, add_run_arguments, parse
+from bus.usage import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
 from bus.wholefile import check_writable
 from plant_sim.node import PlantNode, PlantOptions
 from scenarios.errors import InputError
@@ -69,7 +69,7 @@ def main() -> int:
     options = PlantOptions(
         seed=namespace.seed,
         perturbed=namespace.perturbed,
-        rate=namespace.rate if namespace.pace == "realtime" else 0.0,
+        rate=(namespace.rate or RATE) if namespace.pace == "realtime" else 0.0,
         fd=choice.fd,
         appear_s=namespace.appear_timeout,
     )
@@ -81,6 +81,7 @@ def main() -> int:
         run_plant(PlantNode(scenario, options, link), priority, namespace.timing_file)
     finally:
         link.close()
+        link.tell_trouble()
     return 0
 
 

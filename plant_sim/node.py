@@ -9,17 +9,17 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from bus.administrator import WATCHDOG_NS, Administrator
+from bus.administrator import Administrator
 from bus.clock import Pacer
 from bus.errors import BusError, PeerSilent
 from bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
-from bus.link import Endpoint
 from bus.schedule import Schedule
 from bus.store import TrafficStore
 from bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
 from dbc import Port, wire_contract
 from plant_sim.gate import CommandGate
 from plant_sim.plant import Plant, PlantError
+from plant_sim.supervision import RunEndpoint, SupervisorWatch
 from plant_sim.telegrams import TrainTelegrams
 from plant_sim.timing import MISSED_NS, PlantTiming
 from scenarios.model import Scenario
@@ -55,7 +55,7 @@ class PlantOptions:
 class PlantNode:
     """One run of the plant on one endpoint."""
 
-    def __init__(self, scenario: Scenario, options: PlantOptions, endpoint: Endpoint) -> None:
+    def __init__(self, scenario: Scenario, options: PlantOptions, endpoint: RunEndpoint) -> None:
         contract = wire_contract()
         self.scenario = perturbed(scenario, options.seed) if options.perturbed else scenario
         self.plant = Plant(self.scenario, options.seed)
@@ -99,7 +99,7 @@ class PlantNode:
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
-        self._supervisor_heard_ns = 0
+        self._supervisor = SupervisorWatch(endpoint, schedule.ticks(SupCmd.PORT) * self._tick_ns, options.rate)
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
         self._ended: Event | None = None
@@ -155,8 +155,21 @@ class PlantNode:
         :raises BusLost: the bus is gone.
         """
         self.handshake()
+        try:
+            self._run()
+        except (KeyboardInterrupt, SystemExit):
+            # Nobody else tells a controller on another machine, or a board: it would take the next run for this one.
+            self._announce(Event.ENDED_BY_SUPERVISOR)
+            self.administrator.flush()
+            raise
+        if self._controller_lost:
+            raise PeerSilent(self._controller_lost)
+        assert self._ended is not None
+        return self._ended
+
+    def _run(self) -> None:
         self._pacer.start()
-        self._supervisor_heard_ns = time.monotonic_ns()
+        self._supervisor.heard(time.monotonic_ns())
         plan, timing = self.scenario.plan, self._tick_ns / 1e9
         last_tick = round((plan.running_time_s + plan.overtime_max_s) / timing)
         after_stop = max(1, round(AFTER_STOP_S / timing))
@@ -179,9 +192,6 @@ class PlantNode:
             except PlantError:
                 self._end(Event.ENDED_PLANT_ERROR)
                 raise
-        if self._controller_lost:
-            raise PeerSilent(self._controller_lost)
-        return self._ended
 
     def _tick(self) -> bool:
         """Bus traffic of the current tick; True when the train stopped since the tick before."""
@@ -213,6 +223,7 @@ class PlantNode:
 
     def _poll(self, port: Port) -> None:
         polled_ns = time.monotonic_ns()
+        self._supervisor.begin()
         try:
             answered = self.administrator.poll(port)
         except PeerSilent as silence:
@@ -222,13 +233,15 @@ class PlantNode:
             self._controller_lost = str(silence)
             return
         now_wall_ns = time.monotonic_ns()
+        self._supervisor.end(now_wall_ns)
         if self.timing is not None:
             self.timing.polled(self.plant.tick, port.name, now_wall_ns - polled_ns if answered else MISSED_NS)
         if port is self._sup_port:
             if answered:
-                self._supervisor_heard_ns = now_wall_ns
-            elif now_wall_ns - self._supervisor_heard_ns > WATCHDOG_NS:
-                self._supervisor_lost(PeerSilent(f"supervisor silent for {WATCHDOG_NS / 1e9:g} s ({port.name})"))
+                self._supervisor.heard(now_wall_ns)
+            elif self._supervisor.is_lost(now_wall_ns):
+                silent_s = self._supervisor.limit_ns / 1e9
+                self._supervisor_lost(PeerSilent(f"supervisor silent for {silent_s:g} s ({port.name})"))
         if not answered:
             return
         now_ns = self.plant.tick * self._tick_ns

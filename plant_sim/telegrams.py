@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bus.clock import to_time_sync
+from bus.clock import rate_to_10th, to_time_sync
 from bus.layout import Telegram, flag
 from bus.telegrams import BalisePassed, PltStat, SimTruth, TimeState, TimeSync, TrkInfo, TrnPos, TrnSpeed
 from plant_sim.plant import Plant
@@ -35,7 +35,7 @@ class TrainTelegrams:
         self._target = Target(scenario.target)
         self._target_half_mps: list[int] = []
         self._target_from_tick = 0
-        self._rate_10th = _clamped(rate * 10, 0, 255)
+        self._rate_10th = rate_to_10th(rate)
         self._life: dict[str, int] = {}
         self._balise: BalisePassed | None = None
         #: Maker of each published port.

@@ -53,6 +53,7 @@ class _Certificate(_Part):
     perturbed: bool | None = None
     pace: str | None = None
     attached: bool | None = None
+    foreign: bool | None = None
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None
@@ -129,6 +130,7 @@ class _RealtimeTiming(_Timing):
     histogram: _Histogram
     answers: list[_Answers]
     scheduling: dict[str, str]
+    pace: str | None = None
 
 
 def _timing_tag(document: Any) -> str:

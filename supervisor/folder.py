@@ -26,7 +26,7 @@ from supervisor.errors import RecordFailed, not_written
 from supervisor.evaluation import seed_was_trained
 from supervisor.framelog import write_blf
 from supervisor.options import RunOptions
-from supervisor.run import RunResult
+from supervisor.result import RunResult
 from supervisor.score import WRAP_FAILURE
 from supervisor.telemetry import FILE_NAME as TELEMETRY
 from supervisor.trace import FloatArray, Trace
@@ -180,6 +180,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "pace": options.pace,
         # Then the command is the supervisor's part only: what the other nodes were told is theirs.
         "attached": options.attach,
+        # Then the controller was not ours: law, parameters and arithmetic are what it said in the handshake.
+        "foreign": options.foreign,
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,

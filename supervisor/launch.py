@@ -24,9 +24,10 @@ def start_hub(nodes: Nodes, options: RunOptions, choice: BusChoice) -> None:
 
 def start_nodes(nodes: Nodes, options: RunOptions, choice: BusChoice, folder: Path) -> None:
     """Start plant and controller; what they measure goes into the run folder."""
-    plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace, "--rate", str(options.rate)]
+    plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace]
     plant += ["--appear-timeout", str(options.appear_s)] + ["--perturbed"] * options.perturbed
     if options.pace == "realtime":
+        plant += ["--rate", str(options.rate)]
         # A plant that is told nothing would ask by itself.
         plant += _scheduling(options, NODE_PRIORITY) or ["--realtime-priority", "0"]
         plant += ["--timing-file", str(folder / TIMING)]

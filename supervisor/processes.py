@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -12,8 +13,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bus.realtime import is_said
+
 #: Time that a node gets to end by itself after SIGTERM.
 TERMINATE_S = 1.0
+#: Exit codes of a node that a signal has ended in good order.
+_STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTERM)}
+#: What a link says of an outage that is over, and at the end of a node: no reason for anything.
+_OF_THE_CONNECTION = re.compile(r" is back after [\d.]+ s$|: [a-z_]+ \d+(, [a-z_]+ \d+)*$")
 #: Index of ``starttime`` in /proc/PID/stat, counted behind the command name (proc(5), field 22).
 _STARTTIME = 19
 
@@ -39,12 +46,21 @@ class Node:
         return self.process.poll()
 
     def last_words(self) -> str:
-        """Last line that the node wrote, or how it ended."""
+        """Last line that the node wrote of why it ends, or how it ended."""
         code = self.process.poll()
         if code is not None and code < 0:
             return f"killed by {signal.Signals(-code).name}"
+        if code in _STOPPED:
+            return f"ended by {_STOPPED[code]}"
         lines = [line for line in self.output.read_text(errors="replace").splitlines() if line.strip()]
-        return lines[-1] if lines else f"exit code {code}"
+        reasons = [line for line in lines if not is_said(line) and not _OF_THE_CONNECTION.search(line)]
+        return reasons[-1] if reasons else f"exit code {code}"
+
+    @property
+    def was_killed(self) -> bool:
+        """True when a signal has ended it, caught or not: then the others have ended because of it."""
+        code = self.exit_code() or 0
+        return code < 0 or code in _STOPPED
 
 
 class Nodes:
@@ -91,6 +107,11 @@ class Nodes:
     def ended(self) -> list[Node]:
         """Nodes that have ended."""
         return [node for node in self.nodes if node.exit_code() is not None]
+
+    def blamed(self) -> Node | None:
+        """Of the nodes that have ended, the one that did first: one that was killed, and the hub before all."""
+        roles = ("hub", "plant", "controller")
+        return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
 
     def wait(self, roles: Sequence[str], timeout_s: float) -> bool:
         """Wait until the nodes of these roles have ended; False after the time-out."""

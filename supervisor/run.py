@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from bus.errors import BusLost
@@ -20,22 +19,24 @@ from supervisor.framelog import FrameLog, read_log
 from supervisor.join import open_recorder, refuse_occupied
 from supervisor.launch import start_hub, start_nodes
 from supervisor.options import RunOptions
-from supervisor.processes import Node, Nodes, process_start_ns
-from supervisor.score import Score, score
+from supervisor.processes import Nodes, process_start_ns
+from supervisor.result import RunResult
+from supervisor.score import score
 from supervisor.session import Session
 from supervisor.stopping import StopSignals
-from supervisor.telemetry import (
-    LawOrigin,
-    ShownTelemetry,
-    TelemetrySummary,
-    read_origin,
-    read_summary,
-    shown_telemetry,
+from supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from supervisor.timing import (
+    WALL,
+    Timing,
+    arrivals_of,
+    kept_pace,
+    lockstep_timing,
+    realtime_timing,
+    write_wall_times,
 )
-from supervisor.timing import WALL, Timing, arrivals_of, lockstep_timing, realtime_timing, write_wall_times
 from supervisor.trace import Trace, trace_of
 
-#: Wall time without any frame after which a started run counts as dead.
+#: Wall time without a tick after which a started run counts as dead; an outage of the interface is no part of it.
 SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
@@ -43,33 +44,6 @@ _LOOK_S = 0.05
 _REAP_S = 1.0
 #: The plant knows better who is missing: it may give up first.
 _LATER_S = 2.0
-
-
-@dataclass(slots=True)
-class RunResult:
-    """What came out: the score, or why there is none."""
-
-    score: Score
-    exit_code: int
-    line: str
-    frames: int
-    frames_sha256: str
-    wall_time_s: float
-    sim_time_s: float
-    #: From the start of this process (the command), interpreter start included.
-    first_frame_s: float
-    transport: str
-    #: What the controller has said about its arithmetic, in its file or else on the bus; None without a word.
-    telemetry: TelemetrySummary | ShownTelemetry | None = None
-    #: What it has said in its file of the law's own parameters.
-    origin: LawOrigin | None = None
-    counters: dict[str, int] = field(default_factory=dict)
-    timing: Timing | None = None
-
-    @property
-    def speed_factor(self) -> float:
-        """Simulated seconds per wall second, from the first frame to the last."""
-        return self.sim_time_s / self.wall_time_s if self.wall_time_s > 0 else 0.0
 
 
 class Run:
@@ -136,6 +110,7 @@ class Run:
                     self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
                 finally:
                     link.close()
+                    link.tell_trouble()
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), AFTER_LOSS_S)
@@ -168,6 +143,7 @@ class Run:
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
         priority = RECORDER_PRIORITY if self.options.realtime_scheduling else 0
         with StopSignals() as stop, cycle("supervisor", priority, aloud=False) as self._scheduling:
+            link.while_waiting = stop.check
             try:
                 self._record(link, nodes, stop)
             except BusLost:
@@ -179,13 +155,16 @@ class Run:
     def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self.session
         look_s = time.monotonic() + _LOOK_S
-        opened_s = time.monotonic()
+        opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         apart = self.options.pace == "lockstep" and bool(nodes.nodes)
         while session.ended is None:
             self._take(link, _LOOK_S)
             stop.check()
             now_s = time.monotonic()
+            if link.is_down:
+                # The link gives up by itself.
+                open_s = now_s
             if apart and session.recording:
                 nodes.keep_together()
                 apart = False
@@ -196,7 +175,7 @@ class Run:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)
                 # A node may end well just before its last frames are read here.
-                if failed or (ended and not self._drain(link)):
+                if failed or (ended and not self._drain(link, stop)):
                     self._lost = self._who_died(nodes)
                     give_up_s = now_s + AFTER_LOSS_S
                     if ended[0].role != "controller":
@@ -207,16 +186,19 @@ class Run:
             if not session.recording and now_s - opened_s > self.options.appear_s + _LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
                 return
-            if session.recording and now_s - session.heard_ns / 1e9 > SILENCE_S:
+            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > SILENCE_S:
                 self._lost = self._lost or f"no tick for {SILENCE_S:g} s of wall time: bench is deadlocked"
                 return
 
-    def _drain(self, link: Link) -> bool:
-        """Take what is still queued after a node has ended; True when the run ended regularly with it."""
-        while self.session.ended is None:
-            if not self._take(link, _LOOK_S):
-                return False
-        return True
+    def _drain(self, link: Link, stop: StopSignals) -> bool:
+        """Take what is still queued after a node has ended; True when the run ended regularly with it.
+
+        Frames of somebody else may come for ever.
+        """
+        give_up_s = time.monotonic() + AFTER_LOSS_S
+        while self.session.ended is None and time.monotonic() < give_up_s and self._take(link, _LOOK_S):
+            stop.check()
+        return self.session.ended is not None
 
     def _take(self, link: Link, timeout_s: float) -> bool:
         """Hand what has arrived to the recorder and send its answers; False when nothing came."""
@@ -232,11 +214,11 @@ class Run:
         return bool(frames or arrived)
 
     def _who_died(self, nodes: Nodes) -> str:
-        dead = sorted(nodes.ended(), key=_blame)
-        if not dead:
+        dead = nodes.blamed()
+        if dead is None:
             return ""
         at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
-        return f"{dead[0].role} lost {at}: {dead[0].last_words()}"
+        return f"{dead.role} lost {at}: {dead.last_words()}"
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without score, and whether it was refused for bad input."""
@@ -262,7 +244,7 @@ class Run:
         timing = self._timing()
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
         if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
-            code, line = INVALID, line or timing.jitter.sentence()
+            code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
         if line:
             code = USAGE if refused else INVALID
         if session.ended is Event.ENDED_PLANT_ERROR:
@@ -289,17 +271,9 @@ class Run:
         if options.pace == "lockstep":
             return lockstep_timing(self.trace)
         write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
-        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / options.rate)
-        said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in self._outputs()}
-        return realtime_timing(self.folder, self.trace, arrivals, {**said, "supervisor": self._scheduling.sentence})
-
-    def _outputs(self) -> list[Path]:
-        """What the nodes have said that were started here."""
+        rate, pace = kept_pace(options.rate, session.rate)
+        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / rate)
         paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
-        return [path for path in paths if path.is_file()]
-
-
-def _blame(node: Node) -> tuple[int, int]:
-    """A node that was killed comes before those that ended because of it; the hub before all."""
-    code = node.exit_code() or 0
-    return (0 if code < 0 else 1, ("hub", "plant", "controller").index(node.role))
+        said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
+        scheduling = {**said, "supervisor": self._scheduling.sentence}
+        return realtime_timing(self.folder, self.trace, arrivals, scheduling, pace)

@@ -100,6 +100,11 @@ class Session:
         """Monotonic wall time of the plant's last sign of life: its newest tick, or the start of the record."""
         return max(self.first_frame_ns, self.wall_ns[-1] if self.wall_ns else 0)
 
+    @property
+    def rate(self) -> float:
+        """Pace by TIME_SYNC, simulated seconds per wall second, in tenths; 0: lockstep, or not known."""
+        return self._clock.rate
+
     def was_out(self, wall_ns: int) -> None:
         """The interface was out for ``wall_ns``: time went on, and the record has a hole."""
         if self.recording:

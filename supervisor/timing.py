@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from bus.clock import RATE_MAX_10TH, RATE_MIN_10TH, rate_to_10th
 from supervisor.trace import Trace
 
 #: Names in the run folder: what the plant measured, and the arrivals at the recorder.
@@ -80,7 +81,8 @@ class Answers:
 class Timing:
     """Timing of a run. ``source`` says who measured; in lockstep nobody did, for there was nothing to be late for.
 
-    ``answers`` are known to the plant only; ``scheduling`` holds what each process was granted, by role.
+    ``answers`` are known to the plant only; ``scheduling`` holds what each process was granted, by role. ``pace``: a
+    sentence when the plant kept another one than was asked for here, else empty.
     """
 
     source: str
@@ -90,6 +92,7 @@ class Timing:
     arrivals: Jitter | None = None
     answers: tuple[Answers, ...] = ()
     scheduling: Mapping[str, str] = field(default_factory=dict)
+    pace: str = ""
 
     def as_json(self) -> dict[str, Any]:
         """``run.timing`` of ``score.json``."""
@@ -101,6 +104,8 @@ class Timing:
         document["arrivals"] = None if self.arrivals is None else self.arrivals.as_json()
         document["answers"] = [asdict(answers) for answers in self.answers]
         document["scheduling"] = dict(self.scheduling)
+        if self.pace:
+            document["pace"] = self.pace
         return document
 
 
@@ -126,6 +131,19 @@ def write_wall_times(ticks: array[int], wall_ns: array[int], out: Path) -> None:
     rows = np.column_stack([np.array(ticks, dtype=np.int64), np.array(wall_ns, dtype=np.int64)])
     rows[:, 1] -= rows[0, 1] if len(rows) else 0
     np.savetxt(out, rows, fmt="%d", delimiter=",", header="tick,wall_ns", comments="")
+
+
+def kept_pace(asked: float, told: float) -> tuple[float, str]:
+    """Pace of the ticks in simulated seconds per wall second, and a sentence when it is not the one that was asked for.
+
+    :param asked: what this command was given, exact.
+    :param told: what TIME_SYNC said, in tenths (:func:`bus.clock.rate_to_10th`); 0: nothing.
+    """
+    asked_10th, told_10th = rate_to_10th(asked), round(told * 10)
+    if told_10th in (0, asked_10th):
+        return asked, ""
+    end = {RATE_MIN_10TH: " or slower", RATE_MAX_10TH: " or faster"}.get(told_10th, "")
+    return told, f"pace of the plant: {told:g}{end} as TIME_SYNC says in tenths, not {asked:g} (--rate)"
 
 
 def arrivals_of(ticks: Sequence[int], wall_ns: Sequence[int], tick_ns: float) -> Jitter:
@@ -162,11 +180,13 @@ def lockstep_timing(trace: Trace) -> Timing:
     return Timing(NOBODY, trace.polls, trace.missed_polls)
 
 
-def realtime_timing(folder: Path, trace: Trace, arrivals: Jitter, scheduling: Mapping[str, str]) -> Timing:
+def realtime_timing(
+    folder: Path, trace: Trace, arrivals: Jitter, scheduling: Mapping[str, str], pace: str = ""
+) -> Timing:
     """Timing of a realtime run, from the plant's table in ``folder`` or else from what the recorder saw."""
     measured = plant_timing(folder / TIMING)
     if measured is None:
-        return Timing(RECORDER, trace.polls, trace.missed_polls, arrivals, arrivals, (), scheduling)
+        return Timing(RECORDER, trace.polls, trace.missed_polls, arrivals, arrivals, (), scheduling, pace)
     jitter, answers = measured
     polls, missed = sum(item.polls for item in answers), sum(item.missed for item in answers)
-    return Timing(PLANT, polls, missed, jitter, arrivals, answers, scheduling)
+    return Timing(PLANT, polls, missed, jitter, arrivals, answers, scheduling, pace)

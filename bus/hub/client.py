@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import errno
 import os
+import socket
 import time
 from collections.abc import Sequence
 from typing import Any
@@ -19,7 +20,7 @@ from bus.errors import BusUnavailable
 from bus.frame import EXTENDED, Frame
 from bus.hub import wire
 from bus.hub.address import Address, connect, default_channel, describe, new_socket, parse_channel
-from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, StreamLink
+from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, SendTimeout, StreamLink
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
 CHANNEL_NAME = "railhil"
@@ -59,6 +60,7 @@ class HubBus(can.BusABC):
         bitrate: int | None = None,
         coalesce_frames: int = 0,
         wake_on: Sequence[Frame] = (),
+        send_buffer_bytes: int | None = None,
         **_other_bus_settings: Any,
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
@@ -66,7 +68,8 @@ class HubBus(can.BusABC):
         Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
-        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``bitrate``: checked against the
+        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
+        may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the
         hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and
         the like) have no meaning here and are ignored.
 
@@ -86,6 +89,8 @@ class HubBus(can.BusABC):
             raise HubUnavailable(str(error)) from None
         link = _connect(address, float(connect_timeout))
         try:
+            if send_buffer_bytes is not None:
+                link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)
             hello: dict[str, object] = {
                 "name": name or f"pid {os.getpid()}",
                 "receive_own": bool(receive_own_messages),
@@ -171,11 +176,22 @@ class HubBus(can.BusABC):
         comes before anything is sent.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
-        packets = wire.pack_frames(frames)
-        if not self._fd_enabled and any(len(packet) == wire.FD_SIZE for packet in packets):
-            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
-        for packet in packets:
+        for packet in self._packets(frames):
             self._send(packet, deadline_s)
+
+    def offer_frames(self, frames: Sequence[Frame]) -> int:
+        """Send as many of the frames, from the first, as the hub takes without waiting; returns how many.
+
+        Raises as :meth:`send_frames`, except :class:`SendTimeout`.
+        """
+        taken = 0
+        for packet in self._packets(frames):
+            try:
+                self._send(packet, 0.0)
+            except SendTimeout:
+                break
+            taken += 1 if len(packet) == wire.FD_SIZE else len(packet) // wire.CLASSIC_SIZE
+        return taken
 
     def recv_frames(self, timeout_s: float | None) -> list[Frame]:
         """All frames of the next packet that pass the filters; [] at the timeout (None waits for ever).
@@ -199,6 +215,12 @@ class HubBus(can.BusABC):
         if self._link is None:
             raise can.CanOperationError("the bus is shut down")
         return self._link
+
+    def _packets(self, frames: Sequence[Frame]) -> list[bytes]:
+        packets = wire.pack_frames(frames)
+        if not self._fd_enabled and any(len(packet) == wire.FD_SIZE for packet in packets):
+            raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
+        return packets
 
     def _send(self, packet: bytes, deadline_s: float | None) -> None:
         link = self._open_link()

@@ -47,6 +47,11 @@ class Coalescer:
             ready += self.flush()
         return ready
 
+    @property
+    def due_ns(self) -> int | None:
+        """When what is held is to be handed over at the latest (monotonic clock); None when nothing is held."""
+        return round((self._since_s + HOLD_S) * 1e9) if self._held else None
+
     def flush(self) -> list[bytes]:
         """What is held, as one packet or none."""
         if not self._held:

@@ -2,15 +2,15 @@
 
 The bus is a :class:`bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over and takes
 them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the port's own:
-waiting for a bus that is down, and reading one that has no descriptor (most vendors' drivers). The hub is not a node of
-the control path, and no other thread touches the link meanwhile.
+waiting for a bus that is down, and reading one through python-can's own driver. The hub is not a node of the control
+path, and nothing else reads the link meanwhile.
 
 ::
 
                     +--------------- BusPort ---------------+
     switch -------- | queue ----------------> Link.offer ---|----> bus
            <------- | Link.receive(0) <-- descriptor -------|<----
-                    | arrived <-- thread: Link.receive, open |
+                    | arrivals <- thread: Link.receive, open |
                     +---------------------------------------+
 
 Error frames tell of the wire that they come from, and stay there.
@@ -19,26 +19,28 @@ Error frames tell of the wire that they come from, and stay there.
 from __future__ import annotations
 
 import contextlib
-import os
 import select
 import threading
 import time
-from collections import Counter, deque
+from collections import Counter
 from collections.abc import Callable
 
 import can
 
-from bus.errors import BusLost, BusUnavailable
+from bus.errors import BusLost
 from bus.frame import ERROR, FD, Frame
+from bus.hub.arrivals import Arrivals
 from bus.hub.backlog import Backlog
 from bus.hub.ports import Port
-from bus.hub.portspec import PortSpec, descriptor_of, open_port
+from bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
 from bus.hub.wire import pack_frames, unpack_frames
 from bus.link import Link
 
-#: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), one that is down after the other.
+#: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that and so on.
 RETRY_NS = 500_000
-DOWN_RETRY_NS = 20_000_000
+RETRY_MAX_NS = 4_000_000
+#: One that is down, or whose driver may wait each time itself.
+SLOW_RETRY_NS = 20_000_000
 _OPEN_RETRY_S = 0.2
 #: Long enough for a silent serial adapter to be asked for its state.
 _THREAD_LOOK_S = 0.1
@@ -50,7 +52,8 @@ class BusPort(Port):
     """A python-can bus as a port.
 
     ``counters``: ``dropped`` (frames that the bus did not take in time), ``fd_dropped`` (CAN FD frames for a bus
-    without), ``local_error_frames`` (not carried on), beside those of the link.
+    without), ``local_error_frames`` (not carried on), ``rx_lost`` (frames of the bus that the switch did not read in
+    time), beside those of the link.
 
     :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`bus.hub.backlog`); else for a moment for
         a full one and not at all for a missing one, so that nothing old is sent later.
@@ -66,11 +69,9 @@ class BusPort(Port):
         self.counters: Counter[str] = Counter()
         #: Of links that had to be replaced.
         self._earlier: Counter[str] = Counter()
-        self._spec = spec
-        self._lossless = lossless
-        self._report = report
+        self._spec, self._lossless, self._report = spec, lossless, report
         self._backlog = Backlog(lossless)
-        self._arrived: deque[list[Frame]] = deque()
+        self._arrivals = Arrivals()
         self._thread: threading.Thread | None = None
         self._thread_is_done = False
         self._closing = threading.Event()
@@ -78,13 +79,14 @@ class BusPort(Port):
         self._watched_fd: int | None = None
         #: The link has given up: it is to be opened anew.
         self._is_lost = False
+        self._lost_s = 0.0
         self._link = open_port(spec, lossless)
         self._takes_fd = self._link.bus.protocol is not can.CanProtocol.CAN_20
         self._epoll = select.epoll()
-        self._wake_fd = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        self._is_awake = False
-        self._epoll.register(self._wake_fd, select.EPOLLIN)
+        self._epoll.register(self._arrivals.fileno(), select.EPOLLIN)
         self._has_descriptor = descriptor_of(self._link) is not None
+        self._first_retry_ns = RETRY_NS if self._has_descriptor else SLOW_RETRY_NS
+        self._retry_ns = self._first_retry_ns
         self._attend()
 
     # --- what the switch calls ----------------------------------------------------------------------------
@@ -95,10 +97,6 @@ class BusPort(Port):
 
     def receive(self) -> list[bytes]:
         """See :meth:`Port.receive`."""
-        if self._is_awake:
-            self._is_awake = False
-            with contextlib.suppress(BlockingIOError):
-                os.eventfd_read(self._wake_fd)
         frames = self._read() if self._thread is None else self._take_over()
         if any(frame[2] & ERROR for frame in frames):
             kept = [frame for frame in frames if not frame.flags & ERROR]
@@ -111,7 +109,7 @@ class BusPort(Port):
         frames = self._suitable(unpack_frames(packet))
         if frames and not self.has_backlog and not self._is_down:
             frames = frames[self._offer(frames) :]
-        return self._enqueue(frames) if frames else False
+        return self._enqueue(frames) if frames or self._link.has_rest else False
 
     def flush(self) -> None:
         """See :meth:`Port.flush`."""
@@ -119,7 +117,14 @@ class BusPort(Port):
             self.counters["dropped"] += self._backlog.drop_all()
         self._dropped(self._backlog.drop_stale())
         if not self._is_down:
+            before = self._backlog.frames
             self._backlog.give(self._offer)
+            if self._link.has_rest:
+                self._offer([])
+            if self._backlog.frames < before:
+                self._retry_ns = self._first_retry_ns
+            elif self._retry_ns < RETRY_MAX_NS:
+                self._retry_ns *= 2
         self._set_timer()
 
     def close(self) -> None:
@@ -134,7 +139,7 @@ class BusPort(Port):
             # A driver that has lost its device may raise anything at its end.
             self._link.close()
         self._epoll.close()
-        os.close(self._wake_fd)
+        self._arrivals.close()
 
     def statistics(self) -> str:
         """See :meth:`Port.statistics`."""
@@ -171,7 +176,8 @@ class BusPort(Port):
         """Frames that the bus has taken, from the first."""
         try:
             taken = self._link.offer(frames)
-        except BusLost as error:
+        except Exception as error:
+            # Drivers raise anything; what one does is no reason to leave the other buses alone.
             self._lost(error)
             taken = 0
         if self._link.is_down or self._is_lost:
@@ -182,22 +188,25 @@ class BusPort(Port):
         if self._is_down and not self._lossless:
             self.counters["dropped"] += len(frames)
             return False
-        self._dropped(self._backlog.add(frames))
+        if frames:
+            self._dropped(self._backlog.add(frames))
         is_new = not self.has_backlog
-        self._set_timer()
+        if self.due_ns is None:
+            # Frames that come later do not put off the next attempt.
+            self._retry_ns = self._first_retry_ns
+            self._set_timer()
         return is_new
 
     def _dropped(self, frames: int) -> None:
-        if frames:
-            self._count("dropped", "frames are dropped, the bus does not take them in time", frames)
+        self._count("dropped", "frames are dropped, the bus does not take them in time", frames)
 
     def _set_timer(self) -> None:
-        self.has_backlog = bool(self._backlog)
-        wait_ns = DOWN_RETRY_NS if self._is_down else RETRY_NS
+        self.has_backlog = bool(self._backlog) or self._link.has_rest
+        wait_ns = SLOW_RETRY_NS if self._is_down else self._retry_ns
         self.due_ns = time.monotonic_ns() + wait_ns if self.has_backlog else None
 
     def _count(self, name: str, words: str, count: int = 1) -> None:
-        if not self.counters[name]:
+        if count and not self.counters[name]:
             self._report(f"{self.name}: {words} (said once, all are counted)")
         self.counters[name] += count
 
@@ -210,12 +219,10 @@ class BusPort(Port):
             for _ in range(_READS_AT_ONCE):
                 arrived = self._link.receive(0.0)
                 frames += arrived
-                # python-can's own readers may keep frames where a poll cannot see them; ours do not.
+                # The hub gives one packet at a time; the other links read in bulk. What is left is announced again.
                 if not arrived or type(self._link) is not Link:
                     break
-            else:
-                self._wake()
-        except BusLost as error:
+        except Exception as error:
             self._lost(error)
         if self._link.is_down or self._is_lost:
             self._attend()
@@ -223,12 +230,10 @@ class BusPort(Port):
 
     def _take_over(self) -> list[Frame]:
         """What the thread has read; the bus itself when the thread is done with it."""
-        is_done = self._thread_is_done
-        frames: list[Frame] = []
-        while self._arrived:
-            frames += self._arrived.popleft()
-        if is_done and self._thread is not None:
+        frames = self._arrivals.take()
+        if self._thread_is_done and self._thread is not None:
             self._thread.join()
+            frames += self._arrivals.take()
             self._thread = None
             self._attend()
             self.flush()
@@ -236,12 +241,15 @@ class BusPort(Port):
 
     # --- outages ------------------------------------------------------------------------------------------
 
-    def _lost(self, error: BusLost) -> None:
-        """The link has given up."""
+    def _lost(self, error: Exception) -> None:
+        """The link has given up, or its driver has failed in a way that the link does not know."""
         if not self._link.is_down:
             self._earlier["outages"] += 1
+        self._lost_s = time.monotonic()
         self._is_lost = True
-        self._report(f"{self.name} is down ({error}); it is opened again when it is there")
+        words = " ".join(str(error).split()) or type(error).__name__
+        reason = words if isinstance(error, BusLost) else f"its driver has failed: {words}"
+        self._report(f"{self.name} is down ({reason}); it is opened again when it is there")
 
     def _attend(self) -> None:
         """Let the descriptor, or the thread, look after the bus."""
@@ -261,48 +269,34 @@ class BusPort(Port):
 
     def _look_after(self) -> None:
         """Thread: read the bus, wait for it when it is down; ends when the descriptor can do that again."""
-        lost_s = time.monotonic()
         while not self._closing.is_set():
             if self._is_lost:
-                if not self._open_again():
-                    self._closing.wait(_OPEN_RETRY_S)
+                # Also before the first attempt: a driver may open well and fail at once, again and again.
+                if self._closing.wait(_OPEN_RETRY_S) or not self._open_again():
                     continue
                 self._is_lost = False
-                if not self._link.is_down:
-                    self._report(f"{self.name} is open again after {time.monotonic() - lost_s:.2f} s")
+                self._report(f"{self.name} is open again after {time.monotonic() - self._lost_s:.2f} s")
             if self._has_descriptor and not self._link.is_down:
                 break
             try:
                 frames = self._link.receive(_THREAD_LOOK_S)
-            except BusLost as error:
-                lost_s = time.monotonic()
+            except Exception as error:
                 self._lost(error)
                 continue
             if frames:
-                self._arrived.append(frames)
-                self._wake()
+                self._count(
+                    "rx_lost", "frames are lost, the hub does not carry them in time", self._arrivals.put(frames)
+                )
         self._thread_is_done = True
-        self._wake()
-
-    def _wake(self) -> None:
-        """Let the switch call :meth:`receive`."""
-        os.eventfd_write(self._wake_fd, 1)
-        self._is_awake = True
+        self._arrivals.wake()
 
     def _open_again(self) -> bool:
         with contextlib.suppress(Exception):
             # What is left of a bus that is gone may raise anything.
             self._link.close()
-        try:
-            link = open_port(self._spec, self._lossless)
-        except BusUnavailable:
-            # The reason of the outage has been said.
+        link = open_port_again(self._spec, self._lossless)
+        if link is None:
             return False
         self._earlier.update(self._link.counters)
         self._link = link
-        try:
-            # An interface that is there but not up is opened without complaint, and tells at the first read.
-            self._arrived.append(link.receive(0.0))
-        except BusLost:
-            return False
         return True

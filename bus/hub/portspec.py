@@ -13,6 +13,7 @@ from can.util import cast_from_string
 
 from bus.errors import BusUnavailable
 from bus.hub.address import parse_channel
+from bus.kernel import is_up
 from bus.link import Link, open_link
 
 #: How the hub begins its lines.
@@ -20,8 +21,15 @@ PROGRAM = "railhil hub"
 _HUB_INTERFACE = "railhil"
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _SHAPE = "INTERFACE:CHANNEL[,key=value...], e.g. socketcan:can0 or slcan:/dev/ttyACM0,bitrate=500000"
-#: Both would let a port hear its own frames, or are said before the comma.
-_REFUSED_KEYS = frozenset(("interface", "channel", "receive_own_messages"))
+#: Said before the comma, or would let a port hear its own frames, or cannot be said in one word.
+_REFUSED_KEYS = frozenset(("interface", "channel", "receive_own_messages", "can_filters"))
+#: Of these the interface to a hub makes something, and of no others.
+_HUB_KEYS = ("fd", "name", "connect_timeout", "bitrate")
+#: At its start a gateway waits so long for a hub that is only just starting too.
+_HUB_START_S = 10.0
+#: Unless nothing may be lost, the kernel keeps no more than this for a hub that does not read, some 20 small packets,
+#: so that what waits there is not old. Twice a full packet.
+_HUB_SEND_BUFFER_BYTES = 8192
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +65,26 @@ def parse_port(text: str) -> PortSpec:
         key = name.replace("-", "_")
         if key in _REFUSED_KEYS or key in config:
             raise BusUnavailable(f"option --port {text}: key {name!r}: found twice or not for a port of the hub")
+        if interface == _HUB_INTERFACE and key not in _HUB_KEYS:
+            allowed = ", ".join(_HUB_KEYS)
+            raise BusUnavailable(f"option --port {text}: found key {name!r}, allowed for a hub: {allowed}")
         config[key] = cast_from_string(value)
+        allowed = _allowed(key, config[key])
+        if allowed:
+            raise BusUnavailable(f"option --port {text}: key {name!r}: found {value!r}, allowed: {allowed}")
     return PortSpec(config, _identity(interface, channel))
+
+
+def _allowed(key: str, value: str | int | float | bool) -> str:
+    """What the value of a key that every interface knows may be; empty when it is that."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if key == "fd" and not isinstance(value, bool):
+        return "true, false"
+    if key == "bitrate" and not (isinstance(value, int) and is_number and value > 0):
+        return "bit/s, a whole number above 0"
+    if key == "connect_timeout" and not (is_number and 0 <= float(value) < 1e6):
+        return "seconds, 0 or more"
+    return ""
 
 
 def parse_ports(texts: Sequence[str], own_channel: str) -> list[PortSpec]:
@@ -88,20 +114,41 @@ def _identity(interface: str, channel: str) -> str:
 
 
 def open_port(spec: PortSpec, lossless: bool) -> Link:
-    """Open the bus behind a port. Raises :class:`BusUnavailable` with one line."""
+    """Open the bus behind a port at the start; a hub is waited for.
+
+    Raises :class:`BusUnavailable` with one line.
+    """
+    return _opened(spec, lossless, {"connect_timeout": _HUB_START_S} | spec.config)
+
+
+def open_port_again(spec: PortSpec, lossless: bool) -> Link | None:
+    """Open the bus behind a port after an outage, without waiting; None when it is not there."""
+    # A SocketCAN interface that is not up can be opened, and would tell only at the first read.
+    if spec.config["interface"] == "socketcan" and not is_up(spec.config["channel"]):
+        return None
     try:
-        link = open_link(spec.config, PROGRAM)
+        return _opened(spec, lossless, spec.config | {"connect_timeout": 0.0})
     except BusUnavailable:
-        raise
-    except Exception as error:
-        # A driver without its library raises anything.
-        raise BusUnavailable(f"bus {spec.transport} cannot be opened: {error}") from error
+        return None
+
+
+def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> Link:
+    if spec.config["interface"] != _HUB_INTERFACE:
+        config = spec.config
+    elif not lossless:
+        config["send_buffer_bytes"] = _HUB_SEND_BUFFER_BYTES
+    link = open_link(config, PROGRAM)
     link.lossless = lossless
     return link
 
 
 def descriptor_of(link: Link) -> int | None:
-    """The descriptor that becomes readable when frames have come, where the interface has one."""
+    """The descriptor that becomes readable when frames have come, where the interface has one that can be trusted.
+
+    python-can's own drivers may keep frames where a poll cannot see them, and wait longer than they are told.
+    """
+    if type(link) is Link and not hasattr(link.bus, "recv_frames"):
+        return None
     try:
         descriptor = link.bus.fileno()
     except (NotImplementedError, can.CanError, OSError):

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator, Sequence
+from typing import Any, Self
 
 from bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
 from bus.hub.gateway import BusPort
@@ -37,7 +38,8 @@ def serve(
     before it is cut off. ``ports``: other buses that frames are carried to and from; ``lossless``: frames for
     them wait when they are full or down (lockstep) instead of being dropped.
 
-    A stop first hands out, for at most a second, what clients had already sent.
+    A stop first hands out, for at most a second, what clients had already sent. A hub behind a port is waited for at
+    the start; a stop ends that too.
 
     Prints one line to standard output when clients may connect, and one to standard error for each client
     cut off, for each bus that goes or comes back, and at the end or SIGUSR1 for what each bus has carried.
@@ -47,39 +49,44 @@ def serve(
     model = None
     if bitrate_bps is not None or arbitration:
         model = WireModel(bitrate_bps, data_bitrate_bps, arbitration)
-    listener, address = listen(parse_channel(channel))
-    identity = None if address.path is None else file_identity(address.path)
-    bus_ports: list[BusPort] = []
-    try:
-        for spec in ports:
-            bus_ports.append(BusPort(spec, lossless=lossless, report=_report))
-        switch = Switch(
-            listener,
-            queue_limit_bytes=queue_limit_bytes,
-            properties={
-                "bitrate_model": bitrate_bps is not None,
-                "arbitration": arbitration,
-                "bitrate_bps": bitrate_bps,
-                "data_bitrate_bps": data_bitrate_bps,
-                "queue_limit_bytes": queue_limit_bytes,
-                "ports": [spec.transport for spec in ports],
-            },
-            report=_report,
-            model=model,
-            once=once,
-            bus_ports=bus_ports,
-        )
-        with contextlib.closing(switch), _stopped_by_signals(switch):
-            print(_ready_line(address, bitrate_bps, data_bitrate_bps, arbitration, ports), flush=True)
-            switch.run()
-            switch.report_statistics()
-    finally:
-        for port in bus_ports:
-            port.close()
-        if address.path is not None and identity is not None:
-            remove_socket_file(address.path, listener, identity)
-        else:
-            listener.close()
+    with _Signals() as signals:
+        listener, address = listen(parse_channel(channel))
+        identity = None if address.path is None else file_identity(address.path)
+        bus_ports: list[BusPort] = []
+        try:
+            with signals.interrupting():
+                for spec in ports:
+                    bus_ports.append(BusPort(spec, lossless=lossless, report=_report))
+            switch = Switch(
+                listener,
+                queue_limit_bytes=queue_limit_bytes,
+                properties={
+                    "bitrate_model": bitrate_bps is not None,
+                    "arbitration": arbitration,
+                    "bitrate_bps": bitrate_bps,
+                    "data_bitrate_bps": data_bitrate_bps,
+                    "queue_limit_bytes": queue_limit_bytes,
+                    "ports": [spec.transport for spec in ports],
+                },
+                report=_report,
+                model=model,
+                once=once,
+                bus_ports=bus_ports,
+            )
+            with contextlib.closing(switch), signals.sent_to(switch):
+                print(_ready_line(address, bitrate_bps, data_bitrate_bps, arbitration, ports), flush=True)
+                switch.run()
+                switch.report_statistics()
+        except _StoppedAtStart:
+            # Nothing has been carried yet.
+            pass
+        finally:
+            for port in bus_ports:
+                port.close()
+            if address.path is not None and identity is not None:
+                remove_socket_file(address.path, listener, identity)
+            else:
+                listener.close()
 
 
 def _ready_line(
@@ -103,16 +110,59 @@ def _report(line: str) -> None:
         print(f"{PROGRAM}: {line}", file=sys.stderr, flush=True)
 
 
-@contextlib.contextmanager
-def _stopped_by_signals(switch: Switch) -> Iterator[None]:
-    """SIGTERM and SIGINT end the switch's loop, SIGUSR1 lets it report (only when it runs in the main thread)."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    actions = {signal.SIGTERM: switch.stop, signal.SIGINT: switch.stop, signal.SIGUSR1: switch.tell}
-    previous = {number: signal.signal(number, lambda *_, act=act: act()) for number, act in actions.items()}
-    try:
-        yield
-    finally:
-        for number, handler in previous.items():
+class _StoppedAtStart(BaseException):
+    """A signal has come before the switch ran; no driver that is being opened takes it for an error of its own."""
+
+
+class _Signals:
+    """SIGTERM and SIGINT end the hub, SIGUSR1 lets it report, from the first moment on (in the main thread only)."""
+
+    def __init__(self) -> None:
+        self._switch: Switch | None = None
+        self._is_stopped = False
+        self._may_interrupt = False
+        self._previous: dict[int, Any] = {}
+
+    def __enter__(self) -> Self:
+        if threading.current_thread() is threading.main_thread():
+            for number in (signal.SIGTERM, signal.SIGINT):
+                self._previous[number] = signal.signal(number, self._stop)
+            self._previous[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, self._tell)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for number, handler in self._previous.items():
             signal.signal(number, handler)
+
+    @contextlib.contextmanager
+    def interrupting(self) -> Iterator[None]:
+        """Let a stop end the block at once, by :class:`_StoppedAtStart`."""
+        self._may_interrupt = True
+        if self._is_stopped:
+            raise _StoppedAtStart
+        try:
+            yield
+        finally:
+            self._may_interrupt = False
+
+    @contextlib.contextmanager
+    def sent_to(self, switch: Switch) -> Iterator[None]:
+        """Let the switch have them during the block."""
+        self._switch = switch
+        if self._is_stopped:
+            switch.stop()
+        try:
+            yield
+        finally:
+            self._switch = None
+
+    def _stop(self, *_: object) -> None:
+        self._is_stopped = True
+        if self._switch is not None:
+            self._switch.stop()
+        elif self._may_interrupt:
+            raise _StoppedAtStart
+
+    def _tell(self, *_: object) -> None:
+        if self._switch is not None:
+            self._switch.tell()

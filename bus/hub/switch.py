@@ -129,6 +129,8 @@ class Switch:
                 # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
                 timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
                 select.select((self._epoll.fileno(),), (), (), timeout_s)
+                if self._bulk_readers:
+                    self._flush_held(time.monotonic_ns())
                 return self._epoll.poll(0)
         if self._bulk_readers:
             ready = self._epoll.poll(HOLD_S)
@@ -138,16 +140,26 @@ class Switch:
         return self._epoll.poll()
 
     def _next_due_ns(self) -> int | None:
-        """When the model or a bus has something to do without being told by a descriptor."""
+        """When the model or a bus has something to do without being told by a descriptor.
+
+        What is held for clients that read in bulk has its time then too; else the epoll's time-out is enough for it.
+        """
         times_ns = [port.due_ns for port in self._bus_ports]
         if self._model is not None:
             times_ns.append(self._model.next_due_ns())
-        return min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
+        due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
+        if due_ns is not None and self._bulk_readers:
+            for port in self._members:
+                if port.coalescer is not None and port.coalescer.due_ns is not None:
+                    due_ns = min(due_ns, port.coalescer.due_ns)
+        return due_ns
 
-    def _flush_held(self) -> None:
-        """Nothing happens on the bus: hand over what is held for the clients that read in bulk."""
+    def _flush_held(self, until_ns: int | None = None) -> None:
+        """Hand over what is held for the clients that read in bulk: all, or what is due by ``until_ns``."""
         for port in self._members:
-            if port.coalescer is not None:
+            if port.coalescer is None or port.coalescer.due_ns is None:
+                continue
+            if until_ns is None or port.coalescer.due_ns <= until_ns:
                 for packet in port.coalescer.flush():
                     self._hand_over(port, packet)
 

@@ -33,6 +33,8 @@ _NODE_FILES = (
     "railhil_position.c",
     "railhil_control.h",
     "railhil_control.c",
+    "railhil_socket.h",
+    "railhil_socket.c",
     "railhil_node.c",
 )
 

@@ -45,7 +45,7 @@ def memory_note(programs: LawProgram, scenario: Scenario, indexing: str, source:
             "| `railhil_control.c`, `railhil_control.h` | the controller on the bus: frames in, answers to polls out |",
             "| `railhil_guard.c`, `.h`, `railhil_position.c` | its time, reaction ladder, position, balises |",
             f"| `railhil_mvb.h`, `{law}_node.h` | telegrams on CAN frames; constants of wire and scenario |",
-            "| `railhil_node.c` | sockets around it, for the host: SocketCAN, or the bench's hub |",
+            "| `railhil_node.c`, `railhil_socket.c`, `.h` | host program: SocketCAN, or the bench's hub |",
             "| `railhil_run.c`, `Makefile` | host program for the log, and its build |",
             "",
             f"`make node` builds the controller as a program: `./{law}_node can vcan0`, `./{law}_node hub PATH`.",

@@ -7,76 +7,94 @@ from __future__ import annotations
 
 import json
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
 from hil_tests.bench import local_run
 from hil_tests.compose.engine import SERVICES, Up
-from hil_tests.compose.vcan_runs import FOLDER_VARIABLE
+from hil_tests.compose.vcan_runs import CASES_VARIABLE, FOLDER_VARIABLE
 from scenarios.load import load
 from supervisor.framelog import sha256_of
 
-_SHORT = Path(__file__).with_name("short_move.toml")
-_HARDWARE = SERVICES - {"bus"} | {"adapter"}
-#: docker-compose.yml's own seed.
-_SEED = 1
+_SHORT = str(Path(__file__).with_name("short_move.toml"))
 _FOLDER = Path(os.environ[FOLDER_VARIABLE])
+_SEED = 0
+_ON_THE_HOST = SERVICES - {"bus"} | {"adapter"}
 
 
-def left(case: str) -> Up:
-    """What one case left behind."""
-    folder = _FOLDER / case
+@dataclass(frozen=True, slots=True)
+class Case:
+    """What is expected of a case: scenario, interface, services, and whose capabilities."""
+
+    scenario: str
+    channel: str
+    services: set[str]
+    capabilities: dict[str, list[str]]
+    realtime_priority: int = 0
+
+
+_ALL = {
+    "vcan": Case(_SHORT, "vcan0", SERVICES, {"bus": ["NET_ADMIN"]}),
+    "published": Case("lvshun_tieshan", "vcan0", SERVICES, {"bus": ["NET_ADMIN"]}),
+    "hardware": Case(_SHORT, "can0", _ON_THE_HOST, {}),
+    "foreign": Case(_SHORT, "can0", _ON_THE_HOST - {"controller"}, {}, realtime_priority=45),
+}
+_NAMES = os.environ[CASES_VARIABLE].split()
+
+
+@pytest.fixture(params=_NAMES)
+def name(request) -> str:
+    """One case that was run."""
+    return request.param
+
+
+@pytest.fixture
+def left(name) -> Up:
+    """What it left behind."""
+    folder = _FOLDER / name
     return Up.read(folder, int((folder / "exit_code").read_text()), (folder / "out").read_text())
 
 
-def said(case: str, service: str) -> list[str]:
-    """Lines of one service, without compose's prefix."""
-    lines = [line.partition("|") for line in left(case).out.splitlines()]
-    return [text.strip() for prefix, _, text in lines if prefix.strip().startswith(service)]
-
-
-@pytest.mark.parametrize(
-    ("case", "scenario", "channel"),
-    [("vcan", "lvshun_tieshan", "vcan0"), ("hardware", str(_SHORT), "can0"), ("foreign", str(_SHORT), "can0")],
-)
-def test_run_gives_the_bytes_of_the_bench_without_containers(case, scenario, channel, tmp_path):
-    run = left(case)
-    assert run.exit_code == 0, run.out
-    expected = local_run(load(scenario), tmp_path, seed=_SEED).frames_sha256
-    assert sha256_of(run.run_folder / "frames.log") == expected
-    certificate = json.loads((run.run_folder / "certificate.json").read_text())
+def test_run_gives_the_bytes_of_the_bench_without_containers(name, left, tmp_path):
+    assert left.exit_code == 0, left.out
+    expected = local_run(load(_ALL[name].scenario), tmp_path, seed=_SEED).frames_sha256
+    assert sha256_of(left.run_folder / "frames.log") == expected
+    certificate = json.loads((left.run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == expected
-    assert json.loads((run.run_folder / "score.json").read_text())["run"]["transport"] == f"socketcan:{channel}"
+    transport = json.loads((left.run_folder / "score.json").read_text())["run"]["transport"]
+    assert transport == f"socketcan:{_ALL[name].channel}"
 
 
-def test_the_bus_is_said_once_by_the_one_who_gives_it():
-    (line,) = (line for line in said("vcan", "bus_") if line.startswith("bus: "))
-    assert line.startswith("bus: socketcan:vcan0 ")
-    for case in ("hardware", "foreign"):
-        (line,) = said(case, "adapter_")
-        assert line.startswith("adapter: socketcan:can0 ")
+def test_the_bus_is_said_by_the_one_who_gives_it(name, left):
+    giver = "bus" if "bus" in _ALL[name].services else "adapter"
+    (line,) = (line for line in left.out.splitlines() if line.startswith(giver) and "|" in line)
+    assert f"| {giver}: socketcan:{_ALL[name].channel} " in line
 
 
-def test_only_the_service_that_makes_the_interface_has_a_capability():
-    run = left("vcan")
-    assert set(run.containers) == SERVICES
-    run.assert_confined({"bus": ["NET_ADMIN"]})
-    assert run.network_modes() == {"none"} | {f"container:{run.containers['bus']['Id']}"}
+def test_only_the_service_that_makes_the_interface_has_a_capability(name, left):
+    case = _ALL[name]
+    assert set(left.containers) == case.services
+    left.assert_confined(case.capabilities)
+    shared = f"container:{left.containers['bus']['Id']}" if "bus" in case.services else "host"
+    assert left.network_modes() == {"none", shared}
+    outside = {service for service, entry in left.containers.items() if entry["HostConfig"]["NetworkMode"] == "none"}
+    assert outside == ({"bus"} if "bus" in case.services else {"results"})
 
 
-@pytest.mark.parametrize(("case", "missing"), [("hardware", set()), ("foreign", {"controller"})])
-def test_no_container_on_the_hosts_interface_has_a_capability(case, missing):
-    run = left(case)
-    assert set(run.containers) == _HARDWARE - missing
-    run.assert_confined({})
-    assert run.network_modes() == {"none", "host"}
-    assert run.containers["results"]["HostConfig"]["NetworkMode"] == "none"
+def test_realtime_limits_reach_the_nodes(name):
+    """Below them any process may have SCHED_FIFO and locked memory, without a capability."""
+    rows = (_FOLDER / name / "limits").read_text().splitlines()
+    soft = {row[:26].strip(): row[26:].split()[0] for row in rows}
+    priority = _ALL[name].realtime_priority
+    assert soft["Max realtime priority"] == str(priority)
+    assert (soft["Max locked memory"] == "unlimited") == bool(priority)
 
 
 def test_controller_outside_the_containers_served_the_run_to_its_end():
-    assert (_FOLDER / "foreign_exit_code").read_text().strip() == "0"
-    assert (_FOLDER / "foreign.txt").read_text().startswith("controller: socketcan:can0 ")
+    assert (_FOLDER / "controller_exit_code").read_text().strip() == "0"
+    assert (_FOLDER / "controller.txt").read_text().startswith("controller: socketcan:can0 ")
 
 
 def test_interface_that_is_down_is_one_line_with_the_commands():
@@ -86,20 +104,7 @@ def test_interface_that_is_down_is_one_line_with_the_commands():
     assert "ip link set can1 txqueuelen 1000 up" in line
 
 
-def limits(case: str) -> dict[str, str]:
-    """Soft resource limits of the plant's process (columns of /proc/PID/limits)."""
-    rows = (_FOLDER / case / "limits").read_text().splitlines()
-    return {row[:26].strip(): row[26:].split()[0] for row in rows}
-
-
-def test_realtime_limits_reach_the_nodes():
-    """Below them any process may have SCHED_FIFO and locked memory, without a capability."""
-    assert limits("hardware")["Max realtime priority"] == "45"
-    assert limits("hardware")["Max locked memory"] == "unlimited"
-    assert limits("vcan")["Max realtime priority"] == "0"
-
-
 def test_nothing_is_left_behind():
     before, after = ((_FOLDER / name).read_text().splitlines() for name in ("before", "after"))
     assert after == before
-    assert {"can0", "can1", "vcan0"} <= set(after)
+    assert {"can0", "can1"} <= set(after)

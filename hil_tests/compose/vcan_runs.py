@@ -9,6 +9,7 @@ Exit code: that of the tests; 77 when this host cannot have an engine on a kerne
 
 from __future__ import annotations
 
+import argparse
 import os
 import shlex
 import shutil
@@ -16,6 +17,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 from hil_tests.machines import debian, docker_vm
@@ -37,8 +39,11 @@ _TIMEOUT_S = 1200.0
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
 #: linux/if.h
 _IFF_UP = 1
-#: Names the folder to the tests.
-FOLDER_VARIABLE = "RAILHIL_VCAN_RUNS"
+#: Name the folder and the cases to the tests.
+FOLDER_VARIABLE, CASES_VARIABLE = "RAILHIL_VCAN_RUNS", "RAILHIL_VCAN_CASES"
+#: In the virtual machine one takes a minute, the published run five.
+CASES = ("vcan", "foreign")
+LONG_CASES = ("published", "hardware", "foreign")
 
 
 def _copy(project: Path) -> None:
@@ -73,8 +78,11 @@ def _on_this_kernel(words: list[str]) -> int:
         return subprocess.run(words, env=variables, timeout=_TIMEOUT_S, check=False).returncode
 
 
-def run() -> int:
+def run(cases: Sequence[str]) -> int:
     """Run the containers, then the tests; returns the exit code.
+
+    Args:
+        cases: names that ``on_vcan.sh`` explains.
 
     Raises:
         CapabilityError, MachineError: as :func:`hil_tests.machines.docker_vm.run`.
@@ -83,7 +91,7 @@ def run() -> int:
     with tempfile.TemporaryDirectory(prefix="railhil-vcan-", dir="/var/tmp") as name:
         folder = Path(name)
         _copy(folder / "project")
-        words = ["sh", str(_SCRIPT), str(folder), sys.executable]
+        words = ["sh", str(_SCRIPT), str(folder), sys.executable, *cases]
         if engine_answers():
             code = _on_this_kernel(words)
         else:
@@ -92,9 +100,18 @@ def run() -> int:
         if code != 0:
             raise debian.MachineError(f"{_SCRIPT.name} ended with {code}")
         tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(_TESTS)]
-        return subprocess.run(tests, cwd=_ROOT, env={**os.environ, FOLDER_VARIABLE: name}, check=False).returncode
+        variables = {**os.environ, FOLDER_VARIABLE: name, CASES_VARIABLE: " ".join(cases)}
+        return subprocess.run(tests, cwd=_ROOT, env=variables, check=False).returncode
+
+
+def main() -> int:
+    """Command line; see the module's docstring for the exit codes."""
+    parser = argparse.ArgumentParser(prog="python -m hil_tests.compose.vcan_runs")
+    parser.add_argument("--long", action="store_true", help="all cases, among them the published run of 195 s on vcan0")
+    cases = LONG_CASES if parser.parse_args().long else CASES
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    return debian.guarded("vcan_runs", lambda: run(cases))
 
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
-    sys.exit(debian.guarded("vcan_runs", run))
+    sys.exit(main())

@@ -28,7 +28,8 @@ from controller_node.node import ControllerNode, ControllerOptions, run_controll
 from plant_sim.node import PlantNode, PlantOptions
 from scenarios.model import Scenario
 from supervisor.options import RunOptions
-from supervisor.run import Run, RunResult
+from supervisor.result import RunResult
+from supervisor.run import Run
 
 #: A node that has not ended this long after the record is killed.
 _NODE_END_S = 20.0

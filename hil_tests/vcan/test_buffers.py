@@ -15,9 +15,9 @@ from supervisor import join
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 
-_FLOOD = 2000
+#: Below what the buffers of plant and controller hold, which hear the flood as well.
+_FLOOD = 300
 _FOREIGN = 0x7A0
-#: More than the flood and what the bench sends meanwhile, and fewer than the flood.
 _LARGE_BYTES, _SMALL_BYTES = 4 << 20, 50_000
 
 

@@ -19,7 +19,7 @@ from bus.order import BusOrder
 from bus.telegrams import NotchCmd
 from controller_node.node import ControllerNode, ControllerOptions
 from dbc import wire_contract
-from hil_tests.vcan.bench import counters_of, disturbed, run_on, socketcan
+from hil_tests.vcan.bench import counters_of, run_on, socketcan
 from hil_tests.vcan.dump import Dump, frames_of
 from supervisor.framelog import read_log
 from supervisor.trace import trace_of
@@ -103,8 +103,9 @@ def test_load_of_foreign_frames_changes_no_command(hop, hop_reference, folder):
     )
     trace = trace_of(read_log(folder / "frames.log"))
     assert [int(code) for code in trace.raw(NotchCmd.PORT, "NotchCmd")] == hop_reference.notches
-    refused = disturbed(counters_of(folder, "controller"))
-    assert sum(refused.values()) >= len(wrong), refused
+    # PLT_STAT is one frame; of a telegram of several a wrong frame may also take the place of a right one.
+    refused = counters_of(folder, "controller")["wrong_check_sequence"]
+    assert refused >= len([frame for frame in wrong if frame.can_id == 0x128])
 
 
 def test_canplayer_and_cantools(hop, hop_reference):

@@ -148,7 +148,7 @@ def test_a_stuck_adapter_fills_the_queue_and_the_newest_frame_goes_on(adapter, l
         node.send(notches(sent % 16))
         sent += 1
     assert node.counters["send_dropped"] == 1, "the queue is full"
-    assert 40 <= node.counters["send_retries"] < 400
+    assert 1 <= node.counters["send_retries"] < 400
     start_s = time.monotonic()
     node.send(notches(*range(5)))
     assert time.monotonic() - start_s < _WAIT_S / 3

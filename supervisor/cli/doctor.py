@@ -17,6 +17,7 @@ from bus.limits import LIMITS
 from bus.link import open_link
 from bus.select import BusChoice, choose_bus, config_from_namespace
 from dbc import wire_contract
+from supervisor.cli.execute import require_interface
 from supervisor.cli.output import Output, print_json, table
 from supervisor.doctor.finding import Finding
 from supervisor.doctor.kernelcan import kernel_can
@@ -71,6 +72,7 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
 def work(namespace: argparse.Namespace) -> int:
     """Print facts, findings and limits; exit code 2 when the bus that was asked for cannot be opened."""
     choice = choose_bus(namespace)
+    require_interface(choice)
     asked = _asked_bus(namespace, choice)
     found = findings(namespace.quick) + ([asked] if asked else [])
     code = USAGE if asked and asked.advice else PASS

@@ -17,7 +17,7 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 from bus.exitcodes import USAGE
 from bus.ident import ARITHMETICS
 from bus.select import BusChoice, choose_bus
-from bus.usage import add_run_arguments, add_task_argument
+from bus.usage import RATE, add_run_arguments, add_task_argument
 from scenarios.errors import InputError, Words, nearest_key
 from scenarios.laws import in_order
 from scenarios.model import Scenario
@@ -28,7 +28,8 @@ from supervisor.errors import NO_ROOM
 from supervisor.folder import discard_folder, record_failed, write_folder
 from supervisor.options import RunOptions
 from supervisor.report.recorded import REPORT, RecordedRun, recorded_run
-from supervisor.run import Run, RunResult
+from supervisor.result import RunResult
+from supervisor.run import Run
 
 #: What the operating system says when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -84,7 +85,7 @@ def run_options(
         arithmetic=namespace.arithmetic,
         indexing=namespace.indexing,
         pace=namespace.pace,
-        rate=namespace.rate,
+        rate=namespace.rate or RATE,
         seed=namespace.seed,
         perturbed=namespace.perturbed,
         task_period_ms=namespace.task_period_ms,
@@ -95,6 +96,20 @@ def run_options(
     )
 
 
+def require_interface(choice: BusChoice) -> None:
+    """Refuse a channel or bit rate of which nobody says the interface.
+
+    :raises InputError: neither the command line nor python-can's configuration names one.
+    """
+    if choice.config.get("interface") is not None:
+        return
+    try:
+        can.util.load_config(config=dict(choice.config))
+    except can.CanInterfaceNotImplementedError:
+        found = Words(f"only {' '.join(choice.arguments)}")
+        raise InputError("command line", "--interface", found, "-i INTERFACE beside it, or can.rc") from None
+
+
 @contextmanager
 def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[BusChoice]:
     """The bus of one run; a hub of the run's own has its socket in a folder that is gone afterwards.
@@ -103,14 +118,8 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
     """
     with tempfile.TemporaryDirectory(prefix="railhil-") as private:
         choice = choose_bus(namespace, None if attach else Path(private) / "hub.sock")
+        require_interface(choice)
         interface = choice.config.get("interface")
-        if interface is None:
-            try:
-                can.util.load_config(config=dict(choice.config))
-            except can.CanInterfaceNotImplementedError:
-                found = Words(f"only {' '.join(choice.arguments)}")
-                allowed = "-i INTERFACE beside it, or can.rc"
-                raise InputError("command line", "--interface", found, allowed) from None
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)

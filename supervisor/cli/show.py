@@ -13,7 +13,7 @@ from supervisor.report.facts import parameters_sentence
 from supervisor.report.recorded import RecordedRun
 from supervisor.report.table import COLUMNS, shown, value_of
 from supervisor.report.timing import answers_sentence, jitter_sentence, scheduling_sentence
-from supervisor.run import RunResult
+from supervisor.result import RunResult
 from supervisor.score import Score
 
 #: Below this width the columns stand one blank apart, so that no number is cut.
@@ -63,6 +63,8 @@ def print_result(console: Output, run: RecordedRun, result: RunResult, folder: P
     )
     if result.timing is not None and result.timing.jitter is not None:
         timing = result.timing.as_json()
+        if result.timing.pace:
+            console.say(result.timing.pace, style="bold yellow")
         console.say(f"{jitter_sentence(timing['lateness'])} (measured by the {timing['source']})")
         console.say(f"answers: {answers_sentence(timing)}")
         console.say(f"scheduling: {scheduling_sentence(timing)}")

@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from bus.clock import Pacer
 from bus.realtime import NODE_PRIORITY, cycle, permitted_priority
 from supervisor.doctor.finding import Finding
+from supervisor.doctor.machine import is_virtual
 from supervisor.timing import LATE_MS, Jitter, jitter_from
 
 CYCLE_NS = 10_000_000
 CYCLES = 200
 #: What a plant is to keep, ms: 1 without SCHED_FIFO on an idle machine, 0.3 with it under any load.
 GOOD_P99_MS = {0: 1.0, NODE_PRIORITY: 0.3}
+_VIRTUAL = "most likely stopped by the host: give the virtual machine whole processors of it"
+_REAL = "a driver, another realtime process or the firmware (SMI): a PREEMPT_RT kernel, `hwlatdetect`, power saving off"
 
 
 def lateness() -> list[Finding]:
     """2 s with normal scheduling, and 2 s more with SCHED_FIFO where it is permitted."""
     priorities = [0, NODE_PRIORITY] if permitted_priority()[0] else [0]
-    return [judged(measured(priority), priority) for priority in priorities]
+    virtual = is_virtual(Path("/"))
+    return [judged(measured(priority), priority, virtual) for priority in priorities]
 
 
 def measured(priority: int, cycles: int = CYCLES) -> Jitter:
@@ -33,15 +39,16 @@ def measured(priority: int, cycles: int = CYCLES) -> Jitter:
     return jitter_from(late_ms)
 
 
-def judged(jitter: Jitter, priority: int) -> Finding:
-    """Figures of a measurement, and what to do when they are not good enough for a run at 1x."""
+def judged(jitter: Jitter, priority: int, virtual: bool) -> Finding:
+    """Figures of a measurement, and what to do when they are not good enough for a run at 1x.
+
+    :param virtual: measured in a virtual machine.
+    """
     name = "SCHED_FIFO" if priority else "normal scheduling"
     found = f"{name}: p50 {jitter.p50_ms:.3f} ms, p99 {jitter.p99_ms:.3f} ms, max {jitter.max_ms:.3f} ms late"
     if priority and jitter.max_ms > LATE_MS:
-        # Only the kernel's own work and what is below the kernel come before SCHED_FIFO.
-        return Finding(
-            "10 ms loop", found, "stopped from outside: give the virtual machine whole processors of its host"
-        )
+        # Before SCHED_FIFO come the kernel's own work, a higher priority, the throttle, what is below the kernel.
+        return Finding("10 ms loop", found, _VIRTUAL if virtual else _REAL)
     if jitter.p99_ms <= GOOD_P99_MS[priority]:
         return Finding("10 ms loop", found)
     better = "a PREEMPT_RT kernel" if priority else "fewer other processes, or SCHED_FIFO"

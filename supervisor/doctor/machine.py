@@ -64,10 +64,15 @@ def governor(root: Path) -> list[Finding]:
     return [Finding("frequency", f"governor {', '.join(found)}", advice)]
 
 
+def is_virtual(root: Path) -> bool:
+    """True where the processor says that there is a hypervisor below."""
+    return "hypervisor" in text_of(root / "proc/cpuinfo")
+
+
 def below(root: Path) -> list[Finding]:
     """Virtual machine and container."""
     found = []
-    if "hypervisor" in text_of(root / "proc/cpuinfo"):
+    if is_virtual(root):
         words = "yes: its host may stop it for milliseconds, and no permission in here changes that"
         found.append(
             Finding("virtual machine", words, "run realtime on the machine itself; lockstep is exact here too")

@@ -69,6 +69,9 @@ def _telemetry(document: Any) -> str:
 def parameters_sentence(run: RecordedRun) -> str:
     """Where the parameters come from with which the controller ran."""
     given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
+    if run.certificate.get("foreign"):
+        asked = f"those of a file, digest {given['sha256'][:DIGEST_DIGITS]}" if given else "the law's own"
+        return f"not known: the controller was not ours; in the handshake it agreed to {asked}"
     if not given:
         return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
     words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
@@ -78,6 +81,8 @@ def parameters_sentence(run: RecordedRun) -> str:
 
 
 def _parameters(run: RecordedRun) -> str:
+    if run.certificate.get("foreign"):
+        return parameters_sentence(run)
     values = (run.certificate.get("parameters") or {}).get("values", {})
     return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
 
@@ -124,6 +129,8 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("railhil", said("railhil")),
         ("Again with", _command(said("command"))),
     ]
+    if certificate.get("foreign"):
+        rows.append(("Not ours", "the controller, a board or another program; law and arithmetic are what it said"))
     if certificate.get("attached"):
         rows.append(("Attached", "plant and controller were started elsewhere; the command is the supervisor's part"))
     return rows

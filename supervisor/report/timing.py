@@ -59,6 +59,8 @@ def timing_rows(document: Mapping[str, Any]) -> list[tuple[str, str]]:
     rows.append(("Jitter", jitter_sentence(jitter)))
     if timing.get("lateness"):
         rows.append(("Measured by", _BY_PLANT if timing["source"] == PLANT else _BY_RECORDER))
+        if timing.get("pace"):
+            rows.append(("Pace", timing["pace"]))
         rows.append(("Answers", answers_sentence(timing)))
         rows.append(("Scheduling", scheduling_sentence(timing)))
     if run:

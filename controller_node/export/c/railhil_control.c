@@ -113,14 +113,29 @@ static unsigned answer_status(railhil_control_t *control, railhil_frame_t *answe
     return railhil_frames(&railhil_ports[RAILHIL_CTL_STAT], process, &control->status_sequence, answer);
 }
 
+/* The handshake of another run, with what is left of one that ended, or was never heard to end. In a run the bus
+ * administrator looks for nobody, and between its looking and this poll nothing of a run is on the bus: no single frame
+ * makes a law begin afresh in motion. */
+static unsigned answer_ident(railhil_control_t *control, railhil_frame_t *answer)
+{
+    if (control->phase == RAILHIL_LOOKED_FOR) {
+        railhil_init(control);
+    }
+    control->phase = RAILHIL_IN_RUN;
+    return railhil_frames(&railhil_ports[RAILHIL_CTL_IDENT], railhil_ident, &control->ident_sequence, answer);
+}
+
 /* Device status: no port of its own, two octets in the form of a single frame on a common identifier. */
-static unsigned answer_device_status(uint32_t word, railhil_frame_t *answer)
+static unsigned answer_device_status(railhil_control_t *control, uint32_t word, railhil_frame_t *answer)
 {
     static const unsigned char ready[RAILHIL_BLOCK] = {0x10, 0x00};
     railhil_port_t port;
     port.address = RAILHIL_DEVICE_STATUS_ID;
     port.word = word;
     port.bytes = 2;
+    if (control->phase == RAILHIL_IN_RUN) {
+        control->phase = RAILHIL_LOOKED_FOR;
+    }
     return railhil_frames(&port, ready, NULL, answer);
 }
 
@@ -137,15 +152,20 @@ static unsigned answer_poll(railhil_control_t *control, unsigned length, const u
         railhil_clock_poll(&control->guard, RAILHIL_PACE_TICKS);
     }
     if (word == railhil_ports[RAILHIL_NOTCH_CMD].word) {
+        control->phase = RAILHIL_IN_RUN;
         return answer_notch(control, answer);
     }
     if (word == railhil_ports[RAILHIL_CTL_STAT].word) {
+        control->phase = RAILHIL_IN_RUN;
         return answer_status(control, answer);
     }
     if (word == railhil_ports[RAILHIL_CTL_IDENT].word) {
-        return railhil_frames(&railhil_ports[RAILHIL_CTL_IDENT], railhil_ident, &control->ident_sequence, answer);
+        return answer_ident(control, answer);
     }
-    return word == ((uint32_t)F_DEVICE_STATUS << 12 | RAILHIL_DEVICE) ? answer_device_status(word, answer) : 0;
+    if (word == ((uint32_t)F_DEVICE_STATUS << 12 | RAILHIL_DEVICE)) {
+        return answer_device_status(control, word, answer);
+    }
+    return 0;
 }
 
 static void take_telegram(railhil_control_t *control, int port, const unsigned char *process)
@@ -162,6 +182,7 @@ static void take_telegram(railhil_control_t *control, int port, const unsigned c
         break;
     case RAILHIL_TIME_SYNC:
         railhil_time_sync(&control->guard, process);
+        control->rate_10th = process[6];
         break;
     case RAILHIL_TRK_INFO:
         railhil_track(&control->guard, process);
@@ -190,6 +211,7 @@ unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned l
         if (part < 0) {
             continue;
         }
+        control->phase = RAILHIL_IN_RUN;
         if (i == RAILHIL_TRN_SPEED) {
             railhil_clock_frame(&control->guard, length, data);
         }

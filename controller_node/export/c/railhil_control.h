@@ -4,6 +4,8 @@
  * frames that it returns are to be sent in their order. There is no timer: time is what the frames say. When the bus
  * falls silent nothing is asked and nothing is answered, and the train brakes by itself; a board that does more than
  * answer needs a timer of its own.
+ *
+ * One run after another: the handshake of the next one begins afresh, however the last one ended.
  */
 #ifndef RAILHIL_CONTROL_H
 #define RAILHIL_CONTROL_H
@@ -14,6 +16,9 @@
 
 /* RUN_EVENT: from RAILHIL_ENDED on the run is over; RAILHIL_REFUSED: the nodes do not agree on what to run. */
 enum { RAILHIL_ENDED = 4, RAILHIL_REFUSED = 8, RAILHIL_EVENT_MAX = 10 };
+
+/* No run has begun; one has, from its handshake on; and then the bus administrator has looked for this device again. */
+typedef enum { RAILHIL_AFRESH, RAILHIL_IN_RUN, RAILHIL_LOOKED_FOR } railhil_phase_t;
 
 typedef struct {
     railhil_guard_t guard;
@@ -29,7 +34,9 @@ typedef struct {
     unsigned status_life;
     unsigned status_sequence;
     unsigned ident_sequence;
-    int ended; /* event that ended the run, 0 before */
+    unsigned rate_10th; /* of simulation time, TIME_SYNC; 0: lockstep, an answer is waited for */
+    int ended;          /* event that ended the run, 0 before */
+    railhil_phase_t phase;
     railhil_sink_t sinks[RAILHIL_SINK_COUNT];
 } railhil_control_t;
 

@@ -224,8 +224,10 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int32_t law_code)
         code = -RAILHIL_FULL_CODE;
         break;
     case RAILHIL_SERVICE_BRAKE:
-        /* A law or a kept notch that brakes harder than the service brake is not released. */
-        code = railhil_lesser(railhil_lesser(law_code, railhil_greater(-RAILHIL_SERVICE_CODE, last - ramp)), last);
+        /* A law or a kept notch that brakes harder than the service brake is not released. Nor does traction go on
+         * while the ramp begins: the ladder may come here from any level in one look. */
+        code = railhil_lesser(last, 0);
+        code = railhil_lesser(railhil_lesser(law_code, railhil_greater(-RAILHIL_SERVICE_CODE, code - ramp)), code);
         break;
     case RAILHIL_TRACTION_CUT:
         code = railhil_lesser(law_code, watch->kept_code);

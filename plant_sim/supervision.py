@@ -1,0 +1,51 @@
+"""Whether the supervisor is still there: without a recorder a realtime run ends."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+from bus.administrator import WATCHDOG_NS
+from bus.link import Endpoint
+
+#: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
+_PERIODS = 2.5
+
+
+class RunEndpoint(Endpoint, Protocol):
+    """An endpoint that can say that it is itself the reason for the silence."""
+
+    @property
+    def is_down(self) -> bool:
+        """True while the interface is gone."""
+
+
+class SupervisorWatch:
+    """Wall time since the supervisor last answered, without the time in which the plant itself was off the bus.
+
+    :param period_ns: simulation time between two polls of the supervisor.
+    :param rate: simulated seconds per wall second, 0 in lockstep.
+    """
+
+    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float) -> None:
+        self._endpoint = endpoint
+        self.limit_ns = max(WATCHDOG_NS, round(_PERIODS * period_ns / rate)) if rate else WATCHDOG_NS
+        self._heard_ns = time.monotonic_ns()
+        self._was_down = False
+
+    def begin(self) -> None:
+        """A poll of any port begins: an interface that is down now may be back at its end."""
+        self._was_down = self._endpoint.is_down
+
+    def end(self, now_ns: int) -> None:
+        """That poll is over, at ``now_ns`` of the monotonic clock."""
+        if self._was_down or self._endpoint.is_down:
+            self._heard_ns = now_ns
+
+    def heard(self, now_ns: int) -> None:
+        """The supervisor has answered."""
+        self._heard_ns = now_ns
+
+    def is_lost(self, now_ns: int) -> bool:
+        """True when it has not answered for longer than ``limit_ns``."""
+        return now_ns - self._heard_ns > self.limit_ns
