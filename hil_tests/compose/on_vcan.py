@@ -58,13 +58,14 @@ def left(name) -> Up:
 
 
 def test_run_gives_the_bytes_of_the_bench_without_containers(name, left, tmp_path):
-    assert left.exit_code == 0, left.out
+    score = json.loads((left.run_folder / "score.json").read_text())
+    # The published run with this seed stops 0.22 m off and misses its limit.
+    assert left.exit_code == {"PASS": 0, "FAIL": 1}[score["verdict"]], left.out
     expected = local_run(load(_ALL[name].scenario), tmp_path, seed=_SEED).frames_sha256
     assert sha256_of(left.run_folder / "frames.log") == expected
     certificate = json.loads((left.run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == expected
-    transport = json.loads((left.run_folder / "score.json").read_text())["run"]["transport"]
-    assert transport == f"socketcan:{_ALL[name].channel}"
+    assert score["run"]["transport"] == f"socketcan:{_ALL[name].channel}"
 
 
 def test_the_bus_is_said_by_the_one_who_gives_it(name, left):

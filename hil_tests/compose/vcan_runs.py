@@ -35,7 +35,7 @@ _PROJECT = (
     "Dockerfile",
     "scenarios",
 )
-_TIMEOUT_S = 1200.0
+_TIMEOUT_S = 2400.0
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
 #: linux/if.h
 _IFF_UP = 1
