@@ -42,6 +42,10 @@ class Endpoint(Protocol):
     #: Lockstep: a frame that meets a full queue or an interface that is down waits; else it is dropped and counted.
     lossless: bool
 
+    @property
+    def is_down(self) -> bool:
+        """True while the interface is gone or bus-off."""
+
     def send(self, frames: Sequence[Frame]) -> None:
         """Queue frames in this order.
 

@@ -64,6 +64,12 @@ refused() {
     exit 2
 }
 
+# Flags of the pace. The default rate belongs to no pace; another one is passed on, and refused in lockstep.
+pacing() {
+    echo --pace "$PACE"
+    if [ "$PACE" = realtime ] || [ "$RATE" != 1 ]; then echo --rate "$RATE"; fi
+}
+
 # SCHED_FIFO priority to ask for: none in lockstep, which has no deadlines.
 priority() {
     if [ "$PACE" = realtime ]; then echo "$1"; else echo 0; fi
@@ -110,7 +116,7 @@ adapter)
     ;;
 plant)
     read_bus
-    run railhil node plant "$SCENARIO" --pace "$PACE" --rate "$RATE" --seed "$SEED" \
+    run railhil node plant "$SCENARIO" $(pacing) --seed "$SEED" \
         --appear-timeout "$START_TIMEOUT" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
@@ -128,7 +134,7 @@ supervisor)
     # The run folder's default name is below ./runs, which is /runs from here.
     cd /
     run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --seed "$SEED" --pace "$PACE" --rate "$RATE" --appear-timeout "$START_TIMEOUT" --quiet -i "$interface" -c "$channel"
+        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --quiet -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;

@@ -61,7 +61,12 @@ def parts() -> list[Part]:
             [*_PYTEST, *side_by_side, "-m", _ANYWHERE],
             {"exported C": debian.install_compilers, "report in a browser": debian.install_browser},
         ),
-        Part("vcan", "kernel SocketCAN", vcan, {"CAN tools": debian.install_can_tools}),
+        Part(
+            "vcan",
+            "kernel SocketCAN",
+            vcan,
+            {"CAN tools": debian.install_can_tools, "compilers": debian.install_compilers},
+        ),
         Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"]),
         Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.compose.vcan_runs"]),
     ]

@@ -34,6 +34,8 @@ class Wall:
 class FakeEndpoint:
     """Answers come after a delay of wall time; everything sent is kept in order."""
 
+    is_down = False
+
     def __init__(self, wall: Wall, answer: Callable[[Frame], list[tuple[int, Frame]]] = lambda frame: []) -> None:
         self.sent: list[Frame] = []
         self.batches: list[int] = []
@@ -235,3 +237,17 @@ def test_find_devices_names_those_that_did_not_answer(wall: Wall) -> None:
     assert administrator.find_devices((1, 2, 3), 1_000_000_000) == {2, 3}
     assert wall.now_ns == 1_000_000_000
     assert wire_contract().device_status_id == 0x088
+
+
+def test_in_lockstep_nobody_is_silent_while_the_own_interface_is_out(wall: Wall) -> None:
+    """The watchdog begins anew when it is back."""
+
+    class Out(FakeEndpoint):
+        @property
+        def is_down(self) -> bool:
+            return wall.now_ns < 5_000_000_000
+
+    administrator, _ = make(Out(wall))
+    with pytest.raises(PeerSilent):
+        administrator.poll(NotchCmd.port())
+    assert 6_000_000_000 <= wall.now_ns <= 8_000_000_000

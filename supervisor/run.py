@@ -227,7 +227,7 @@ class Run:
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.disagreements) or "the plant did not start the run", True
-        return self._lost or self._hole(counters), False
+        return "; ".join(filter(None, (self._lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:
         """Why the record is not whole, if it is not."""
@@ -242,6 +242,9 @@ class Run:
         self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
         result = score(self.scenario, self.trace)
         timing = self._timing()
+        if timing.missed_polls and counters.get("outages") and self.options.pace == "lockstep":
+            # The kernel may swallow frames while an interface goes down, and says nothing.
+            line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
         if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
             code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))

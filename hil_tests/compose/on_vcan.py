@@ -58,6 +58,7 @@ def left(name) -> Up:
 
 
 def test_run_gives_the_bytes_of_the_bench_without_containers(name, left, tmp_path):
+    assert left.exit_code in (0, 1), left.out
     score = json.loads((left.run_folder / "score.json").read_text())
     # The published run with this seed stops 0.22 m off and misses its limit.
     assert left.exit_code == {"PASS": 0, "FAIL": 1}[score["verdict"]], left.out

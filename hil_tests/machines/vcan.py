@@ -46,7 +46,7 @@ def arguments() -> argparse.ArgumentParser:
                         help="virtual machine: folder whose changes are kept (may be given again; default ./runs); "
                         "what is written elsewhere is gone afterwards")  # fmt: skip
     parser.add_argument(
-        "--timeout", type=_seconds, default=600.0, metavar="S", help="for all of it, default %(default)g"
+        "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it, default %(default)g"
     )
     parser.add_argument("--memory", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
                         help="of the virtual machine, default %(default)s")  # fmt: skip

@@ -12,7 +12,6 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any
 import plant_sim.node
 from bus.administrator import REPLY_NS, Administrator
 from bus.exitcodes import guarded
-from bus.link import Link, open_link
+from bus.link import open_link
 from bus.realtime import cycle
 from bus.select import BusChoice
 from controller_node.node import ControllerNode, ControllerOptions, run_controller
@@ -54,7 +53,6 @@ def run_on(
     arithmetic: str = "iq",
     controller_config: Mapping[str, Any] | None = None,
     controller_command: Sequence[str] | None = None,
-    controller_around: Callable[[ControllerNode, Link], AbstractContextManager[Any]] | None = None,
     on_progress: Callable[[float], None] | None = None,
     appear_s: float = 25.0,
     reply_ns: int = REPLY_NS,
@@ -69,7 +67,6 @@ def run_on(
     :param rate: simulated seconds per wall second; only with ``pace="realtime"``.
     :param controller_config: bus of the controller, when it is another one (gateway, adapter).
     :param controller_command: a program to start in place of our controller node; it finds the bus by itself.
-    :param controller_around: context in the controller's process around its run.
     :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
         the place to disturb the bus from.
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
@@ -80,10 +77,8 @@ def run_on(
     def run_the_controller() -> int:
         node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
         link = open_link(dict(config if controller_config is None else controller_config), "controller")
-        around = nullcontext() if controller_around is None else controller_around(node, link)
         try:
-            with around:
-                return run_controller(node, link)
+            return run_controller(node, link)
         finally:
             _write_counters(folder, "controller", {**link.counters, **node.counters})
 
