@@ -58,9 +58,10 @@ def parts() -> list[Part]:
         Part(
             "anywhere",
             "tests that run anywhere",
-            [*_PYTEST, *side_by_side, "-m", _ANYWHERE],
+            [*_PYTEST, *side_by_side, "-m", f"{_ANYWHERE} and not wall_clock"],
             {"exported C": debian.install_compilers, "report in a browser": debian.install_browser},
         ),
+        Part("anywhere", "tests in real time, alone", [*_PYTEST, "-m", f"{_ANYWHERE} and wall_clock"]),
         Part(
             "vcan",
             "kernel SocketCAN",

@@ -319,8 +319,7 @@ def test_frames_wait_for_a_hub_that_is_away_when_none_may_be_lost() -> None:
         b.end(signal.SIGKILL)
         between.wait_for_stderr("is down")
         left.send_frames([PLAIN])
-        between.process.send_signal(signal.SIGUSR1)
-        between.wait_for_stderr("waiting 1")
+        wait_for(lambda: "waiting 1" in _asked(between))
         again = HubProcess(b.channel)
         try:
             between.wait_for_stderr("is open again")

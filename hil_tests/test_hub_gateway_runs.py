@@ -83,6 +83,7 @@ def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can
     assert sha256_of(tmp_path / "run/frames.log") == reference.frames_sha256
 
 
+@pytest.mark.wall_clock
 def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short: Path, socket_folder: Path) -> None:
     """The controller hears nothing for a moment, the train reacts, and then they hear each other again."""
     port = socket_folder / "tty"

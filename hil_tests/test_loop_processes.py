@@ -182,6 +182,7 @@ def test_killed_supervisor_stops_the_nodes(tmp_path):
     assert list(read_log(tmp_path / "run" / "frames.log"))
 
 
+@pytest.mark.wall_clock
 def test_realtime_pace_keeps_time(tmp_path):
     folder = tmp_path / "run"
     done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20", "--json")

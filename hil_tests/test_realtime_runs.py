@@ -22,7 +22,7 @@ from supervisor.framelog import read_log
 from supervisor.timing import LATE_SHARE_MAX
 from supervisor.trace import trace_of
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.wall_clock]
 
 #: 12.5 m in 10 s: still under traction when the first 64 KiB of the log are written, after 3 s.
 LONG_TOML = """\

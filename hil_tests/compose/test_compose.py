@@ -87,6 +87,21 @@ def test_image_is_small_and_has_no_build_tools(bench):
     assert docker("run", "--rm", "--network", "none", "--entrypoint", "sh", "railhil-bench", "-c", look) == ""
 
 
+def test_realtime_run_keeps_its_pace_and_says_what_it_was_granted(project):
+    shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
+    earlier = {path.name for path in (project / "runs").iterdir()} if (project / "runs").exists() else set()
+    done = up(project, SCENARIO="/scenarios/short_move.toml", PACE="realtime", RATE="8")
+    # Invalid when this machine was too busy to keep the time, which is what the verdict is for.
+    assert done.exit_code in (0, 3), done.out
+    for node in ("plant", "controller"):
+        assert len([line for line in done.out.splitlines() if f"{node}: scheduling: " in line]) == 1, done.out
+    (folder,) = (path for path in (project / "runs").iterdir() if path.name not in earlier)
+    run = json.loads((folder / "score.json").read_text())["run"]
+    # Never faster; slower is a matter of the machine.
+    assert run["speed_factor"] < 8.2
+    assert (folder / "wall.csv").is_file()
+
+
 def told(done: Up, *words: str) -> str:
     """The one line in which the supervisor names ``words``."""
     assert done.exit_code == 2, done.out
