@@ -226,7 +226,8 @@ print(granted, os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_OT
 
 
 @pytest.mark.skipif(
-    os.geteuid() != 0 or not PERMITTED, reason="NOT TESTED: giving SCHED_FIFO back without CAP_SYS_NICE, needs root"
+    os.geteuid() != 0 or not PERMITTED,
+    reason="MISSING CAPABILITY root with SCHED_FIFO, to give it back",
 )
 @pytest.mark.parametrize("what", ["cycle", "runaway", "permitted_priority"])
 def test_a_user_with_a_limit_can_give_scheduling_back(what: str) -> None:
