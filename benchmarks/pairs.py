@@ -157,8 +157,7 @@ def fifo(pairs: Sequence[Pair]) -> Iterator[None]:
     limits = {pid: resource.prlimit(pid, resource.RLIMIT_RTTIME) for pid in priorities}
     try:
         for pid, priority in priorities.items():
-            microseconds = _RUNAWAY_S * 1_000_000
-            resource.prlimit(pid, resource.RLIMIT_RTTIME, (microseconds, limits[pid][1]))
+            resource.prlimit(pid, resource.RLIMIT_RTTIME, _runaway_limit_us(limits[pid]))
             os.sched_setscheduler(pid, os.SCHED_FIFO, os.sched_param(priority))
         yield
     finally:
@@ -167,6 +166,13 @@ def fifo(pairs: Sequence[Pair]) -> Iterator[None]:
             with suppress(ProcessLookupError):
                 os.sched_setscheduler(pid, os.SCHED_OTHER, os.sched_param(0))
                 resource.prlimit(pid, resource.RLIMIT_RTTIME, limit)
+
+
+def _runaway_limit_us(limits_us: tuple[int, int]) -> tuple[int, int]:
+    """Soft and hard RLIMIT_RTTIME: ours, or the lower hard limit that the process was started with."""
+    hard_us = limits_us[1]
+    wanted_us = _RUNAWAY_S * 1_000_000
+    return (wanted_us if hard_us == resource.RLIM_INFINITY else min(wanted_us, hard_us)), hard_us
 
 
 @contextmanager

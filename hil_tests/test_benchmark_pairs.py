@@ -17,7 +17,7 @@ from benchmarks import buses, native
 from benchmarks.buses import GATEWAY, KERNEL, SOCKET_PAIR, TCP_HUB, UNIX_HUB, Transport, transports
 from benchmarks.figures import MeasurementError, Missing
 from benchmarks.machine import Machine
-from benchmarks.pairs import PYTHON, C, Pair, busy_cores, fifo, pinned
+from benchmarks.pairs import PYTHON, C, Pair, _runaway_limit_us, busy_cores, fifo, pinned
 from benchmarks.peer import Near, PeerError, echo, open_end
 from benchmarks.processes import end, hub
 from benchmarks.transports import open_pairs, to_c
@@ -162,6 +162,14 @@ def test_fifo_is_given_and_taken_back(socket_folder: Path) -> None:
             pytest.skip("MISSING CAPABILITY SCHED_FIFO (root, or ulimit -r)")
         assert set(scheduling.values()) == {os.SCHED_FIFO}
         assert {os.sched_getscheduler(pid) for pid in scheduling} == {os.SCHED_OTHER}
+
+
+@pytest.mark.parametrize(
+    ("found_us", "soft_us"),
+    [((-1, -1), 5_000_000), ((500_000, 2_000_000), 2_000_000), ((-1, 9_000_000), 5_000_000)],
+)
+def test_the_limit_of_a_runaway_stays_within_the_hard_one(found_us, soft_us) -> None:
+    assert _runaway_limit_us(found_us) == (soft_us, found_us[1])
 
 
 @pytest.mark.loop
