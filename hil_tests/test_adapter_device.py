@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
-from bus.slcanline import FRAME_LETTERS, from_line, to_line
+from bus.link.slcanline import FRAME_LETTERS, from_line, to_line
 from hil_tests.adapter.device import BIT_RATES, Build, Device
 from hil_tests.adapter.terminal import SerialLine, Terminal
 from hil_tests.test_bus_link import frames

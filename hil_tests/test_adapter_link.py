@@ -9,13 +9,12 @@ from pathlib import Path
 
 import pytest
 
-from bus import outage
 from bus.errors import BusLost
 from bus.frame import BRS, FD, REMOTE, Frame
-from bus.link import open_link
+from bus.link import open_link, outage
+from bus.link.slcan import STALE_NS, SlcanLink
+from bus.link.slcanline import from_line, to_line
 from bus.mvb import TelegramSource
-from bus.slcan import STALE_NS, SlcanLink
-from bus.slcanline import from_line, to_line
 from bus.telegrams import NotchCmd
 from hil_tests.adapter.terminal import Terminal
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bus import link, outage
+from bus.link import outage, single
 from bus.telegrams import Event
 from hil_tests.adapter.rig import Rig, Timetable
 from hil_tests.bench import local_run
@@ -217,7 +217,7 @@ def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_p
 
 def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path, monkeypatch):
     """The train stops by itself, the record is whole; the controller gives up with one line and exit code 3."""
-    for module in (outage, link):
+    for module in (outage, single):
         monkeypatch.setattr(module, "GIVE_UP_S", 3.0)
     folder = tmp_path / "run"
     folder.mkdir()

@@ -13,10 +13,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bus import link as link_module
 from bus.errors import BusLost, BusUnavailable
 from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
 from bus.link import Link, open_link
+from bus.link import single as link_module
+from bus.link.batch import BatchLink
+from bus.link.single import SingleLink
 from bus.mvb import TelegramSource
 from bus.telegrams import TrkInfo, TrnSpeed
 
@@ -97,7 +99,7 @@ def speeds(*values: int) -> list[Frame]:
 @pytest.mark.parametrize("full", [0, 1, 39])
 def test_a_full_queue_is_retried(slept_s: list[float], full: int) -> None:
     bus = FullBus(full)
-    link = Link(bus)
+    link = SingleLink(bus)
     link.send(speeds(1))
     assert bus.taken == speeds(1)
     assert link.counters["send_retries"] == full
@@ -108,7 +110,7 @@ def test_a_full_queue_is_retried(slept_s: list[float], full: int) -> None:
 def test_the_retry_is_bounded_and_leaves_no_backlog(slept_s: list[float]) -> None:
     """After the bound the old value is given up: what leaves later is the newest, once."""
     bus = FullBus(1000)
-    link = Link(bus)
+    link = SingleLink(bus)
     link.send(speeds(1))
     assert bus.taken == []
     assert sum(slept_s) == pytest.approx(0.02, abs=0.001)
@@ -120,7 +122,7 @@ def test_the_retry_is_bounded_and_leaves_no_backlog(slept_s: list[float]) -> Non
 
 def test_all_frames_of_one_send_share_the_bound(slept_s: list[float]) -> None:
     """A tick of eight frames on a bus without a second node must not take eight times as long."""
-    link = Link(FullBus(1000))
+    link = SingleLink(FullBus(1000))
     link.send(speeds(*range(8)))
     assert link.counters["send_dropped"] == 8
     assert sum(slept_s) == pytest.approx(0.02, abs=0.001)
@@ -130,7 +132,7 @@ def test_enobufs_is_recognised_by_its_cause_too(slept_s: list[float]) -> None:
     error = can.CanOperationError("Failed to transmit")
     error.__cause__ = OSError(errno.ENOBUFS, "No buffer space available")
     bus = FullBus(2, error)
-    Link(bus).send(speeds(1))
+    SingleLink(bus).send(speeds(1))
     assert bus.taken == speeds(1)
 
 
@@ -138,7 +140,7 @@ def test_enobufs_is_recognised_by_its_cause_too(slept_s: list[float]) -> None:
     "error", [can.CanOperationError("down", errno.ENETDOWN), can.CanError("gone"), OSError(errno.ENODEV, "no device")]
 )
 def test_any_other_error_is_a_lost_bus(slept_s: list[float], error: Exception) -> None:
-    link = Link(FullBus(1, error))
+    link = SingleLink(FullBus(1, error))
     with pytest.raises(BusLost, match=r"^full bus: cannot send: "):
         link.send(speeds(1))
     with pytest.raises(BusLost, match=r"^full bus: cannot receive: "):
@@ -159,6 +161,10 @@ class Batched:
     def send_frames(self, items: list[Frame]) -> None:
         for item in items:
             self.bus.send(to_message(item))
+
+    def offer_frames(self, items: list[Frame]) -> int:
+        self.send_frames(items)
+        return len(items)
 
     def recv_frames(self, timeout_s: float | None) -> list[Frame]:
         found: list[Frame] = []
@@ -189,8 +195,8 @@ def received(link: Link) -> list[Frame]:
 @pytest.mark.parametrize("batch_send", [False, True])
 @pytest.mark.parametrize("batch_receive", [False, True])
 def test_both_paths_carry_the_same_frames(virtual: list[Any], batch_send: bool, batch_receive: bool) -> None:
-    sender = Link(Batched(virtual[0]) if batch_send else virtual[0])  # type: ignore[arg-type]
-    receiver = Link(Batched(virtual[1]) if batch_receive else virtual[1])  # type: ignore[arg-type]
+    sender: Link = BatchLink(Batched(virtual[0])) if batch_send else SingleLink(virtual[0])  # type: ignore[arg-type]
+    receiver: Link = BatchLink(Batched(virtual[1])) if batch_receive else SingleLink(virtual[1])  # type: ignore[arg-type]
     sent = [
         *speeds(1, 2),
         *TelegramSource(TrkInfo.port()).frames(TrkInfo(7).encode()),
@@ -209,11 +215,11 @@ def test_both_paths_carry_the_same_frames(virtual: list[Any], batch_send: bool, 
 
 
 def test_receive_waits_no_longer_than_told(virtual: list[Any]) -> None:
-    assert Link(virtual[0]).receive(0.001) == []
+    assert SingleLink(virtual[0]).receive(0.001) == []
 
 
 def test_a_closed_interface_is_a_lost_bus(virtual: list[Any]) -> None:
-    link = Link(virtual[0])
+    link = SingleLink(virtual[0])
     link.close()
     with pytest.raises(BusLost, match="cannot send"):
         link.send(speeds(1))

@@ -9,13 +9,13 @@ from collections.abc import Callable
 import can
 import pytest
 
-from bus import outage as outage_module
 from bus.clock import BusClock, rate_to_10th, to_time_sync
-from bus.errorframe import describe
 from bus.errors import BusLost, BusOccupied
 from bus.frame import ERROR, Frame, from_message, to_message
 from bus.ident import Role
-from bus.link import Link
+from bus.link import outage as outage_module
+from bus.link.errorframe import describe
+from bus.link.single import SingleLink
 from bus.local import LocalBus
 from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from bus.telegrams import TrnSpeed
@@ -89,9 +89,9 @@ def adapter() -> Adapter:
 
 
 @pytest.fixture
-def link(adapter: Adapter, said: list[str], monkeypatch: pytest.MonkeyPatch) -> Link:
+def link(adapter: Adapter, said: list[str], monkeypatch: pytest.MonkeyPatch) -> SingleLink:
     monkeypatch.setattr(outage_module, "RETRY_S", 0.01)
-    return Link(adapter.open(), adapter.open, said.append)
+    return SingleLink(adapter.open(), adapter.open, said.append)
 
 
 def speeds(*values: int) -> list[Frame]:
@@ -99,7 +99,7 @@ def speeds(*values: int) -> list[Frame]:
     return [source.frames(TrnSpeed(value, life=value % 16).encode())[0] for value in values]
 
 
-def until(condition: Callable[[], bool], link: Link) -> None:
+def until(condition: Callable[[], bool], link: SingleLink) -> None:
     """Receive until it holds, at most two seconds of looks."""
     for _ in range(200):
         link.receive(0.01)
@@ -170,7 +170,7 @@ def test_the_time_without_frames_is_told_once_with_the_first_frame(link, adapter
 
 
 def test_a_full_queue_drops_the_old_value_and_in_lockstep_waits(link, adapter, monkeypatch):
-    monkeypatch.setattr("bus.link.SEND_RETRY_MAX_S", 0.001)
+    monkeypatch.setattr("bus.link.single.SEND_RETRY_MAX_S", 0.001)
     adapter.full = True
     link.send(speeds(1))
     assert link.counters["send_dropped"] == 1

@@ -34,7 +34,7 @@ from bus.hub.backlog import Backlog
 from bus.hub.ports import Port
 from bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
 from bus.hub.wire import pack_frames, unpack_frames
-from bus.link import Link
+from bus.link.batch import BatchLink
 
 #: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that and so on.
 RETRY_NS = 500_000
@@ -220,7 +220,7 @@ class BusPort(Port):
                 arrived = self._link.receive(0.0)
                 frames += arrived
                 # The hub gives one packet at a time; the other links read in bulk. What is left is announced again.
-                if not arrived or type(self._link) is not Link:
+                if not arrived or not isinstance(self._link, BatchLink):
                     break
         except Exception as error:
             self._lost(error)

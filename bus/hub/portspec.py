@@ -13,8 +13,8 @@ from can.util import cast_from_string
 
 from bus.errors import BusUnavailable
 from bus.hub.address import parse_channel
-from bus.kernel import is_up
 from bus.link import Link, open_link
+from bus.link.kernel import is_up
 
 #: How the hub begins its lines.
 PROGRAM = "railhil hub"
@@ -143,11 +143,8 @@ def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> Link:
 
 
 def descriptor_of(link: Link) -> int | None:
-    """The descriptor that becomes readable when frames have come, where the interface has one that can be trusted.
-
-    python-can's own drivers may keep frames where a poll cannot see them, and wait longer than they are told.
-    """
-    if type(link) is Link and not hasattr(link.bus, "recv_frames"):
+    """The descriptor that becomes readable when frames have come, where the interface has one that can be trusted."""
+    if not link.has_descriptor:
         return None
     try:
         descriptor = link.bus.fileno()

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from bus.frame import ERROR, Frame
-from bus.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
+from bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
 OK = b"\r"
 BELL = b"\a"

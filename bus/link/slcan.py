@@ -24,9 +24,9 @@ from typing import Any
 import can
 
 from bus.frame import Frame
-from bus.link import Link
-from bus.outage import Outage
-from bus.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
+from bus.link.outage import Outage
+from bus.link.single import SingleLink
+from bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
 #: In realtime nothing is added to frames that have waited longer than this: half of what cuts traction.
 STALE_NS = 30_000_000
@@ -53,8 +53,8 @@ class StuckAdapter(can.CanTimeoutError):
     """The adapter takes nothing: to the link, a full queue."""
 
 
-class SlcanLink(Link):
-    """:class:`~bus.link.Link` on an ``slcan`` interface.
+class SlcanLink(SingleLink):
+    """:class:`~bus.link.base.Link` on an ``slcan`` interface.
 
     ``counters`` beyond those of the link: ``adapter_refused`` frames that the adapter answered with BELL (its transmit
     queue is full, or it is off the bus), ``adapter_stuck`` pauses in which it took nothing, ``garbage`` lines that are
@@ -72,6 +72,11 @@ class SlcanLink(Link):
     def where(self) -> str:
         """See :attr:`Link.where`."""
         return f"slcan:{self._port}"
+
+    @property
+    def has_descriptor(self) -> bool:
+        """See :attr:`Link.has_descriptor`."""
+        return True
 
     @property
     def has_rest(self) -> bool:

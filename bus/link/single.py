@@ -1,26 +1,21 @@
-"""A node's connection to the bus: frames out, frames in, over any python-can interface.
+"""The link on any python-can interface: frame by frame, with outages.
 
-The same node code runs on the hub, on SocketCAN and on a serial adapter. Where the interface can move whole batches
-(the hub), the link uses that; elsewhere frame by frame. An adapter that fails does not end the node: the link waits for
-it (:mod:`bus.outage`) and opens it again. A hub that is gone ends it at once, because the run is gone with it.
+An adapter that fails does not end the node: the link waits for it (:mod:`bus.link.outage`) and opens it again.
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
-import sys
 import time
-from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import Any, Protocol
 
 import can
 
-from bus.errorframe import BUS_OFF, RESTARTED, describe
-from bus.errors import BusLost, BusUnavailable
 from bus.frame import ERROR, Frame, from_message, to_message
-from bus.outage import GIVE_UP_S, Outage
+from bus.link.base import FAILURES, Link
+from bus.link.errorframe import BUS_OFF, RESTARTED, describe
+from bus.link.outage import GIVE_UP_S, Outage
 
 #: A full transmit queue (ENOBUFS) is retried for so long, this far apart; python-can raises it at once.
 SEND_RETRY_MAX_S = 0.02
@@ -28,71 +23,25 @@ _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.005
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
-_TROUBLE = (
-    "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
-    "adapter_refused",
-)  # fmt: skip
-#: What python-can and its drivers raise when an interface fails.
-FAILURES = (can.CanError, OSError)
 
 
-class Endpoint(Protocol):
-    """What a node needs from its connection."""
-
-    #: Lockstep: a frame that meets a full queue or an interface that is down waits; else it is dropped and counted.
-    lossless: bool
-
-    @property
-    def is_down(self) -> bool:
-        """True while the interface is gone or bus-off."""
-
-    def send(self, frames: Sequence[Frame]) -> None:
-        """Queue frames in this order.
-
-        :raises BusLost: when the interface is gone for good.
-        """
-
-    def receive(self, timeout_s: float | None) -> list[Frame]:
-        """Frames in bus order, as many as have arrived; empty after ``timeout_s`` (None waits for ever).
-
-        :raises BusLost: when the interface is gone for good.
-        """
-
-    def close(self) -> None:
-        """Leave the bus."""
-
-
-class Link:
-    """:class:`Endpoint` on a python-can bus.
-
-    ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
-    the bounded retry, or interface down; newest value wins, nothing stale is sent later), ``rx_lost`` (receive buffer
-    overflowed, where the kernel says so), ``garbage`` (unreadable input of a serial adapter), ``error_frames``,
-    ``bus_off``, ``outages``.
+class SingleLink(Link):
+    """:class:`~bus.link.base.Link` on an interface that takes and gives single frames.
 
     :param reopen: opens the interface again after a failure; None: a failure is final.
-    :param say: takes one line when the interface goes and when it is back.
     """
 
     def __init__(
         self, bus: can.BusABC, reopen: Callable[[], can.BusABC] | None = None, say: Callable[[str], None] | None = None
     ) -> None:
-        self.bus = bus
-        self.lossless = False
-        self.counters: Counter[str] = Counter()
+        super().__init__(bus, say)
         self._reopen = reopen
-        self._say = say or (lambda line: None)
         self._outage: Outage | None = None
-        #: Called while a frame waits for the bus in lockstep; what it raises ends the wait.
-        self.while_waiting: Callable[[], None] = lambda: None
         # Frames that came while a send waited for the bus.
         self._stash: list[Frame] = []
         self._heard_ns = time.monotonic_ns()
         self._was_out = False
         self._gap_ns = 0
-        self._send_batch: Any = getattr(bus, "send_frames", None)
-        self._offer_batch: Any = getattr(bus, "offer_frames", None)
-        self._receive_batch: Any = getattr(bus, "recv_frames", None)
 
     @property
     def is_down(self) -> bool:
@@ -100,59 +49,35 @@ class Link:
         return self._outage is not None
 
     @property
-    def has_rest(self) -> bool:
-        """True while the interface has taken part of a frame; :meth:`offer` and :meth:`receive` hand over the rest."""
+    def has_descriptor(self) -> bool:
+        """False: python-can's own drivers may keep frames where a poll cannot see them, and wait too long."""
         return False
 
-    def tell_trouble(self) -> None:
-        """Say what went wrong on this connection, if anything did: for the end of a node."""
-        found = [f"{key} {self.counters[key]}" for key in _TROUBLE if self.counters[key]]
-        if found:
-            self._say(f"{self.where}: {', '.join(found)}")
-
     def take_gap_ns(self) -> int:
-        """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""
+        """See :meth:`Link.take_gap_ns`."""
         gap_ns, self._gap_ns = self._gap_ns, 0
         return gap_ns
 
     # -- sending --------------------------------------------------------------------------------------------------
 
     def send(self, frames: Sequence[Frame]) -> None:
-        """See :meth:`Endpoint.send`."""
-        if self._send_batch is not None:
-            try:
-                self._send_batch(frames)
-            except FAILURES as error:
-                raise self._lost(f"cannot send: {error}") from error
-            self.counters["sent"] += len(frames)
-            return
+        """See :meth:`Link.send`."""
         give_up_s = time.monotonic() + (GIVE_UP_S if self.lossless else SEND_RETRY_MAX_S)
         for frame in frames:
             self._send_one(frame, give_up_s)
 
     def offer(self, frames: Sequence[Frame]) -> int:
-        """Hand over as many of the frames, from the first, as the interface takes without waiting; returns how many.
-
-        With no frames only the rest of one that it has taken in part.
-
-        :raises BusLost: as :meth:`send`.
-        """
+        """See :meth:`Link.offer`."""
         taken = 0
         try:
             if self.has_rest and self._outage is None:
                 self._put_rest()
-            if self._offer_batch is not None:
-                taken = self._offer_batch(frames)
-                self.counters["send_retries"] += taken < len(frames)
-            else:
-                while taken < len(frames) and self._outage is None:
-                    self._put(frames[taken])
-                    taken += 1
+            while taken < len(frames) and self._outage is None:
+                self._put(frames[taken])
+                taken += 1
         except FAILURES as error:
             if _is_full(error):
                 self.counters["send_retries"] += 1
-            elif self._offer_batch is not None:
-                raise self._lost(f"cannot send: {error}") from error
             else:
                 self._went_down(error, "send")
         self.counters["sent"] += taken
@@ -191,19 +116,12 @@ class Link:
         self.bus.send(to_message(frame), timeout=_SEND_TIMEOUT_S)
 
     def _put_rest(self) -> None:
-        """Hand over the rest of a frame, see :attr:`has_rest`."""
+        """Hand over the rest of a frame, see :attr:`Link.has_rest`."""
 
     # -- receiving ------------------------------------------------------------------------------------------------
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
-        """See :meth:`Endpoint.receive`."""
-        if self._receive_batch is not None:
-            try:
-                batch: list[Frame] = self._receive_batch(timeout_s)
-            except FAILURES as error:
-                raise self._lost(f"cannot receive: {error}") from error
-            self.counters["received"] += len(batch)
-            return batch
+        """See :meth:`Link.receive`."""
         if self._stash:
             frames, self._stash = self._stash, []
             return frames
@@ -270,14 +188,6 @@ class Link:
 
     # -- outages --------------------------------------------------------------------------------------------------
 
-    @property
-    def where(self) -> str:
-        """The interface, as it stands in messages."""
-        return str(self.bus.channel_info)
-
-    def _lost(self, reason: str) -> BusLost:
-        return BusLost(f"{self.where}: {reason}")
-
     def _went_down(self, error: BaseException, action: str) -> None:
         """The interface has failed.
 
@@ -340,12 +250,6 @@ class Link:
             return False
         return True
 
-    def close(self) -> None:
-        """See :meth:`Endpoint.close`."""
-        with contextlib.suppress(*FAILURES):
-            # An adapter that is gone cannot be told goodbye; why it is gone has been said.
-            self.bus.shutdown()
-
 
 def _is_full(error: BaseException) -> bool:
     """Whether a failed send means a full transmit queue, on a real adapter or on a serial line that does not drain."""
@@ -353,39 +257,3 @@ def _is_full(error: BaseException) -> bool:
     if codes & set(_FULL) or isinstance(error, can.CanTimeoutError):
         return True
     return type(error.__cause__).__name__ == "SerialTimeoutException"
-
-
-def open_link(config: dict[str, Any], name: str = "bus") -> Link:
-    """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
-
-    :param name: the node, which begins each line about an outage on standard error.
-    :raises BusUnavailable: one line that names interface and channel.
-    """
-
-    def reopen() -> can.BusABC:
-        return can.Bus(**config)
-
-    def say(line: str) -> None:
-        # A closed standard error is no reason to stop.
-        with contextlib.suppress(OSError):
-            print(f"{name}: {line}", file=sys.stderr, flush=True)
-
-    try:
-        bus = reopen()
-        if hasattr(bus, "send_frames"):
-            return Link(bus)
-        if type(bus).__name__ == "SocketcanBus":
-            from bus.kernel import KernelLink
-
-            return KernelLink(bus, reopen, say)
-        if isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int):
-            # A serial adapter on this machine; one behind socket:// or on Windows goes python-can's way.
-            from bus.slcan import SlcanLink
-
-            return SlcanLink(bus, reopen, say)
-        return Link(bus, reopen, say)
-    except Exception as error:
-        # An interface without its driver library raises anything (kvaser: NameError).
-        where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
-        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error

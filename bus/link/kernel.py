@@ -18,7 +18,7 @@ import can
 
 from bus.frame import Frame
 from bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
-from bus.link import Link
+from bus.link.single import SingleLink
 
 _SO_RXQ_OVFL = 40
 _SO_TIMESTAMPNS = 35
@@ -35,8 +35,8 @@ _KERNEL_WAIT_S = 0.02
 _BATCH_FRAMES = 64
 
 
-class KernelLink(Link):
-    """:class:`~bus.link.Link` on a ``socketcan`` interface.
+class KernelLink(SingleLink):
+    """:class:`~bus.link.base.Link` on a ``socketcan`` interface.
 
     An interface that is taken down and up again keeps its socket and what is queued in it; one that is unplugged and
     plugged in again (another interface index) is opened anew.
@@ -54,6 +54,11 @@ class KernelLink(Link):
     def where(self) -> str:
         """See :attr:`Link.where`."""
         return f"socketcan:{self._channel}"
+
+    @property
+    def has_descriptor(self) -> bool:
+        """See :attr:`Link.has_descriptor`."""
+        return True
 
     def _use_socket(self) -> None:
         bus: Any = self.bus

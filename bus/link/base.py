@@ -1,0 +1,123 @@
+"""What every link has: what a node needs of its connection, its counters, and what it says of them."""
+
+from __future__ import annotations
+
+import contextlib
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import can
+
+from bus.errors import BusLost
+from bus.frame import Frame
+
+#: What python-can and its drivers raise when an interface fails.
+FAILURES = (can.CanError, OSError)
+_TROUBLE = (
+    "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
+    "adapter_refused",
+)  # fmt: skip
+
+
+class Endpoint(Protocol):
+    """What a node needs from its connection."""
+
+    #: Lockstep: a frame that meets a full queue or an interface that is down waits; else it is dropped and counted.
+    lossless: bool
+
+    @property
+    def is_down(self) -> bool:
+        """True while the interface is gone or bus-off."""
+
+    def send(self, frames: Sequence[Frame]) -> None:
+        """Queue frames in this order.
+
+        :raises BusLost: when the interface is gone for good.
+        """
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        """Frames in bus order, as many as have arrived; empty after ``timeout_s`` (None waits for ever).
+
+        :raises BusLost: when the interface is gone for good.
+        """
+
+    def close(self) -> None:
+        """Leave the bus."""
+
+
+class Link(ABC):
+    """:class:`Endpoint` on a python-can bus.
+
+    ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
+    the bounded retry, or interface down; newest value wins, nothing stale is sent later), ``rx_lost`` (receive buffer
+    overflowed, where the kernel says so), ``garbage`` (unreadable input of a serial adapter), ``error_frames``,
+    ``bus_off``, ``outages``.
+
+    :param say: takes one line when something has happened that the user should know.
+    """
+
+    def __init__(self, bus: can.BusABC, say: Callable[[str], None] | None = None) -> None:
+        self.bus = bus
+        self.lossless = False
+        self.counters: Counter[str] = Counter()
+        #: Called while a frame waits for the bus in lockstep; what it raises ends the wait.
+        self.while_waiting: Callable[[], None] = lambda: None
+        self._say = say or (lambda line: None)
+
+    @property
+    def where(self) -> str:
+        """The interface, as it stands in messages."""
+        return str(self.bus.channel_info)
+
+    @property
+    def is_down(self) -> bool:
+        """See :attr:`Endpoint.is_down`."""
+        return False
+
+    @property
+    def has_rest(self) -> bool:
+        """True while the interface has taken part of a frame; :meth:`offer` and :meth:`receive` hand over the rest."""
+        return False
+
+    @property
+    def has_descriptor(self) -> bool:
+        """Whether ``bus.fileno()`` becomes readable when frames have come, and :meth:`receive` waits as it is told."""
+        return True
+
+    @abstractmethod
+    def send(self, frames: Sequence[Frame]) -> None:
+        """See :meth:`Endpoint.send`."""
+
+    @abstractmethod
+    def offer(self, frames: Sequence[Frame]) -> int:
+        """Hand over as many of the frames, from the first, as the interface takes without waiting; returns how many.
+
+        With no frames only the rest of one that it has taken in part.
+
+        :raises BusLost: as :meth:`send`.
+        """
+
+    @abstractmethod
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        """See :meth:`Endpoint.receive`."""
+
+    def close(self) -> None:
+        """See :meth:`Endpoint.close`."""
+        with contextlib.suppress(*FAILURES):
+            # An adapter that is gone cannot be told goodbye; why it is gone has been said.
+            self.bus.shutdown()
+
+    def take_gap_ns(self) -> int:
+        """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""
+        return 0
+
+    def tell_trouble(self) -> None:
+        """Say what went wrong on this connection, if anything did: for the end of a node."""
+        found = [f"{key} {self.counters[key]}" for key in _TROUBLE if self.counters[key]]
+        if found:
+            self._say(f"{self.where}: {', '.join(found)}")
+
+    def _lost(self, reason: str) -> BusLost:
+        return BusLost(f"{self.where}: {reason}")

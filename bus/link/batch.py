@@ -1,0 +1,52 @@
+"""The link on the hub: whole batches of frames, to and from an interface that loses none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import can
+
+from bus.frame import Frame
+from bus.link.base import FAILURES, Link
+
+
+class BatchLink(Link):
+    """:class:`~bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames`` and ``recv_frames``.
+
+    A failure is final: the hub is gone, and the run with it.
+    """
+
+    def __init__(self, bus: can.BusABC, say: Callable[[str], None] | None = None) -> None:
+        super().__init__(bus, say)
+        hub: Any = bus
+        self._send_batch: Callable[[Sequence[Frame]], None] = hub.send_frames
+        self._offer_batch: Callable[[Sequence[Frame]], int] = hub.offer_frames
+        self._receive_batch: Callable[[float | None], list[Frame]] = hub.recv_frames
+
+    def send(self, frames: Sequence[Frame]) -> None:
+        """See :meth:`Link.send`."""
+        try:
+            self._send_batch(frames)
+        except FAILURES as error:
+            raise self._lost(f"cannot send: {error}") from error
+        self.counters["sent"] += len(frames)
+
+    def offer(self, frames: Sequence[Frame]) -> int:
+        """See :meth:`Link.offer`."""
+        try:
+            taken = self._offer_batch(frames)
+        except FAILURES as error:
+            raise self._lost(f"cannot send: {error}") from error
+        self.counters["send_retries"] += taken < len(frames)
+        self.counters["sent"] += taken
+        return taken
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        """See :meth:`Link.receive`; one packet of the hub at a time."""
+        try:
+            batch = self._receive_batch(timeout_s)
+        except FAILURES as error:
+            raise self._lost(f"cannot receive: {error}") from error
+        self.counters["received"] += len(batch)
+        return batch

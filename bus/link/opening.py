@@ -1,0 +1,53 @@
+"""Open an interface, with the link that fits it."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from typing import Any
+
+import can
+
+from bus.errors import BusUnavailable
+from bus.link.base import Link
+
+
+def open_link(config: dict[str, Any], name: str = "bus") -> Link:
+    """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
+
+    :param name: the node, which begins each line about an outage on standard error.
+    :raises BusUnavailable: one line that names interface and channel.
+    """
+
+    def reopen() -> can.BusABC:
+        return can.Bus(**config)
+
+    def say(line: str) -> None:
+        # A closed standard error is no reason to stop.
+        with contextlib.suppress(OSError):
+            print(f"{name}: {line}", file=sys.stderr, flush=True)
+
+    # What an interface does not need is not loaded: nodes start in a moment.
+    try:
+        bus = reopen()
+        if hasattr(bus, "send_frames"):
+            from bus.link.batch import BatchLink
+
+            return BatchLink(bus, say)
+        if type(bus).__name__ == "SocketcanBus":
+            from bus.link.kernel import KernelLink
+
+            return KernelLink(bus, reopen, say)
+        if isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int):
+            # A serial adapter on this machine; one behind socket:// or on Windows goes python-can's way.
+            from bus.link.slcan import SlcanLink
+
+            return SlcanLink(bus, reopen, say)
+        from bus.link.single import SingleLink
+
+        return SingleLink(bus, reopen, say)
+    except Exception as error:
+        # An interface without its driver library raises anything (kvaser: NameError).
+        where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error
