@@ -33,7 +33,7 @@ DIGEST_DIGITS = 8
 
 
 class _Training(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True)
     #: Name of the scenario.
     scenario: str
     seeds: list[int] = Field(min_length=1)
@@ -42,7 +42,7 @@ class _Training(BaseModel):
 
 
 class _File(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True)
     law: str = Field(min_length=1)
     parameters: dict[str, Any]
     training: _Training | None = None

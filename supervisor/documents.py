@@ -22,7 +22,7 @@ _WRITTEN = "what railhil run has written"
 class _Part(BaseModel):
     """Part of a document: keys that nobody reads here may hold anything."""
 
-    model_config = ConfigDict(extra="ignore", strict=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
 
 
 class _Training(_Part):

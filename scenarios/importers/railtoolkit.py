@@ -42,7 +42,7 @@ _Positive = Annotated[float, Field(gt=0)]
 
 
 class _Foreign(BaseModel):
-    model_config = ConfigDict(extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
 
 
 class _Path(_Foreign):

@@ -24,7 +24,7 @@ _Row = Annotated[tuple[float, float], Strict(False)]
 
 
 class _Foreign(BaseModel):
-    model_config = ConfigDict(extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, frozen=True, allow_inf_nan=False)
 
 
 class _Metadata(_Foreign):

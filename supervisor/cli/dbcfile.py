@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import cantools
-
 from scenarios.errors import InputError, Words
 
 
 def _load(path: Path) -> Any:
+    # Here, because no other command needs it, and it takes a sixth of a second.
+    import cantools
+
     try:
         text = path.read_text(encoding="cp1252", errors="replace")
     except OSError as error:
