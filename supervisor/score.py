@@ -22,8 +22,8 @@ from supervisor import measures
 from supervisor.measures import limits_under_train
 from supervisor.trace import FloatArray, Trace
 
-#: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that fails
-#: for moments leaves shorter gaps.
+#: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
+#: fails for moments leaves shorter gaps.
 HOLE_MAX_S = 1.0
 #: How the failure of a run begins in which the controller's fixed point has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
