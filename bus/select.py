@@ -86,16 +86,19 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -
     :param private_hub: socket path at which the caller can start a hub of its own; without it the default hub is used.
     """
     given = config_from_namespace(namespace)
+    reason = "given on the command line"
+    if given and "interface" not in given:
+        # python-can would fill it in at the opening; what depends on the interface has to know it before.
+        configured = _configured(given)
+        if "interface" in configured:
+            given = {**configured, **given}
+            reason += ", the rest from python-can's configuration"
     if given.get("interface") == HUB_INTERFACE and "channel" not in given and private_hub is not None:
         return _own_hub(private_hub, "a hub of this run's own, as given on the command line", given)
     if given:
-        return BusChoice(given, "given on the command line", arguments=arguments_from_config(given))
-    try:
-        configured = can.util.load_config(config={})
-    except can.CanInterfaceNotImplementedError:
-        configured = None
-    if configured is not None and configured.get("interface"):
-        config = {key: value for key, value in configured.items() if key in ("interface", "channel", "bitrate", "fd")}
+        return BusChoice(given, reason, arguments=arguments_from_config(given))
+    config = _configured({})
+    if config.get("interface"):
         return BusChoice(config, "from python-can's configuration", arguments=arguments_from_config(config))
     if vcan_available():
         config = {"interface": "socketcan", "channel": _DEFAULT_VCAN}
@@ -105,6 +108,15 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -
         return _own_hub(private_hub, reason, {})
     config = {"interface": HUB_INTERFACE, "channel": default_channel()}
     return BusChoice(config, reason, arguments=arguments_from_config(config))
+
+
+def _configured(given: dict[str, Any]) -> dict[str, Any]:
+    """What ``can.rc`` and the environment add to ``given``; empty when nobody names an interface."""
+    try:
+        found = can.util.load_config(config=dict(given))
+    except can.CanInterfaceNotImplementedError:
+        return {}
+    return {key: found[key] for key in ("interface", "channel", "bitrate", "fd") if found.get(key) is not None}
 
 
 def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:

@@ -159,6 +159,21 @@ def test_lockstep_watchdog_says_who_waits_for_whom(wall: Wall) -> None:
     assert administrator.counters == {"polls": 1, "missed_polls": 1}
 
 
+def test_lockstep_takes_the_answer_that_lies_there_after_this_process_stood_still(wall: Wall) -> None:
+    """Stopped between two looks (a paused container, a debugger): the controller has answered in time."""
+
+    class Stopped(FakeEndpoint):
+        def receive(self, timeout_s: float | None) -> list[Frame]:
+            frames = super().receive(timeout_s)
+            wall.now_ns += 10_000_000_000
+            return frames
+
+    answer = frames_of(NotchCmd(5, life=1))[0]
+    administrator, store = make(Stopped(wall, lambda frame: [(0, Frame(0x7, b"")), (0, answer)]))
+    assert administrator.poll(NOTCH)
+    assert store.accepted("NOTCH_CMD") == 1
+
+
 @pytest.mark.parametrize("rate", [0.0, 1.0])
 @pytest.mark.parametrize("byte", range(8))
 def test_a_damaged_answer_is_a_missed_telegram_at_once(wall: Wall, rate: float, byte: int) -> None:

@@ -57,6 +57,21 @@ def test_environment_is_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     assert choose_bus(parsed()).transport == "virtual:from_environment"
 
 
+def test_a_channel_alone_takes_its_interface_from_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else nobody knows which bus it is: report, limits and record would stand for another one."""
+    monkeypatch.setenv("CAN_INTERFACE", "railhil")
+    choice = choose_bus(parsed("-c", "mine"))
+    assert choice.transport == "railhil:mine"
+    assert choice.arguments == ["-i", "railhil", "-c", "mine"]
+    assert "configuration" in choice.reason
+
+
+def test_a_configured_interface_without_channel_has_no_channel_called_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CAN_INTERFACE", "railhil")
+    monkeypatch.delenv("CAN_CHANNEL", raising=False)
+    assert choose_bus(parsed()).arguments == ["-i", "railhil"]
+
+
 def test_an_interface_that_does_not_exist_is_no_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     assert choose_bus(parsed()).config["interface"] == "railhil"
 

@@ -23,7 +23,7 @@ from bus.hub.wire import CLASSIC_SIZE, pack_frame
 from bus.link import open_link
 from hil_tests.adapter.terminal import Terminal
 from hil_tests.cli import wait_for
-from hil_tests.test_hub_gateway import PLAIN, gateway, opened_port, two_hubs_and_a_gateway
+from hil_tests.test_hub_gateway import PLAIN, opened_port, taken, two_hubs_and_a_gateway
 from hil_tests.test_hub_process import PATIENCE_S, HubProcess, running_hub
 
 PACKET = pack_frame(PLAIN)
@@ -149,18 +149,33 @@ def test_an_adapter_that_takes_nothing_does_not_hold_the_end(terminal: Terminal)
 # -- drivers ------------------------------------------------------------------------------------------------------
 
 
-def test_a_driver_that_fails_while_reading_is_opened_again_and_stops_nobody(terminal: Terminal) -> None:
-    """Half a frame: python-can's serial driver raises struct.error."""
-    with gateway(f"serial:{terminal.link}") as between, between.bus() as one, between.bus() as other:
+def test_a_driver_that_fails_while_reading_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    other = can.Bus(interface="virtual", channel="gateway-reading")
+    with monkeypatch.context() as broken:
+        broken.setattr(VirtualBus, "_recv_internal", _raising(RuntimeError("no such\nluck")))
+        port, lines = opened_port("virtual:gateway-reading")
+        wait_for(lambda: lines, PATIENCE_S)
+    try:
+        assert lines[0].endswith("is down (its driver has failed: no such luck); it is opened again when it is there")
+        wait_for(lambda: "is open again after" in lines[-1], PATIENCE_S)
+        other.send(can.Message(arbitration_id=PLAIN.can_id, is_extended_id=False, data=PLAIN.data))
+        assert taken(port, bool) == [PLAIN]
+    finally:
+        port.close()
+        other.shutdown()
+
+
+def test_half_a_frame_costs_that_frame_and_stops_nobody(terminal: Terminal) -> None:
+    """python-can's serial driver raises struct.error."""
+    port, lines = opened_port(f"serial:{terminal.link}")
+    try:
         terminal.write(b"\xaa\0\0\0\0\x01\x01")
-        between.wait_for_stderr(f"port serial:{terminal.link} is down (its driver has failed: ")
-        between.wait_for_stderr(f"port serial:{terminal.link} is open again after ")
+        wait_for(lambda: "garbage 1" in port.statistics(), PATIENCE_S)
         terminal.write(b"\xaa" + struct.pack("<IBI", 0, 1, 0x321) + b"\x07\xbb")
-        assert one.recv_frames(PATIENCE_S) == other.recv_frames(PATIENCE_S) == [Frame(0x321, b"\x07")]
-        one.send_frames([PLAIN])
-        assert other.recv_frames(PATIENCE_S) == [PLAIN]
-        assert between.end() == 0
-        assert between.stderr().splitlines()[-1].endswith("1 frames in, 1 out, 1 outages")
+        assert taken(port, bool) == [Frame(0x321, b"\x07")]
+        assert lines == []
+    finally:
+        port.close()
 
 
 def test_a_driver_that_fails_while_sending_is_opened_again(monkeypatch: pytest.MonkeyPatch) -> None:

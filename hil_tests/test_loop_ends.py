@@ -167,3 +167,19 @@ def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
     found = score(lvshun, trace)
     assert found.verdict == "PASS"
     assert np.isfinite([found.itae, found.energy_kj, found.comfort]).all()
+
+
+@pytest.mark.parametrize(("lost_ticks", "verdict"), [(98, "FAIL"), (100, "INVALID")])
+def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
+    """What the train did meanwhile, too fast perhaps, is not in it; a bus that fails for a moment is no reason."""
+    trace = Trace()
+    for tick in range(0, 1000, 2):
+        if not 500 < tick <= 500 + lost_ticks:
+            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(tick * 1000, 100).encode())
+    trace.add(RunEvent.PORT, 9_980_000_000, RunEvent(Event.ENDED_NOT_STOPPED, 99_800, 0).encode())
+    found = score(lvshun, trace)
+    assert found.verdict == verdict
+    if verdict == "INVALID":
+        assert found.failures == ("record: no SIM_TRUTH for 1.02 s from 5.00 s on, allowed 1 s",)
+        assert found.overspeed_mps == 0.0
+        assert found.itae is None

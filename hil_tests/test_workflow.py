@@ -77,6 +77,13 @@ def test_every_target_exists():
         assert done.returncode == 0, done.stderr
 
 
+def test_a_job_on_vcan_is_red_when_its_tests_could_not_run():
+    """`make test-vcan` ends with 0 where the capability is missing, unless it is demanded."""
+    lines = [line.strip() for text in scripts() for line in text.splitlines() if "make test-vcan" in line]
+    assert len(set(lines)) >= 2
+    assert all("RAILHIL_REQUIRE_ALL=1 make test-vcan" in line for line in lines), lines
+
+
 def test_nothing_may_write_run_for_ever_or_change_its_version():
     for name in _WORKFLOWS:
         content = workflow(name)

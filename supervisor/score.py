@@ -22,6 +22,9 @@ from supervisor import measures
 from supervisor.measures import limits_under_train
 from supervisor.trace import FloatArray, Trace
 
+#: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
+#: fails for moments leaves shorter gaps.
+HOLE_MAX_S = 1.0
 #: How the failure of a run begins in which the controller's fixed point has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
 
@@ -201,6 +204,11 @@ def judged(scenario: Scenario, run: Measured) -> Score:
     )
 
 
+def _unscored(reason: str, ended: str) -> Score:
+    """What is said of a record that does not show a whole run."""
+    return Score("INVALID", None, None, None, None, None, None, None, 0.0, (reason,), ended)
+
+
 def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
@@ -223,7 +231,15 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     whole = (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
     if ended not in whole or len(time_s) < 2:
         name = ended.name.lower() if ended is not None else "record_incomplete"
-        return Score("INVALID", None, None, None, None, None, None, None, 0.0, (f"run {name}",), name)
+        return _unscored(f"run {name}", name)
+    gaps_s = np.diff(time_s)
+    if gaps_s.max() > HOLE_MAX_S:
+        longest = int(gaps_s.argmax())
+        return _unscored(
+            f"record: no SIM_TRUTH for {gaps_s[longest]:.2f} s from {time_s[longest]:.2f} s on, "
+            f"allowed {HOLE_MAX_S:g} s",
+            ended.name.lower(),
+        )
     ident = trace.ident(CtlIdent)
     indexing = INDEXINGS[ident.indexing] if ident is not None and ident.indexing < len(INDEXINGS) else "time"
     over = truth["speed"] - limits_under_train(

@@ -38,8 +38,10 @@ def open_link(config: dict[str, Any], name: str = "bus") -> Link:
             from bus.link.kernel import KernelLink
 
             return KernelLink(bus, reopen, say)
-        if isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int):
-            # A serial adapter on this machine; one behind socket:// or on Windows goes python-can's way.
+        has_port = isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int)
+        if has_port and type(bus).__name__ == "slcanBus":
+            # A port of this machine; one behind socket:// or on Windows goes python-can's way. So does an adapter of
+            # another protocol: robotell keeps its port under the same name.
             from bus.link.slcan import SlcanLink
 
             return SlcanLink(bus, reopen, say)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import struct
 import time
 from collections.abc import Callable, Sequence
 
@@ -160,8 +161,9 @@ class SingleLink(Link):
         """What has arrived, or nothing at the time-out."""
         try:
             message = self.bus.recv(timeout_s)
-        except (ValueError, IndexError):
-            # A serial line can say anything; python-can's readers do not expect that, and keep it in their buffer.
+        except (ValueError, IndexError, TypeError, struct.error):
+            # A serial line can say anything, or half of a frame; python-can's readers do not expect that, and some
+            # keep it in their buffer.
             self.counters["garbage"] += 1
             if hasattr(self.bus, "flush"):
                 self.bus.flush()

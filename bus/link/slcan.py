@@ -38,7 +38,11 @@ _GOODBYE_S = 0.5
 _SAY_S = 0.2
 _CHUNK_BYTES = 4096
 _UNANSWERED_MAX = 64
-#: A receiver that has waited this long in vain asks the adapter for its state.
+#: So long after the port was opened, answers may be those to the commands that opened the channel.
+_OPENING_S = 1.0
+#: Stands among the unanswered frames for a question about the adapter's state.
+_QUESTION_NS = 0
+#: After this long without a byte from it the adapter is asked for its state.
 _SILENCE_S = 0.1
 _STATUS = re.compile(rb"F[0-9A-Fa-f]{2}")
 #: Status flag of the SJA1000: bus error (Lawicel CAN232, command F).
@@ -93,7 +97,7 @@ class SlcanLink(SingleLink):
         self._partial = b""
         #: Of a line that the port took only in part.
         self._rest = b""
-        #: When each frame was written that the adapter has not answered yet.
+        #: When each frame was written that the adapter has not answered yet; questions among them.
         self._unanswered: deque[int] = deque(maxlen=_UNANSWERED_MAX)
         #: The adapter is one that answers frames.
         self._answers = False
@@ -102,6 +106,8 @@ class SlcanLink(SingleLink):
         self._asked_ns = 0
         #: The frame before was taken.
         self._taking = True
+        #: When the adapter has last said something, or was asked to (monotonic).
+        self._opened_s = self._quiet_since_s = time.monotonic()
 
     def _send_one(self, frame: Frame, give_up_s: float) -> None:
         if self._asked and self._outage is None and not self.lossless:
@@ -134,11 +140,16 @@ class SlcanLink(SingleLink):
 
     def _is_stuck(self, now_ns: int) -> bool:
         """Whether the adapter owes an answer for too long."""
-        return self._answers and bool(self._unanswered) and now_ns - self._unanswered[0] > STALE_NS
+        oldest_ns = self._oldest_ns()
+        return self._answers and oldest_ns != _QUESTION_NS and now_ns - oldest_ns > STALE_NS
+
+    def _oldest_ns(self) -> int:
+        """When the oldest frame without an answer was written."""
+        return next((written_ns for written_ns in self._unanswered if written_ns != _QUESTION_NS), _QUESTION_NS)
 
     def _silent_s(self) -> float:
         """Since the oldest frame without an answer."""
-        return (time.monotonic_ns() - self._unanswered[0]) / 1e9
+        return (time.monotonic_ns() - self._oldest_ns()) / 1e9
 
     def _say_stuck(self) -> None:
         if not self._has_said and self._silent_s() > _SAY_S:
@@ -183,32 +194,44 @@ class SlcanLink(SingleLink):
     def _get(self, timeout_s: float | None) -> list[Frame]:
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
-            rest_s = None if deadline_s is None else max(0.0, deadline_s - time.monotonic())
+            now_s = time.monotonic()
+            rest_s = None if deadline_s is None else max(0.0, deadline_s - now_s)
+            # In the middle of a long wait, and over many short ones: bus-off is nothing but silence.
+            ask_s = max(0.0, self._quiet_since_s + _SILENCE_S - now_s)
             ports = (self._fd,)
-            readable, writable, _ = select.select(ports, ports if self._rest else (), (), rest_s)
+            readable, writable, _ = select.select(
+                ports, ports if self._rest else (), (), ask_s if rest_s is None else min(rest_s, ask_s)
+            )
             if writable:
                 with contextlib.suppress(BlockingIOError):
                     # Writable, but not for all of it.
                     self._put_rest()
             if not readable:
                 if not writable:
-                    self._ask_status(timeout_s)
-                    return []
+                    self._ask_status()
+                    if rest_s is not None and time.monotonic() >= now_s + rest_s:
+                        return []
                 continue
             data = os.read(self._fd, _CHUNK_BYTES)
             if not data:
                 raise OSError(errno.EIO, "serial port closed, adapter unplugged")
+            self._quiet_since_s = time.monotonic()
             frames = self._frames(self._partial + data)
             # Answers alone are nothing to tell of.
             if frames or rest_s == 0.0:
                 return frames
 
-    def _ask_status(self, silence_s: float | None) -> None:
-        """Nothing came for so long: ask the adapter whether it is on the bus at all."""
-        if silence_s is not None and silence_s >= _SILENCE_S and not self._rest:
-            # An adapter whose port is full has other troubles.
+    def _ask_status(self) -> None:
+        """Ask an adapter that has said nothing for so long whether it is on the bus at all."""
+        now_s = time.monotonic()
+        if now_s - self._quiet_since_s < _SILENCE_S:
+            return
+        self._quiet_since_s = now_s
+        # One whose port is full, or that is stuck, has other troubles.
+        if not self._rest and (self.lossless or not self._is_stuck(time.monotonic_ns())):
             with contextlib.suppress(BlockingIOError):
                 self._write(b"F\r")
+                self._unanswered.append(_QUESTION_NS)
 
     def _frames(self, data: bytes) -> list[Frame]:
         """Frames of the whole lines in ``data``; what follows the last of them is kept."""
@@ -234,11 +257,21 @@ class SlcanLink(SingleLink):
         return frames
 
     def _answered(self, *, refused: bool) -> None:
-        """The adapter's answer to the oldest frame; answers to commands come before the first frame."""
+        """The adapter's answer to the oldest frame.
+
+        :raises BusLost: in lockstep, for a frame that is refused: those behind it may be on the bus already.
+        """
+        while self._unanswered and self._unanswered[0] == _QUESTION_NS:
+            self._unanswered.popleft()
+            if refused:
+                # It does not know the question.
+                return
         if not self._unanswered:
             return
         self._answers = True
         self.counters["adapter_refused"] += refused
+        if refused and self.lossless and time.monotonic() > self._opened_s + _OPENING_S:
+            raise self._lost("the adapter has refused a frame (transmit queue full, or bus-off), lockstep cannot go on")
         if not self._asked:
             self._unanswered.popleft()
             return
@@ -249,6 +282,9 @@ class SlcanLink(SingleLink):
         self._asked = self._has_said = False
 
     def _take_status(self, flags: int) -> None:
+        # What was written before the question has been answered, or the answer was lost on the way.
+        while _QUESTION_NS in self._unanswered and self._unanswered.popleft() != _QUESTION_NS:
+            pass
         if flags & _BUS_ERROR and self._outage is None:
             self.counters["bus_off"] += 1
             reason = f"the adapter reports bus errors, status {flags:02X}: bus-off, wrong bit rate or no second node"
