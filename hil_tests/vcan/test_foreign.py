@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from bus.ident import Role
+from bus.link import Link, open_link
+from bus.mvb import F_DEVICE_STATUS, master_frame
+from dbc import wire_contract
 from hil_tests.bench import BenchRun
 from hil_tests.foreign import build_node, export_node, without_status
 from hil_tests.vcan.bench import counters_of, disturbed, run_on, socketcan
@@ -43,3 +48,42 @@ def test_interface_that_is_not_there_is_one_line(program: Path) -> None:
     done = subprocess.run([program, "can", "vcan9"], capture_output=True, text=True, timeout=60, check=False)
     assert done.returncode == 2
     assert done.stderr == "ipfc_node: vcan9: cannot be opened: No such device\n"
+
+
+def make_vcan5() -> Link:
+    """A new vcan5, and a link on it."""
+    subprocess.run(["ip", "link", "add", "dev", "vcan5", "type", "vcan"], check=True)
+    subprocess.run(["ip", "link", "set", "vcan5", "up"], check=True)
+    return open_link(socketcan("vcan5"))
+
+
+def answers_as_controller(link: Link) -> bool:
+    """Whether the controller answers a device status poll soon."""
+    link.send([master_frame(F_DEVICE_STATUS, Role.CONTROLLER)])
+    return any(frame.can_id == wire_contract().device_status_id for frame in link.receive(0.2))
+
+
+def eventually(condition: Callable[[], bool]) -> None:
+    """Wait until it holds."""
+    assert any(condition() for _ in range(100))
+
+
+def test_interface_that_is_plugged_in_again_is_joined_again(program: Path, tmp_path: Path) -> None:
+    """Its second life has another index: the socket of the first hears nothing any more."""
+    link = make_vcan5()
+    said = tmp_path / "said.txt"
+    with said.open("wb") as stream, subprocess.Popen([program, "can", "vcan5"], stderr=stream) as node:
+        try:
+            eventually(lambda: answers_as_controller(link))
+            link.close()
+            subprocess.run(["ip", "link", "del", "vcan5"], check=True)
+            link = make_vcan5()
+            eventually(lambda: answers_as_controller(link))
+        finally:
+            node.kill()
+            link.close()
+            subprocess.run(["ip", "link", "del", "vcan5"], check=True)
+    assert [line.split(" (")[0] for line in said.read_text().splitlines()] == [
+        "ipfc_node: vcan5 is down",
+        "ipfc_node: vcan5 is back",
+    ]

@@ -5,11 +5,17 @@ The adapter stands on vcan0, the node under test on slcan0.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import fcntl
 import multiprocessing
 import os
+import pty
+import struct
 import subprocess
+import termios
 import time
+import tty
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -33,6 +39,8 @@ _WAIT_S = 30.0
 _HOP = TargetCurve(((0.0, 0.5), (1.9, 0.5), (2.1, -0.5), (4.0, -0.5)))
 #: More lines than all buffers between the kernel and the adapter hold.
 _FILLING_FRAMES = 3000
+#: Number of the slcan line discipline.
+_N_SLCAN = struct.pack("i", 17)
 
 
 class KernelAdapter:
@@ -185,3 +193,41 @@ def test_unplugged_and_attached_again(adapter, links, capfd):
     assert len(said) == 2, said
     assert "socketcan:slcan0 is down (" in said[0]
     assert "socketcan:slcan0 is back after " in said[1]
+
+
+@pytest.fixture
+def held_port() -> Iterator[tuple[int, int]]:
+    """Both ends of a serial line with the kernel's slcan driver on it, as slcan0; nobody reads it."""
+    master, port = pty.openpty()
+    tty.setraw(port)
+    os.set_blocking(master, False)
+    fcntl.ioctl(port, termios.TIOCSETD, _N_SLCAN)
+    subprocess.run(["ip", "link", "set", "slcan0", "txqueuelen", "1000", "up"], check=True)
+    yield master, port
+    os.close(port)
+    os.close(master)
+    until(lambda: not Path("/sys/class/net/slcan0").exists())
+
+
+def test_a_bus_that_takes_nothing_is_given_no_backlog(held_port):
+    """Nobody acknowledges: what the kernel holds for that, and sends when somebody does, is a few ticks of a plant."""
+    master, port = held_port
+    node = open_link(socketcan("slcan0"), "node")
+    termios.tcflow(port, termios.TCOOFF)
+    tried = 0
+    while not node.counters["send_dropped"] and tried < _FILLING_FRAMES:
+        node.send(notches(tried % 16))
+        tried += 1
+    assert node.counters["send_dropped"] == 1
+    termios.tcflow(port, termios.TCOON)
+    lines = b""
+
+    def read() -> int:
+        nonlocal lines
+        with contextlib.suppress(BlockingIOError):
+            lines += os.read(master, 65536)
+        return lines.count(b"\rt") + lines.startswith(b"t")
+
+    until(lambda: read() >= tried - 1)
+    node.close()
+    assert 8 <= tried - 1 <= 40

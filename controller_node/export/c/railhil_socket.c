@@ -77,7 +77,7 @@ int railhil_is_let_in(const railhil_bus_t *bus, const struct can_frame *frame)
     return 0;
 }
 
-static int open_can(const railhil_bus_t *bus)
+static int open_can(railhil_bus_t *bus)
 {
     struct sockaddr_can address;
     const char *interface = bus->channel;
@@ -96,7 +96,21 @@ static int open_can(const railhil_bus_t *bus)
         close(fd);
         return -1;
     }
+    bus->index = index;
     return fd;
+}
+
+/* An interface that is taken down and up keeps its socket; one that is unplugged and plugged in has another index. */
+static void rejoin(railhil_bus_t *bus)
+{
+    const unsigned index = if_nametoindex(bus->channel);
+    if (index != 0 && index != bus->index) {
+        const int fd = open_can(bus);
+        if (fd >= 0) {
+            close(bus->socket);
+            bus->socket = fd;
+        }
+    }
 }
 
 /* The first packet in each direction is a hello; a refusal has the key "error". */
@@ -174,17 +188,20 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
         return complain(bus->channel, "lost", "connection closed by the hub");
     }
     if (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR) {
+        if (bus->down) {
+            rejoin(bus);
+        }
         return 0;
     }
     if (bus->is_hub || !is_down(errno)) {
         return complain(bus->channel, "lost", strerror(errno));
     }
-    /* An interface that comes back is the same one: the socket stays bound to it. */
     if (!bus->down) {
         bus->down = 1;
         fprintf(stderr, "@LAW@_node: %s is down (%s)\n", bus->channel, strerror(errno));
     }
     pause_ns(DOWN_WAIT_NS);
+    rejoin(bus);
     return 0;
 }
 

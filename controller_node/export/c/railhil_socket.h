@@ -18,6 +18,7 @@ typedef struct {
     const char *channel;
     unsigned long dropped; /* answers that the interface did not take */
     int down;
+    unsigned index; /* of the interface that the socket is bound to */
     struct can_filter filters[RAILHIL_MAILBOX_COUNT];
     unsigned filter_count;
 } railhil_bus_t;
