@@ -23,10 +23,24 @@ from hil_tests.adapter.device import BIT_RATES, Build
 from hil_tests.adapter.emulator import Emulator
 from hil_tests.adapter.terminal import Terminal
 
+_COMMANDS = """\
+commands on standard input, one a line; with S seconds it is undone by itself after that time:
+  unplug [S]   the port vanishes with the adapter's power; replug: a new port under the same name
+  busoff [S]   nothing comes or goes on the bus; restart: on the bus again
+  stall [S]    the adapter reads nothing from the host; resume: it reads again
+  garble N     the next N bytes to the host are turned into other bytes
+  status       the state as one line of JSON, with which every command is answered
+  quit         unplugged for good
+
+exit codes: 0 after quit, 2 for a wrong command line or a bus that cannot be opened, 3 when the bus is gone, 130 after
+Ctrl-C"""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Serve until SIGTERM, Ctrl-C, ``quit`` or the end of the bus."""
-    parser = OneLineParser(prog="python -m hil_tests.adapter", description="Emulated serial CAN adapter (slcan).")
+    parser = OneLineParser(
+        prog="python -m hil_tests.adapter", description="Emulated serial CAN adapter (slcan).", epilog=_COMMANDS
+    )
     parser.add_argument("--link", type=Path, required=True, metavar="PATH", help="where the serial port appears")
     parser.add_argument("--serial-rate", type=whole_number(0, 12_000_000), default=0, metavar="BAUD",
                         help="pace of the serial line (default 0: as fast as it goes, as over USB)")  # fmt: skip
