@@ -32,14 +32,28 @@ def exit_code_of(error: BaseException) -> int:
     return int(getattr(error, "exit_code", TOOL_ERROR))
 
 
+def hold_back_interrupts() -> None:
+    """Ctrl-C waits: this process is about to become another program, which has to load before it can end in good order.
+
+    That program calls :func:`guarded`, or :func:`hear_interrupts` itself.
+    """
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+
+
+def hear_interrupts() -> None:
+    """The end of :func:`hold_back_interrupts`; what came meanwhile is a KeyboardInterrupt here."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+
+
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
     ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM ends the process like
     Ctrl-C, so that sockets and files are closed.
     """
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
     try:
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+        hear_interrupts()
         return main()
     except KeyboardInterrupt:
         return 128 + signal.SIGINT

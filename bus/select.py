@@ -18,8 +18,6 @@ from bus.hub.address import default_channel
 
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
-#: How long the nodes of a run wait for the hub that starts beside them.
-HUB_START_S = 5
 _DEFAULT_VCAN = "vcan0"
 
 
@@ -121,10 +119,5 @@ def _configured(given: dict[str, Any]) -> dict[str, Any]:
 
 def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:
     """The hub that the caller starts beside the nodes; they wait for it."""
-    config = {
-        **given,
-        "interface": HUB_INTERFACE,
-        "channel": str(path),
-        "connect_timeout": str(HUB_START_S),
-    }
+    config = {**given, "interface": HUB_INTERFACE, "channel": str(path)}
     return BusChoice(config, reason, True, arguments_from_config(config))

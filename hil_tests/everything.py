@@ -8,7 +8,6 @@ else a private one), then one on a kernel with CAN. A capability that cannot be 
 
 from __future__ import annotations
 
-import argparse
 import os
 import subprocess
 import sys
@@ -17,6 +16,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from bus.exitcodes import guarded
+from bus.usage import OneLineParser
 from hil_tests.machines import debian
 
 _ROOT = Path(__file__).resolve().parent.parent
@@ -87,7 +88,7 @@ def _install_tools(chosen: Sequence[Part]) -> list[str]:
 
 def main() -> int:
     """Run all parts, or those named; 0 when everything that could run passed and nothing that must run was missing."""
-    parser = argparse.ArgumentParser(prog="python -m hil_tests.everything")
+    parser = OneLineParser(prog="python -m hil_tests.everything", epilog=None)
     every = parts()
     keys = list(dict.fromkeys(part.key for part in every))
     parser.add_argument("part", nargs="*", metavar="PART", help=f"{', '.join(keys)}; default: all")
@@ -114,4 +115,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(guarded("hil_tests.everything", main))

@@ -239,7 +239,7 @@ def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path, monke
 
 def test_program_says_in_one_line_what_it_cannot_do(tmp_path):
     (tmp_path / "file").write_text("")
-    bus = ("-i", "railhil", "-c", str(tmp_path / "no.sock"))
+    bus = ("-i", "railhil", "-c", str(tmp_path / "no.sock"), "--bus-kwargs", "connect_timeout=0")
     for options, text in (
         (("--link", str(tmp_path / "file"), *bus), "is no symbolic link"),
         (("--link", str(tmp_path / "tty"), *bus), "no hub at"),

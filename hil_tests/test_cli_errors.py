@@ -83,7 +83,8 @@ def log_of(folder: Path, frames: list[Frame]) -> Path:
 USAGE = {
     "no command": ([], "COMMAND"),
     "unknown command": (["rnu"], "'rnu'"),
-    "unknown option": (["run", "--sede", "3"], "--sede"),
+    "unknown option": (["run", "--sede", "3"], "railhil run: unrecognized arguments: --sede, did you mean --seed? "),
+    "unknown option of a kind": (["bus", "hub", "--prot", "a:b"], "bus hub: unrecognized arguments: --prot a:b, did"),
     "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),
     "no such file": (["run", "there.toml"], "there.toml: found no such file"),
     "unknown controller": (

@@ -13,13 +13,16 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NoReturn
 
 import can
 import pytest
 
 from bus.errors import BusLost, BusUnavailable
 from bus.frame import Frame
-from bus.hub.client import HubBus
+from bus.hub import client
+from bus.hub.address import HUB_START_S
+from bus.hub.client import HubBus, HubUnavailable
 from bus.hub.link import HubLost
 
 #: Long enough for any machine: reaching it is a failure, not a measurement.
@@ -238,12 +241,27 @@ def test_no_hub_is_one_line_and_a_late_hub_is_waited_for() -> None:
     with socket_folder() as folder:
         path = str(folder / "hub.sock")
         with pytest.raises(BusUnavailable, match="no hub at") as caught:
-            HubBus(path)
+            HubBus(path, connect_timeout=0)
         assert isinstance(caught.value, can.CanInitializationError)
         command = [sys.executable, "-m", "bus.hub", "-c", path, "--once"]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
         HubBus(path, connect_timeout=PATIENCE_S).shutdown()
         assert process.wait(PATIENCE_S) == 0
+
+
+def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    waited_s: list[float] = []
+
+    def refuse(address: object, connect_timeout_s: float) -> NoReturn:
+        waited_s.append(connect_timeout_s)
+        raise HubUnavailable(f"no hub at {address}")
+
+    monkeypatch.setattr(client, "_connect", refuse)
+    for settings in ({}, {"connect_timeout": "0"}):
+        with pytest.raises(HubUnavailable):
+            can.Bus(interface="railhil", channel="hub.sock", **settings)
+    # railhil bus hub & railhil run -i railhil: five seconds as in the C program, or what is asked for.
+    assert waited_s == [HUB_START_S, 0.0]
 
 
 def test_a_stopped_hub_first_hands_out_what_was_sent() -> None:

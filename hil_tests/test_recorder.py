@@ -16,7 +16,7 @@ from bus.errors import BusLost
 from bus.frame import Frame
 from bus.select import BusChoice
 from hil_tests.test_realtime import SHORT_TOML
-from plant_sim import __main__ as plant_program
+from plant_sim import command as plant_program
 from scenarios.load import load
 from supervisor import run as run_module
 from supervisor.options import RunOptions

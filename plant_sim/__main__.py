@@ -2,87 +2,16 @@
 
 from __future__ import annotations
 
-import argparse
-import signal
 import sys
-from pathlib import Path
-
-from can.cli import add_bus_arguments
 
 from bus.exitcodes import guarded
-from bus.link import open_link
-from bus.realtime import NODE_PRIORITY, cycle
-from bus.select import choose_bus
-from bus.usage import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
-from bus.wholefile import check_writable
-from plant_sim.node import PlantNode, PlantOptions
-from scenarios.errors import InputError
-from scenarios.load import load
-
-
-def arguments() -> argparse.ArgumentParser:
-    """Command line of the plant node."""
-    parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
-    add_run_arguments(parser)
-    parser.add_argument(
-        "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
-    )
-    add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
-    add_bus_arguments(parser)
-    return parser
-
-
-def _check_timing_file(path: Path, pace: str) -> None:
-    if pace != "realtime":
-        raise InputError("command line", "--timing-file", str(path), "only with --pace realtime")
-    try:
-        check_writable(path)
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--timing-file", str(path), "a file that can be written", reason) from None
-
-
-def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
-    """Run the plant to its end.
-
-    :param priority: SCHED_FIFO priority to ask for, 0 for normal scheduling.
-    :param timing_file: where to write the timing of a realtime run, also of one that ends early.
-    """
-    try:
-        with cycle("plant", priority):
-            node.run()
-    finally:
-        if timing_file is not None and node.timing is not None:
-            # When a node is lost the supervisor ends the others, also one that has noticed and is writing by now.
-            signal.signal(signal.SIGTERM, signal.SIG_IGN)
-            node.timing.write(timing_file)
 
 
 def main() -> int:
-    """Run one scenario; exit code 0 when it came to its end."""
-    namespace = parse(arguments())
-    if namespace.timing_file is not None:
-        _check_timing_file(namespace.timing_file, namespace.pace)
-    scenario = load(namespace.scenario)
-    choice = choose_bus(namespace)
-    print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
-    options = PlantOptions(
-        seed=namespace.seed,
-        perturbed=namespace.perturbed,
-        rate=(namespace.rate or RATE) if namespace.pace == "realtime" else 0.0,
-        fd=choice.fd,
-        appear_s=namespace.appear_timeout,
-    )
-    priority = namespace.realtime_priority
-    if priority is None:
-        priority = NODE_PRIORITY if options.rate else 0
-    link = open_link(choice.config, "plant")
-    try:
-        run_plant(PlantNode(scenario, options, link), priority, namespace.timing_file)
-    finally:
-        link.close()
-        link.tell_trouble()
-    return 0
+    """The command; its modules are loaded here, so that Ctrl-C while they are ends as it does later."""
+    from plant_sim import command
+
+    return command.main()
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ bounds, but requires none; what is missing in the end is found by loading.
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from typing import Any
 
@@ -34,5 +35,7 @@ def scenario_json_schema() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
+    # The reader of our output may go before its end (... | head).
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     json.dump(scenario_json_schema(), sys.stdout, indent=2, sort_keys=True)
     sys.stdout.write("\n")

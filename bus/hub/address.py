@@ -23,6 +23,8 @@ from bus.errors import BusUnavailable
 TCP_SCHEME = "tcp://"
 #: ``sizeof(sun_path)`` of Linux less the closing zero byte.
 MAX_PATH_BYTES = 107
+#: A hub that is only just starting is waited for so long.
+HUB_START_S = 5.0
 _BACKLOG = 32
 _LOCK_TIMEOUT_S = 2.0
 

@@ -19,7 +19,7 @@ import can
 from bus.errors import BusUnavailable
 from bus.frame import EXTENDED, Frame
 from bus.hub import wire
-from bus.hub.address import Address, connect, default_channel, describe, new_socket, parse_channel
+from bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
 from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, SendTimeout, StreamLink
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
@@ -55,7 +55,7 @@ class HubBus(can.BusABC):
         can_filters: Any = None,
         receive_own_messages: bool = False,
         fd: bool = False,
-        connect_timeout: float = 0.0,
+        connect_timeout: float = HUB_START_S,
         name: str | None = None,
         bitrate: int | None = None,
         coalesce_frames: int = 0,
@@ -66,7 +66,7 @@ class HubBus(can.BusABC):
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
         Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
-        ``connect_timeout``: seconds to wait for a hub that is not there yet. ``name``: shown in the hub's
+        ``connect_timeout``: seconds to wait for a hub that is only just starting. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
         classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
         may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the

@@ -22,6 +22,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from bus.exitcodes import hear_interrupts
 from bus.usage import OneLineParser, whole_number
 from hil_tests.machines import debian, namespace, vcan_vm
 
@@ -147,14 +148,15 @@ def _run(options: argparse.Namespace) -> int:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Command line; see the module's docstring for the exit codes."""
-    parser = arguments()
-    options = parser.parse_args(words)
-    for folder in options.share or ():
-        if not folder.is_dir():
-            parser.error(f"--share: found {folder}, allowed: a folder that is there")
-    for number in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, lambda caught, _: sys.exit(128 + caught))
     try:
+        hear_interrupts()
+        parser = arguments()
+        options = parser.parse_args(words)
+        for folder in options.share or ():
+            if not folder.is_dir():
+                parser.error(f"--share: found {folder}, allowed: a folder that is there")
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda caught, _: sys.exit(128 + caught))
         return debian.guarded("vcan", lambda: _run(options))
     except KeyboardInterrupt:
         return 128 + signal.SIGINT

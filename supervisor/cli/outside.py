@@ -10,11 +10,12 @@ import importlib.util
 import os
 import sys
 
+from bus.exitcodes import hold_back_interrupts
 from scenarios.errors import InputError
 
-_NODES = {"plant": "plant_sim", "controller": "controller_node"}
+NODES = {"plant": "plant_sim", "controller": "controller_node"}
 #: Command -> module that is run, and its line in the help.
-_PROGRAMS = {
+PROGRAMS = {
     "audit": (
         "hil_tests.audit",
         "a law's fixed point: ranges, quantisation, cycles, effect on the scores",
@@ -35,18 +36,18 @@ _PROGRAMS = {
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommands."""
     node = commands.add_parser("node", help="run one node by itself")
-    node.add_argument("role", choices=sorted(_NODES))
+    node.add_argument("role", choices=sorted(NODES))
     node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
-    node.set_defaults(work=lambda namespace: _become(_NODES[namespace.role], namespace.arguments))
-    for name, (_, words) in _PROGRAMS.items():
+    node.set_defaults(work=lambda namespace: _become(NODES[namespace.role], namespace.arguments))
+    for name, (_, words) in PROGRAMS.items():
         # For the list of commands; the program reads its command line and has a help of its own.
         commands.add_parser(name, help=words, add_help=False)
 
 
 def become_program(arguments: list[str]) -> None:
     """Become the program that the command line asks for, if it asks for one."""
-    if arguments and arguments[0] in _PROGRAMS:
-        _become(_PROGRAMS[arguments[0]][0], arguments[1:])
+    if arguments and arguments[0] in PROGRAMS:
+        _become(PROGRAMS[arguments[0]][0], arguments[1:])
 
 
 def _become(module: str, arguments: list[str]) -> int:
@@ -55,4 +56,5 @@ def _become(module: str, arguments: list[str]) -> int:
         raise InputError("railhil", "command", module, "a program of this installation, which leaves it out")
     sys.stdout.flush()
     sys.stderr.flush()
+    hold_back_interrupts()
     os.execv(sys.executable, [sys.executable, "-m", module, *arguments])
