@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,9 +19,12 @@ from scenarios.model import Scenario
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """A test that starts node processes must not pick up a bus from the user's own python-can configuration."""
+    """Processes that tests start must not pick up a bus from the user's own python-can configuration; and be quick."""
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
         os.environ.pop(name, None)
+    # The tests start hundreds of processes: without bytecode on disk each would compile all modules anew.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
