@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from bus.select import vcan_available
-from hil_tests.bench import BenchRun
+from hil_tests.bench import BenchRun, local_run
 from hil_tests.browser import browser
 from scenarios.load import load
 from scenarios.model import Scenario
@@ -56,6 +56,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 def lvshun() -> Scenario:
     """The published scenario."""
     return load("lvshun_tieshan")
+
+
+@pytest.fixture(scope="session")
+def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """The published scenario without sockets, seed 1; only to be looked at."""
+    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), seed=1)
 
 
 @pytest.fixture
