@@ -11,8 +11,10 @@ from bus.usage import OneLineParser, parse
 from dbc import wire_contract
 from supervisor.cli.output import accept_any_text, flush_output
 
-#: Commands with a module of their own name, in the order of the help; those of ``outside`` stand before the last.
-_COMMANDS = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "bus")
+#: The modules in the order of the help; each has one command of its own name, but for ``outside``.
+_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "outside", "bus")
+#: Command -> module that has it.
+_MODULE_OF = {name: name for name in _MODULES if name != "outside"} | {"node": "outside"}
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
@@ -21,14 +23,13 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     :param command: when it is the name of a command, only that one is there: what the others need takes a third of a
         second to load.
     """
-    chosen = (command,) if command in _COMMANDS else (*_COMMANDS[:-1], "outside", _COMMANDS[-1])
     root = OneLineParser(
         prog="railhil",
         description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
     )
     root.add_argument("--version", action="version", version=f"railhil {version('railhil')}")
     commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for name in chosen:
+    for name in (_MODULE_OF[command],) if command in _MODULE_OF else _MODULES:
         import_module(f"supervisor.cli.{name}").add_parser(commands)
     return root
 
