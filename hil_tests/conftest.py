@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,16 +12,19 @@ from pathlib import Path
 import pytest
 
 from bus.select import vcan_available
-from hil_tests.bench import BenchRun
+from hil_tests.bench import BenchRun, local_run
 from hil_tests.browser import browser
 from scenarios.load import load
 from scenarios.model import Scenario
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """A test that starts node processes must not pick up a bus from the user's own python-can configuration."""
+    """Processes that tests start must not pick up a bus from the user's own python-can configuration; and be quick."""
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
         os.environ.pop(name, None)
+    # The tests start hundreds of processes: without bytecode on disk each would compile all modules anew.
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -52,6 +56,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 def lvshun() -> Scenario:
     """The published scenario."""
     return load("lvshun_tieshan")
+
+
+@pytest.fixture(scope="session")
+def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """The published scenario without sockets, seed 1; only to be looked at."""
+    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), seed=1)
 
 
 @pytest.fixture

@@ -33,13 +33,13 @@ SCENARIOS = (
     "yizhuang_01_songjiazhuang_xiaocun",
     "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
 )
-#: Arithmetic, indexing and the seeds that are run with them: each scenario meets twelve seeds.
+#: Arithmetic, indexing and the seeds that are run with them: each scenario meets eight seeds.
 WAYS = (
-    ("float64", "time", (0, 1, 2)),
-    ("float64", "distance", (3, 4)),
+    ("float64", "time", (0, 1)),
+    ("float64", "distance", (3,)),
     ("iq", "time", (5, 6)),
-    ("iq", "distance", (7, 8)),
-    ("float32", "time", (9, 10)),
+    ("iq", "distance", (7,)),
+    ("float32", "time", (9,)),
     ("float32", "distance", (11,)),
 )
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 
+from benchmarks.figures import QUICK_TOML
 from bus.ident import Role, make_ident
 from bus.mvb import TelegramSource
 from bus.select import BusChoice
@@ -36,10 +37,18 @@ _SCORE = Score("FAIL", 50652.7, 107441.0, 12.0718, 10.1449, 31.143, -12.0718, 10
 
 
 @pytest.fixture(scope="module")
-def json_run(tmp_path_factory) -> tuple[Path, Any, str]:
+def short(tmp_path_factory) -> Path:
+    """A scenario of 8 s."""
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+@pytest.fixture(scope="module")
+def json_run(short, tmp_path_factory) -> tuple[Path, Any, str]:
     """Folder, parsed standard output and standard error of one run with --json."""
     folder = tmp_path_factory.mktemp("json") / "run"
-    done = railhil("run", "--seed", "1", "--json", "--out", folder)
+    done = railhil("run", short, "--seed", "1", "--json", "--out", folder)
     assert done.exit_code in (0, 1), done.err
     return folder, done.json, done.err
 
@@ -62,7 +71,7 @@ def test_json_of_a_run_is_its_score_file(json_run):
 
 
 @pytest.mark.loop
-def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, tmp_path):
+def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_path):
     """The timing does not stand in the log, so the certificate beside it has the last word on validity."""
     folder, document, _ = json_run
     (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
@@ -71,17 +80,17 @@ def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, tmp_path):
     done = railhil("score", tmp_path, "--json")
     assert (done.exit_code, done.json["verdict"], done.json["line"]) == (3, "INVALID", "timing: too late")
     assert done.json["scores"] == document["scores"]
-    assert railhil("score", tmp_path, "--scenario", "lvshun_tieshan", "--json").json == done.json
+    assert railhil("score", tmp_path, "--scenario", short, "--json").json == done.json
 
 
 @pytest.mark.loop
-def test_a_certificate_of_another_log_says_nothing_about_this_one(json_run, tmp_path):
+def test_a_certificate_of_another_log_says_nothing_about_this_one(json_run, short, tmp_path):
     folder, document, _ = json_run
     (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
     certificate = strict_json(folder / "certificate.json")
     other = certificate | {"verdict": "INVALID", "line": "timing: too late", "frames_sha256": "00"}
     (tmp_path / "certificate.json").write_text(json.dumps(other))
-    done = railhil("score", tmp_path, "--scenario", "lvshun_tieshan", "--json")
+    done = railhil("score", tmp_path, "--scenario", short, "--json")
     assert done.json["verdict"] == document["verdict"]
     assert done.exit_code == {"PASS": 0, "FAIL": 1}[document["verdict"]]
 

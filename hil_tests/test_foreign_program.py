@@ -51,16 +51,17 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ],
 )
 def test_whole_runs_over_the_hub_have_the_same_frames(
-    name: str, law: str, indexing: str, arguments: tuple[str, ...], tmp_path: Path, socket_folder: Path
+    program: Path, name: str, law: str, indexing: str, arguments: tuple[str, ...], tmp_path: Path, socket_folder: Path
 ) -> None:
     """The program as a process of its own: every frame of the record is the same, but for telemetry in CTL_STAT.
 
     IPFC+ runs with the sanitizers: an error in the C would end it.
     """
     scenario = load(name)
-    export_node(scenario, tmp_path / "export", indexing, law)
-    flags = SANITIZED if law == "ipfc_plus" else (*STRICT, "-O2")
-    program = build_node(tmp_path / "export", law, flags)
+    if (name, law, indexing) != ("lvshun_tieshan", "ipfc", "time"):
+        export_node(scenario, tmp_path / "export", indexing, law)
+        flags = SANITIZED if law == "ipfc_plus" else (*STRICT, "-O2")
+        program = build_node(tmp_path / "export", law, flags)
     law_arguments = ("--controller", law, "--indexing", indexing)
     run = foreign_run(program, socket_folder / "hub.sock", tmp_path / "c", name, *law_arguments, *arguments)
     assert run.done.exit_code in (0, 1), run.done.err

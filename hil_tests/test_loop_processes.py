@@ -18,6 +18,8 @@ import pytest
 from bus.telegrams import NotchCmd
 from hil_tests.bench import local_run
 from hil_tests.cli import Started, railhil, wait_for
+from hil_tests.test_loop_local import SHORT_TOML
+from scenarios.load import load
 from supervisor.framelog import read_log, sha256_of
 from supervisor.trace import trace_of
 
@@ -35,6 +37,14 @@ def hub_run(tmp_path_factory) -> Path:
     done = railhil("run", "--seed", "1", "--out", folder, "--quiet")
     assert done.exit_code in (0, 1), done.err
     return folder
+
+
+@pytest.fixture
+def short(tmp_path) -> Path:
+    """A scenario of 24 s, 13 000 frames."""
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT_TOML)
+    return path
 
 
 def certificate(folder: Path) -> dict:
@@ -64,11 +74,11 @@ def test_bench_health(hub_run):
         assert set(steps.tolist()) == {1}
 
 
-def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, lvshun, tmp_path):
-    assert local_run(lvshun, tmp_path, seed=1).frames_sha256 == certificate(hub_run)["frames_sha256"]
+def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, nominal):
+    assert nominal.frames_sha256 == certificate(hub_run)["frames_sha256"]
 
 
-def test_tcp_hub_gives_the_same_bytes(hub_run, tmp_path):
+def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -77,9 +87,9 @@ def test_tcp_hub_gives_the_same_bytes(hub_run, tmp_path):
     try:
         folder = tmp_path / "run"
         bus = ("-i", "railhil", "-c", channel, "--bus-kwargs", "connect_timeout=10")
-        done = railhil("run", "--seed", "1", "--out", folder, "--quiet", *bus)
+        done = railhil("run", short, "--seed", "1", "--out", folder, "--quiet", "--no-report", *bus)
         assert done.exit_code in (0, 1), done.err
-        assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
+        assert certificate(folder)["frames_sha256"] == local_run(load(short), tmp_path, seed=1).frames_sha256
     finally:
         hub.terminate()
         assert hub.wait(5) == 0
@@ -122,7 +132,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     words = certificate(hub_run)["command"].split()
     assert words[0] == "railhil"
     folder = tmp_path / "again"
-    railhil(*words[1:], "--out", folder, "--quiet")
+    railhil(*words[1:], "--out", folder, "--quiet", "--no-report")
     assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
 
 
@@ -192,7 +202,7 @@ def test_realtime_pace_keeps_time(tmp_path):
     assert document["jitter"]["cycles"] > 19_000
 
 
-def test_other_tools_attach_to_the_hub(tmp_path, socket_folder):
+def test_other_tools_attach_to_the_hub(short, tmp_path, socket_folder):
     """python-can's logger, unmodified, sees what the supervisor records."""
     channel = str(socket_folder / "hub.sock")
     hub = subprocess.Popen([sys.executable, "-m", "bus.hub", "-c", channel], stderr=subprocess.DEVNULL)
@@ -204,7 +214,8 @@ def test_other_tools_attach_to_the_hub(tmp_path, socket_folder):
     )
     try:
         wait_for(lambda: (tmp_path / "tool.log").exists())
-        done = railhil("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", "-i", "railhil", "-c", channel)
+        bus = ("-i", "railhil", "-c", channel)
+        done = railhil("run", short, "--seed", "1", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
         assert done.exit_code in (0, 1), done.err
     finally:
         tool.send_signal(signal.SIGINT)

@@ -47,11 +47,6 @@ class Squared(Ipfc[Any]):
 
 
 @pytest.fixture(scope="module")
-def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
-    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), seed=1)
-
-
-@pytest.fixture(scope="module")
 def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """A run of :class:`Squared`."""
     with pytest.MonkeyPatch.context() as patch:
@@ -175,7 +170,7 @@ def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Be
 @pytest.mark.loop
 def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    done = railhil("run", "--seed", "1", "--out", folder, "--quiet")
+    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
     document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
     assert document == json.loads(json.dumps(nominal.telemetry))
     assert (document["law"], document["arithmetic"], document["profile"]) == ("ipfc", "iq", "c28")
@@ -207,7 +202,7 @@ def test_attached_run_takes_the_telemetry_from_the_record(
     wait_for((socket_folder / "hub.sock").exists)
     started += [Started("node", role, "lvshun_tieshan", *bus) for role in ("plant", "controller")]
     try:
-        done = railhil("run", "--attach", "--out", tmp_path / "run", "--quiet", *bus)
+        done = railhil("run", "--attach", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
         assert done.exit_code == FAIL, done.err
     finally:
         for process in started:
@@ -222,7 +217,8 @@ def test_attached_run_takes_the_telemetry_from_the_record(
 @pytest.mark.loop
 def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20")
+    pace = ("--pace", "realtime", "--rate", "20")
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", *pace)
     wait_for(lambda: (folder / "frames.log").stat().st_size > 400_000)
     run.child("plant_sim").send_signal(signal.SIGKILL)
     done, _ = run.finish()

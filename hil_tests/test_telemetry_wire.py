@@ -19,16 +19,11 @@ from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from controller_node.node import ControllerNode, ControllerOptions
 from controller_node.telemetry import Telemetry
 from controller_node.telemetry_file import telemetry_document
-from hil_tests.bench import BenchRun, local_run
+from hil_tests.bench import BenchRun
 from scenarios.model import Scenario
 from supervisor.framelog import read_log
 from supervisor.telemetry import shown_telemetry
 from supervisor.trace import Trace
-
-
-@pytest.fixture(scope="module")
-def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
-    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), seed=1)
 
 
 def answer(node: ControllerNode, telegram: type[Any]) -> Any:

@@ -29,7 +29,7 @@ NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
 
 
 class DavisTable(_Table):

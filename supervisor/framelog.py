@@ -13,7 +13,7 @@ from pathlib import Path
 
 from can.io import BLFWriter
 
-from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, to_message
+from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame, to_message
 from scenarios.errors import InputError
 
 #: Channel name in the log, whatever the transport was.
@@ -99,16 +99,25 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
             raise InputError(path, "file", "", "a candump log with at least one frame")
 
 
+@lru_cache(maxsize=4)
+def _time_ns(stamp: str) -> int:
+    """Time of what a line begins with, the other way round than :func:`_stamp`; ValueError or IndexError."""
+    seconds, micros = stamp.split(".")
+    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7:
+        raise ValueError(stamp)
+    return int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+
+
 def _parsed(line: str) -> tuple[int, Frame]:
     """Time and frame of a line; ValueError or IndexError when it is none."""
     fields = line.split()
-    seconds, micros = fields[0].split(".")
-    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7:
-        raise ValueError(line)
-    time_ns = int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+    time_ns = _time_ns(fields[0])
     identifier, mark, payload = fields[2].partition("#")
     if not mark or len(identifier) not in (3, 8):
         raise ValueError(line)
+    if len(identifier) == 3 and payload[:1] not in "#R":
+        # Nearly every line of a record.
+        return time_ns, quick_frame((int(identifier, 16), bytes.fromhex(payload), 0))
     can_id = int(identifier, 16)
     flags = 0
     if len(identifier) == 8:

@@ -23,7 +23,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-import yaml
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from scenarios.errors import InputError, Words
@@ -216,6 +215,9 @@ def _chosen(file: str | Path, key: str, entries: list[Any], wanted: str | None) 
 
 
 def _read(file: str | Path, kind: str) -> dict[str, Any]:
+    # Here, because every process would load it, and few scenarios have such a file.
+    import yaml
+
     try:
         data = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
     except OSError as error:

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import sys
+
 from bus.exitcodes import guarded
 
 
 def main() -> int:
     """Entry point of the ``railhil`` command.
 
-    Its modules take half a second to load: here, so that Ctrl-C while they are ends as it does later.
+    Its modules take half a second to load: here, so that Ctrl-C while they are ends as it does later. A command that
+    is another program does without them.
     """
 
     def work() -> int:
+        from supervisor.cli import outside
+
+        outside.become_program(sys.argv[1:])
         from supervisor.cli import commands
 
         return commands.work()
