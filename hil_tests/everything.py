@@ -2,9 +2,10 @@
 
 Parts: ``anywhere`` (with gcc, clang and Chromium installed where they are missing); ``vcan``, kernel SocketCAN (the
 host's in a network namespace, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's,
-else a private one), then one on a kernel with CAN. Where there are two cores, the last two run side by side. A
-capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous integration never
-skips silently.
+else a private one), then one on a kernel with CAN. Where there are two cores, the last two run side by side.
+
+A capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous
+integration never skips silently.
 """
 
 from __future__ import annotations

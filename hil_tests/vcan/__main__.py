@@ -1,40 +1,31 @@
 """The tests on kernel SocketCAN, where there is such a kernel: ``python -m hil_tests.vcan [OPTION OF PYTEST ...]``
 
-The modules are compiled first, on this host and into the cache: an emulated machine needs half a minute for that, in
-each process again when the environment forbids to write compiled modules, and keeps nothing of it.
-
 Exit code: as of :mod:`hil_tests.machines.vcan`; that of pytest when the tests cannot even be collected.
 """
 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from hil_tests.machines import debian, vcan
+from hil_tests.machines import vcan
+from hil_tests.machines.compiled import compile_by
 
 _ROOT = Path(__file__).parents[2]
 #: Named by folder, and without the plugins that these tests do not use: what is imported takes its time there.
 _TESTS = ["-m", "needs_socketcan", "hil_tests/vcan"]
 _UNUSED = ("cacheprovider", "hypothesispytest", "benchmark", "xdist", "xdist.looponfail")
-_COLLECT_S = 300.0
 _TIMEOUT_S = "1500"
 
 
 def main(options: Sequence[str]) -> int:
-    """Compile, then run the tests with more options of pytest; returns the exit code."""
+    """Collect here, so that all is compiled, then run the tests with more options of pytest; returns the exit code."""
     os.chdir(_ROOT)
-    # Written and looked for there, by all that is started from here.
-    os.environ["PYTHONPYCACHEPREFIX"] = str(debian.cache_dir() / "pycache")
-    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     words = [sys.executable, "-m", "pytest", "-q", *(word for name in _UNUSED for word in ("-p", f"no:{name}"))]
     words += [*_TESTS, *options]
-    collected = subprocess.run(
-        [*words, "--collect-only"], capture_output=True, text=True, timeout=_COLLECT_S, check=False
-    )
+    collected = compile_by([*words, "--collect-only"])
     if collected.returncode != 0:
         print(collected.stdout, collected.stderr, sep="", end="")
         return collected.returncode
