@@ -79,6 +79,7 @@ def test_kernel_that_knows_can_but_not_vcan_says_so(monkeypatch):
         (["--via", "hope", "--", "true"], "invalid choice: 'hope'"),
         (["--timeout", "0", "--", "true"], "found '0', allowed: 1 to 86400 s"),
         (["--memory", "12", "--", "true"], "found 12, allowed 256..1048576"),
+        (["--processors", "0", "--", "true"], "found 0, allowed 1..16"),
     ],
 )
 def test_wrong_command_line_is_one_line(capsys, words, said):

@@ -29,7 +29,8 @@ def main(options: Sequence[str]) -> int:
     if collected.returncode != 0:
         print(collected.stdout, collected.stderr, sep="", end="")
         return collected.returncode
-    return vcan.main(["--timeout", _TIMEOUT_S, "--", *words])
+    # One: the tests of Docker may run beside these.
+    return vcan.main(["--timeout", _TIMEOUT_S, "--processors", "1", "--", *words])
 
 
 if __name__ == "__main__":
