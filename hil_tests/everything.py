@@ -2,48 +2,28 @@
 
 Parts: ``anywhere`` (with gcc, clang and Chromium installed where they are missing); ``vcan``, kernel SocketCAN (the
 host's in a network namespace, else that of a throw-away virtual machine); ``compose``, a Docker engine (the host's,
-else a private one), then one on a kernel with CAN. A capability that cannot be had is said loudly; with
-``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous integration never skips silently.
+else a private one), then one on a kernel with CAN. Where there are two cores, the last two run side by side.
+
+A capability that cannot be had is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it is a failure, so that continuous
+integration never skips silently.
 """
 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
-import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from pathlib import Path
+from collections.abc import Sequence
 
 from bus.exitcodes import guarded
 from bus.usage import OneLineParser
+from hil_tests import parts as running
 from hil_tests.machines import debian
+from hil_tests.parts import Part
 
-_ROOT = Path(__file__).resolve().parent.parent
 #: Exit code of the machines when this host cannot have the capability.
 _NO_CAPABILITY = 77
 _PYTEST = [sys.executable, "-m", "pytest", "-q"]
 _ANYWHERE = "not needs_socketcan and not needs_docker"
-
-
-@dataclass(frozen=True, slots=True)
-class Part:
-    """One part: what it needs, and the command."""
-
-    key: str
-    name: str
-    command: list[str]
-    #: What is to be installed for it, by the name of what goes missing without.
-    tools: dict[str, Callable[[], None]] = field(default_factory=dict)
-
-    def run(self) -> int:
-        """Run and return the exit code."""
-        print(f"\n=== {self.name} ===", flush=True)
-        started_s = time.monotonic()
-        code = subprocess.run(self.command, cwd=_ROOT, check=False).returncode
-        print(f"=== {self.name}: exit code {code} after {time.monotonic() - started_s:.0f} s ===", flush=True)
-        return code
 
 
 def parts() -> list[Part]:
@@ -51,9 +31,6 @@ def parts() -> list[Part]:
     machine = [sys.executable, "-m"]
     # A file at a time on each core: what a module's tests share is made once.
     side_by_side = ["-n", str(len(os.sched_getaffinity(0))), "--dist", "loadfile"]
-    # Named by folder: collecting all modules takes minutes in an emulated machine.
-    vcan = [*_PYTEST, "-p", "no:cacheprovider", "-m", "needs_socketcan", "hil_tests/vcan"]
-    vcan = [*machine, "hil_tests.machines.vcan", "--timeout", "1500", "--", *vcan]
     docker = [*machine, "hil_tests.machines.docker_engine", "--timeout", "1500", "--"]
     return [
         Part(
@@ -66,11 +43,12 @@ def parts() -> list[Part]:
         Part(
             "vcan",
             "kernel SocketCAN",
-            vcan,
+            [*machine, "hil_tests.vcan"],
             {"CAN tools": debian.install_can_tools, "compilers": debian.install_compilers},
+            beside=True,
         ),
-        Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"]),
-        Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.compose.vcan_runs"]),
+        Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"], beside=True),
+        Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.compose.vcan_runs"], beside=True),
     ]
 
 
@@ -99,8 +77,7 @@ def main() -> int:
     chosen = [part for part in every if part.key in wanted or not wanted]
     failed: list[str] = []
     missing = _install_tools(chosen)
-    for part in chosen:
-        code = part.run()
+    for part, code in zip(chosen, running.run(chosen), strict=True):
         if code == _NO_CAPABILITY:
             missing.append(part.name)
         elif code != 0:

@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,6 +15,7 @@ import pytest
 
 from hil_tests.cli import wait_for
 from hil_tests.machines import debian, namespace, vcan, vcan_vm
+from hil_tests.machines.compiled import compile_by
 
 _FAMILY = OSError(97, "Address family not supported by protocol")
 
@@ -77,6 +79,7 @@ def test_kernel_that_knows_can_but_not_vcan_says_so(monkeypatch):
         (["--via", "hope", "--", "true"], "invalid choice: 'hope'"),
         (["--timeout", "0", "--", "true"], "found '0', allowed: 1 to 86400 s"),
         (["--memory", "12", "--", "true"], "found 12, allowed 256..1048576"),
+        (["--processors", "0", "--", "true"], "found 0, allowed 1..16"),
     ],
 )
 def test_wrong_command_line_is_one_line(capsys, words, said):
@@ -150,3 +153,26 @@ def test_signals_are_passed_on_and_the_whole_tree_ends(tmp_path, trap, rest, num
     os.kill(process.pid, number)
     process.join(20.0)
     assert (process.exitcode, alive(left)) == (code, False)
+
+
+# -- modules compiled for a machine -------------------------------------------------------------------------------
+
+
+def test_modules_are_compiled_into_the_cache_and_found_there_even_where_writing_them_is_forbidden(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RAILHIL_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    monkeypatch.setenv("PYTHONPYCACHEPREFIX", "")
+    (tmp_path / "mine.py").write_text("print(__cached__)")
+    monkeypatch.chdir(tmp_path)
+    done = compile_by([sys.executable, "-c", "import mine"])
+    made = Path(done.stdout.strip())
+    assert made.is_relative_to(tmp_path / "cache")
+    assert made.is_file()
+    # What is started from here finds it: a text of the same time and length is not looked at.
+    times = (tmp_path / "mine.py").stat()
+    (tmp_path / "mine.py").write_text("print(not_here__)")
+    os.utime(tmp_path / "mine.py", ns=(times.st_atime_ns, times.st_mtime_ns))
+    found = subprocess.run([sys.executable, "-c", "import mine"], capture_output=True, text=True, check=True)
+    assert found.stdout == done.stdout

@@ -69,8 +69,12 @@ bench() {
 }
 
 foreign() {
-    # First, for it is slow to load.
-    "$python" -m controller_node scenarios/short_move.toml -i socketcan -c can0 2>"$folder/controller.txt" &
+    # After the plant: the controller waits a minute for it and no longer, which may be short in a busy machine. The plant
+    # waits as long as the containers do.
+    (
+        until grep -qs 'plant.*socketcan:can0' "$folder/foreign/out" || [ -e "$folder/foreign/exit_code" ]; do sleep 1; done
+        exec "$python" -m controller_node scenarios/short_move.toml -i socketcan -c can0 2>"$folder/controller.txt"
+    ) &
     controller=$!
     # Limits do not change the bytes: they ride along.
     bench foreign "$1" $hardware -f docker-compose.realtime.yml -- --scale controller=0

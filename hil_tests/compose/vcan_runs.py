@@ -21,6 +21,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hil_tests.machines import debian, docker_vm
+from hil_tests.machines.compiled import compile_by
 from hil_tests.machines.docker_engine import docker_engine, engine_answers
 
 _SCRIPT = Path(__file__).with_name("on_vcan.sh")
@@ -37,6 +38,8 @@ _PROJECT = (
 )
 _TIMEOUT_S = 2400.0
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
+#: Programs in Python that run there outside the containers.
+_IN_THE_MACHINE = ("hil_tests.machines.docker_engine", "controller_node")
 #: linux/if.h
 _IFF_UP = 1
 #: Name the folder and the cases to the tests.
@@ -95,6 +98,8 @@ def run(cases: Sequence[str]) -> int:
         if engine_answers():
             code = _on_this_kernel(words)
         else:
+            for module in _IN_THE_MACHINE:
+                compile_by([sys.executable, "-m", module, "--help"])
             words = ["sh", "-ec", f"{_INTERFACES} && exec {shlex.join(words)}"]
             code = docker_vm.run(words, shares=[folder], timeout_s=_TIMEOUT_S)
         if code != 0:

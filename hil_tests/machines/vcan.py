@@ -51,6 +51,8 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--memory", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
                         help="of the virtual machine, default %(default)s")  # fmt: skip
+    parser.add_argument("--processors", type=whole_number(1, 16), default=2, metavar="N",
+                        help="of the virtual machine, default %(default)s; 1 on a busy host")  # fmt: skip
     parser.add_argument("--interfaces", type=_interfaces, default=("vcan0", "vcan1"), metavar="NAMES",
                         help="default vcan0,vcan1")  # fmt: skip
     parser.add_argument("--via", choices=_WAYS, help="this one or none")
@@ -121,6 +123,7 @@ def _in_machine(options: argparse.Namespace, reason: str) -> int:
             shares=folders,
             timeout_s=options.timeout,
             memory_mb=options.memory,
+            processors=options.processors,
         )
 
 

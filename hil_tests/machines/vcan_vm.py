@@ -58,16 +58,21 @@ def _export(tag: str, folder: Path, options: str) -> list[str]:
 
 
 def _qemu_words(image: VmImage, control: Path, shares: Sequence[Path], disks: Sequence[Path], memory_mb: int,
-                pipes: tuple[int, int]) -> list[str]:  # fmt: skip
+                processors: int, pipes: tuple[int, int]) -> list[str]:  # fmt: skip
     """Command line of the machine; its two output ports write to the pipe ends ``pipes``."""
     # setpriv: the machine must not outlive this process, even when this process is killed outright.
     words = ["setpriv", "--pdeathsig", "KILL", "qemu-system-x86_64"]
     # Not KVM: where hosts offer it inside a virtual machine, machines were seen to abort or hang in it.
-    words += ["-accel", "tcg,thread=multi", "-cpu", "max", "-smp", "2", "-m", str(memory_mb)]
+    words += ["-accel", "tcg,thread=multi", "-cpu", "max", "-smp", str(processors), "-m", str(memory_mb)]
     words += ["-nodefaults", "-no-user-config", "-nographic", "-no-reboot", "-nic", "none"]
     words += ["-kernel", str(image.kernel), "-initrd", str(image.initrd)]
     # random.trust_cpu: an idle machine has no other source, and Python would wait for one.
-    words += ["-append", "console=ttyS0 quiet panic=-1 random.trust_cpu=on mitigations=off"]
+    # clocksource: the emulated processors share one cycle counter, which the kernel does not believe of two; the timer
+    # that it takes instead costs a trip out of the emulation at each look at the clock.
+    words += [
+        "-append",
+        "console=ttyS0 quiet panic=-1 random.trust_cpu=on mitigations=off tsc=reliable clocksource=tsc",
+    ]
     words += ["-serial", f"file:{control / 'console.log'}".replace(",", ",,")]
     words += ["-device", "virtio-serial-pci"]
     for number, pipe in enumerate(pipes, start=1):
@@ -110,6 +115,7 @@ def run(
     shares: Sequence[Path] = (),
     timeout_s: float = 600.0,
     memory_mb: int = 2048,
+    processors: int = 2,
     disks: Mapping[Path, Path] | None = None,
     stdout: BinaryIO | None = None,
     stderr: BinaryIO | None = None,
@@ -122,6 +128,8 @@ def run(
         cwd: directory it runs in, the caller's by default; ``environment`` likewise.
         shares: host folders that the command may write to, at the same path.
         timeout_s: for everything from boot to power-off.
+        memory_mb, processors: of the machine. Where something else runs beside it, one processor takes less of the
+            host: two wait for each other when the host has not two to spare.
         disks: file with an ext4 file system -> folder where the machine mounts it, writable.
         stdout, stderr: where the command's output goes, this process's own by default.
 
@@ -150,7 +158,7 @@ def run(
         err_read, err_write = os.pipe()
         try:
             images = [disk for disk, _ in mounts]
-            words = _qemu_words(image, control, folders, images, memory_mb, (out_write, err_write))
+            words = _qemu_words(image, control, folders, images, memory_mb, processors, (out_write, err_write))
             with (control / "qemu.log").open("wb") as log:
                 machine = subprocess.Popen(
                     words, stdin=subprocess.DEVNULL, stdout=log, stderr=log, pass_fds=(out_write, err_write),
