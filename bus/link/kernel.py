@@ -31,7 +31,7 @@ _ANCILLARY_BYTES = socket.CMSG_SPACE(_DROPS.size)
 #: Asked for; the kernel gives what net.core.rmem_max permits.
 _RECEIVE_BUFFER_BYTES = 4 << 20
 #: The kernel doubles it, and counts some 800 bytes for a frame: about 30 frames. With the default of 208 KiB a bus
-#: without a second node would keep 250 frames, half a second of a plant, and send them when it has one again.
+#: without a second node would keep 280 frames, half a second of a plant, and send them when it has one again.
 _SEND_BUFFER_BYTES = 12 << 10
 #: Longest wait inside one system call; nearer deadlines are waited for with select.
 _KERNEL_WAIT_S = 0.02
