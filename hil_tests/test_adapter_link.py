@@ -137,6 +137,25 @@ def test_nothing_stale_waits_for_an_adapter_that_hangs(terminal, link):
     assert heard(terminal, 1) == [to_line(notches(9)[0])]
 
 
+@pytest.mark.parametrize("sign", [b"F00\r\r", b"\r"], ids=["state", "answer"])
+def test_an_adapter_whose_answer_was_lost_is_sent_to_again(terminal, link, sign, capfd):
+    """Its next sign of life counts, whatever it is: the state that it was asked for, or the answer to an empty line."""
+    answering(terminal, link)
+    time.sleep(slcan._SILENCE_S)
+    link.send(notches(1))
+    assert link.receive(0.0) == []
+    assert heard(terminal, 2) == [to_line(notches(1)[0]), b"F"], "the question stands behind the frame"
+    time.sleep(_STALE_S)
+    link.send(notches(2))
+    assert link.counters["send_dropped"] == 1
+    terminal.write(sign)
+    link.receive(0.05)
+    before = link.counters["sent"]
+    link.send(notches(3))
+    assert link.counters["sent"] == before + 1
+    assert capfd.readouterr().err == "", "no pause worth a word"
+
+
 def test_a_long_pause_is_said_at_its_begin_and_end(terminal, link, capfd):
     answering(terminal, link)
     link.send(notches(1))

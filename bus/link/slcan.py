@@ -104,6 +104,8 @@ class SlcanLink(SingleLink):
         #: It was stuck and has been asked for a sign of life; that has been said.
         self._asked = self._has_said = False
         self._asked_ns = 0
+        #: When the oldest frame was written that a stuck adapter has not answered.
+        self._stuck_since_ns = 0
         #: The frame before was taken.
         self._taking = True
         #: When the adapter has last said something, or was asked to (monotonic).
@@ -125,6 +127,7 @@ class SlcanLink(SingleLink):
             if not self._asked:
                 self._asked = True
                 self._asked_ns = now_ns
+                self._stuck_since_ns = self._oldest_ns()
                 self._discard()
             self._ask_again()
             raise StuckAdapter("the adapter does not answer")
@@ -148,8 +151,8 @@ class SlcanLink(SingleLink):
         return next((written_ns for written_ns in self._unanswered if written_ns != _QUESTION_NS), _QUESTION_NS)
 
     def _silent_s(self) -> float:
-        """Since the oldest frame without an answer."""
-        return (time.monotonic_ns() - self._oldest_ns()) / 1e9
+        """Time for which an adapter that is stuck has owed an answer."""
+        return (time.monotonic_ns() - self._stuck_since_ns) / 1e9
 
     def _say_stuck(self) -> None:
         if not self._has_said and self._silent_s() > _SAY_S:
@@ -266,22 +269,27 @@ class SlcanLink(SingleLink):
             if refused:
                 # It does not know the question.
                 return
-        if not self._unanswered:
+        if not self._unanswered and not self._asked:
             return
         self._answers = True
         self.counters["adapter_refused"] += refused
         if refused and self.lossless and time.monotonic() > self._opened_s + _OPENING_S:
             raise self._lost("the adapter has refused a frame (transmit queue full, or bus-off), lockstep cannot go on")
-        if not self._asked:
+        if self._asked:
+            self._goes_on()
+        else:
             self._unanswered.popleft()
-            return
-        # It is alive. What it still has to answer is not told apart from what was thrown away.
+
+    def _goes_on(self) -> None:
+        """A stuck adapter is alive. What it still has to answer is not told apart from what was thrown away."""
         if self._has_said:
             self._say(f"{self.where} takes frames again after {self._silent_s():.2f} s")
         self._unanswered.clear()
         self._asked = self._has_said = False
 
     def _take_status(self, flags: int) -> None:
+        if self._asked:
+            self._goes_on()
         # What was written before the question has been answered, or the answer was lost on the way.
         while _QUESTION_NS in self._unanswered and self._unanswered.popleft() != _QUESTION_NS:
             pass
