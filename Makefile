@@ -40,11 +40,11 @@ bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks
 
 dbc: $(VENV)/.installed
-	$(BIN)/python -m dbc.generate
+	$(BIN)/python -m railhil.dbc.generate
 
 # Constant tables of the control laws.
 tables: $(VENV)/.installed
-	$(BIN)/python -m controller_node.laws.generate
+	$(BIN)/python -m railhil.controller_node.laws.generate
 
 # Parameters of every law by the same protocol (docs/tuning.md); takes minutes each.
 tuned: $(TUNED_LAWS:%=tuned-%)

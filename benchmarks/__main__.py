@@ -17,8 +17,8 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
-from bus.exitcodes import guarded
-from scenarios.errors import InputError
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import guarded
 
 #: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (

@@ -13,7 +13,7 @@ from fxpmath import Fxp
 from numpy.typing import NDArray
 
 from benchmarks.figures import Figure, MeasurementError, Setting, cpu_ns
-from controller_node.arithmetic import make
+from railhil.controller_node.arithmetic import make
 
 TITLE = "arithmetic"
 METHOD = (

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting
-from hil_tests.batch import CHUNK, Case, run_batch
-from hil_tests.batch.engine import Engine
-from hil_tests.batch.kernel import run_period
-from hil_tests.batch.noise import standard_noise
-from hil_tests.batch.setup import trains
-from hil_tests.bench import direct_run
+from railhil.batch import CHUNK, Case, run_batch
+from railhil.batch.engine import Engine
+from railhil.batch.kernel import run_period
+from railhil.batch.noise import standard_noise
+from railhil.batch.setup import trains
+from railhil.bench import direct_run
 
 TITLE = "batch"
 METHOD = (

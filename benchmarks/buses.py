@@ -11,8 +11,8 @@ from pathlib import Path
 from benchmarks.figures import Missing
 from benchmarks.machine import is_emulated
 from benchmarks.processes import hub
-from bus.hub.address import TCP_SCHEME
-from bus.select import HUB_INTERFACE, vcan_available
+from railhil.bus.hub.address import TCP_SCHEME
+from railhil.bus.select import HUB_INTERFACE, vcan_available
 
 VCAN = "vcan0"
 

@@ -10,15 +10,15 @@ from pathlib import Path
 from time import process_time
 
 from benchmarks.figures import Figure, MeasurementError, Setting
-from hil_tests.batch import Case, run_batch
-from hil_tests.campaign.engines import running
-from hil_tests.campaign.folder import opened
-from hil_tests.campaign.plan import Plan, Request, make_plan
-from hil_tests.campaign.summary import summary
-from hil_tests.campaign.table import file_bytes, table_of
-from hil_tests.campaign.work import Task, task_of
-from hil_tests.cli import command
-from hil_tests.dask_cluster import loopback_cluster
+from hil_tests.support.cli import command
+from hil_tests.support.dask_cluster import loopback_cluster
+from railhil.batch import Case, run_batch
+from railhil.campaign.engines import running
+from railhil.campaign.folder import opened
+from railhil.campaign.plan import Plan, Request, make_plan
+from railhil.campaign.results_table import file_bytes, table_of
+from railhil.campaign.summary import summary
+from railhil.campaign.work import Task, task_of
 
 TITLE = "campaign"
 METHOD = (

@@ -9,14 +9,14 @@ from typing import Any
 import cantools
 from can.io import CanutilsLogWriter
 
-import dbc
 from benchmarks.figures import Figure, MeasurementError, Setting, cpu_ns
-from bus.frame import Frame, to_message
-from bus.layout import Telegram
-from bus.mvb import TelegramSource, check_sequence
-from bus.store import TrafficStore
-from bus.telegrams import SimTruth, TrnSpeed
-from supervisor.framelog import log_line
+from railhil import dbc
+from railhil.bus.frame import Frame, to_message
+from railhil.bus.layout import Telegram
+from railhil.bus.mvb import TelegramSource, check_sequence
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import SimTruth, TrnSpeed
+from railhil.supervisor.framelog import log_line
 
 TITLE = "codec"
 METHOD = (

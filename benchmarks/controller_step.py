@@ -9,12 +9,12 @@ import numpy as np
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
 from benchmarks.recording import Recording, record
-from controller_node.arithmetic import make
-from controller_node.controller import BatchController, Controller
-from controller_node.laws.base import NOTCH_Q
-from controller_node.loop import ControlLoop
-from controller_node.program.cycles import CPU_MHZ
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.laws.base import NOTCH_Q
+from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.program.cycles import CPU_MHZ
+from railhil.scenarios.model import Scenario
 
 TITLE = "controller step"
 METHOD = (

@@ -10,8 +10,8 @@ from time import process_time
 
 import numpy as np
 
-from scenarios.load import load
-from scenarios.model import Scenario
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
 
 #: Scenario of the full measurement: the published run, 2940 m in 195 s.
 FULL_SCENARIO = "lvshun_tieshan"

@@ -9,9 +9,9 @@ from pathlib import Path
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median
 from benchmarks.processes import RunCommand
-from bus.frame import Frame
-from hil_tests.bench import local_run
-from scenarios.model import Scenario
+from railhil.bench import local_run
+from railhil.bus.frame import Frame
+from railhil.scenarios.model import Scenario
 
 TITLE = "lockstep run"
 METHOD = (

@@ -30,13 +30,13 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Protocol
 
-from bus.clock import Pacer
-from bus.errors import BusError, BusLost
-from bus.frame import Frame
-from bus.hub.address import TCP_SCHEME
-from bus.hub.wire import MAX_PACKET_SIZE, pack_plain, unpack_frames
-from bus.link import Link, open_link
-from bus.select import HUB_INTERFACE
+from railhil.bus.clock import Pacer
+from railhil.bus.errors import BusError, BusLost
+from railhil.bus.frame import Frame
+from railhil.bus.hub.address import TCP_SCHEME
+from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_plain, unpack_frames
+from railhil.bus.link import Link, open_link
+from railhil.bus.select import HUB_INTERFACE
 
 BATCH_FRAMES = 8
 WINDOW_BATCHES = 16

@@ -6,9 +6,9 @@ from time import process_time
 
 from benchmarks.figures import Figure, MeasurementError, Setting
 from benchmarks.recording import Recording, record
-from hil_tests.bench import direct_run
-from plant_sim.plant import Plant
-from scenarios.model import Scenario
+from railhil.bench import direct_run
+from railhil.plant_sim.plant import Plant
+from railhil.scenarios.model import Scenario
 
 TITLE = "plant"
 METHOD = (

@@ -10,12 +10,12 @@ import numpy as np
 from casadi import DM
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median, p99
-from controller_node.arithmetic import make
-from controller_node.laws.ipfc_constants import IpfcParameters, internal_model
-from controller_node.laws.pfc_model import polynomial_fit
-from controller_node.loop import ControlLoop
-from hil_tests.bench import BenchRun, coupled_run
-from scenarios.model import Scenario
+from railhil.bench import BenchRun, coupled_run
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.laws.ipfc_constants import IpfcParameters, internal_model
+from railhil.controller_node.laws.pfc_model import polynomial_fit
+from railhil.controller_node.loop import ControlLoop
+from railhil.scenarios.model import Scenario
 
 with warnings.catch_warnings():
     # It names every optional part that is not installed.

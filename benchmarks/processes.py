@@ -15,9 +15,9 @@ from types import TracebackType
 from typing import Any
 
 from benchmarks.figures import MeasurementError, Setting
-from bus.exitcodes import FAIL, PASS
-from bus.select import HUB_INTERFACE
-from hil_tests.cli import command
+from hil_tests.support.cli import command
+from railhil.bus.select import HUB_INTERFACE
+from railhil.common.exit_codes import FAIL, PASS
 
 _READY = "railhil hub ready at "
 #: Longer than a run on a machine ten times too busy.
@@ -46,7 +46,7 @@ def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
 
     :raises MeasurementError: the hub does not start.
     """
-    words = [sys.executable, "-m", "bus.hub", "-c", channel, *options]
+    words = [sys.executable, "-m", "railhil.bus.hub", "-c", channel, *options]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     assert process.stdout is not None
     assert process.stderr is not None

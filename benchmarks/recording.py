@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bus.telegrams import NotchCmd
-from controller_node.controller import Controller
-from plant_sim.plant import Plant
-from scenarios.model import Scenario
+from railhil.bus.telegrams import NotchCmd
+from railhil.controller_node.controller import Controller
+from railhil.plant_sim.plant import Plant
+from railhil.scenarios.model import Scenario
 
 
 @dataclass(frozen=True, slots=True)

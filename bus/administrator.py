@@ -10,15 +10,15 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 
-from bus.clock import Pacer
-from bus.errors import BusOccupied, PeerSilent
-from bus.frame import BRS, FD, Frame
-from bus.ident import Role
-from bus.layout import Telegram
-from bus.link import Endpoint
-from bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
-from bus.store import TrafficStore
-from dbc import Port, wire_contract
+from railhil.bus.clock import Pacer
+from railhil.bus.errors import BusOccupied, PeerSilent
+from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.ident import Role
+from railhil.bus.layout import Telegram
+from railhil.bus.link import Endpoint
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
+from railhil.bus.store import TrafficStore
+from railhil.dbc import Port, wire_contract
 
 #: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
 REPLY_NS = 5_000_000

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import time
 
-from bus.frame import BRS, FD, Frame
-from bus.lifesign import MAX_STEP
-from bus.mvb import check_sequence, master_tail
-from bus.telegrams import TimeSync
-from dbc import wire_contract
+from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import check_sequence, master_tail
+from railhil.bus.telegrams import TimeSync
+from railhil.dbc import wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16

@@ -8,9 +8,9 @@ from enum import IntEnum
 from importlib.metadata import entry_points
 from typing import ClassVar
 
-from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
-from dbc import wire_contract
-from dbc.contract import WIRE_VERSION
+from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
+from railhil.dbc import wire_contract
+from railhil.dbc.contract import WIRE_VERSION
 
 
 class Role(IntEnum):

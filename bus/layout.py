@@ -6,7 +6,7 @@ import dataclasses
 from collections.abc import Iterator, Sequence
 from typing import Any, ClassVar, Self
 
-from dbc import Port, Signal, wire_contract
+from railhil.dbc import Port, Signal, wire_contract
 
 #: Code points of a 2-bit check variable.
 CHECK_ERRONEOUS, CHECK_CORRECT, CHECK_FORCED, CHECK_UNDEFINED = range(4)

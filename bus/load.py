@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dbc import Contract, Port
+from railhil.dbc import Contract, Port
 
 #: Bits of a standard data frame with n data bytes on the wire, without stuff bits: 47 + 8 n (with interframe space).
 _FRAME_BITS = 47

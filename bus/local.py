@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from bus.frame import Frame
+from railhil.bus.frame import Frame
 
 
 class LocalBus:
-    """:class:`bus.link.Endpoint` of the administrator.
+    """:class:`railhil.bus.link.Endpoint` of the administrator.
 
     :param nodes: what each other node does with a frame (returns its answers).
     """

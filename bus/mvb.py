@@ -28,8 +28,8 @@ from collections.abc import Callable
 from functools import cache, lru_cache
 from struct import Struct
 
-from bus.frame import FD, Frame, quick_frame
-from dbc import Port, wire_contract
+from railhil.bus.frame import FD, Frame, quick_frame
+from railhil.dbc import Port, wire_contract
 
 #: Generator without its x^7 term.
 _POLYNOMIAL = 0x65

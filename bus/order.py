@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import time
 
-from bus.frame import Frame
-from bus.mvb import F_DEVICE_STATUS
-from dbc import wire_contract
+from railhil.bus.frame import Frame
+from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.dbc import wire_contract
 
 #: Silence after which held frames are given up. A controller that is slow, or a bus that is down for a moment, is no
 #: reason to record in another order; what the administrator waits for is on its way as long as nothing is held.

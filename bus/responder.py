@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from bus.clock import BusClock
-from bus.frame import Frame
-from bus.layout import Telegram
-from bus.lifesign import MAX_STEP
-from bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
-from bus.schedule import Schedule
-from bus.store import TrafficStore
-from bus.telegrams import TimeSync
-from dbc import Port, wire_contract
+from railhil.bus.clock import BusClock
+from railhil.bus.frame import Frame
+from railhil.bus.layout import Telegram
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
+from railhil.bus.schedule import Schedule
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import TimeSync
+from railhil.dbc import Port, wire_contract
 
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY = 0x1000

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from dbc import wire_contract
+from railhil.dbc import wire_contract
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from typing import Any
 
 import can
 
-from bus.hub.address import default_channel
+from railhil.bus.hub.address import default_channel
 
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"

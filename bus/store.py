@@ -11,10 +11,10 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TypeVar
 
-from bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
-from bus.layout import Telegram
-from bus.mvb import check_sequence, master_tail
-from dbc import Port
+from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.layout import Telegram
+from railhil.bus.mvb import check_sequence, master_tail
+from railhil.dbc import Port
 
 #: Age of a port that has never received anything (freshness timer 65535 ms of an MVB link layer).
 NEVER_NS = 65_535_000_000

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 from typing import ClassVar
 
-from bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
+from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
 
 #: CTL_STAT: no quantity is shown; the quantity has used no bit, or has no bits.
 NO_QUANTITY = 127

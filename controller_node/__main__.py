@@ -1,15 +1,15 @@
-"""``python -m controller_node`` (the same as ``railhil node controller``): the train controller as one process."""
+"""``python -m railhil.controller_node`` (the same as ``railhil node controller``): the train controller as one process."""
 
 from __future__ import annotations
 
 import sys
 
-from bus.exitcodes import guarded
+from railhil.common.exit_codes import guarded
 
 
 def main() -> int:
     """The command; its modules are loaded here, so that Ctrl-C while they are ends as it does later."""
-    from controller_node import command
+    from railhil.controller_node import command
 
     return command.main()
 

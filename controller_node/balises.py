@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
-from bus.layout import CHECK_CORRECT
-from bus.telegrams import BalisePassed
-from controller_node.laws.base import BaliseReading
-from controller_node.loop import NO_BALISE, limited_01mm
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.telegrams import BalisePassed
+from railhil.controller_node.laws.base import BaliseReading
+from railhil.controller_node.loop import NO_BALISE, limited_01mm
 
 _WORD_MM = 0x1_0000
 

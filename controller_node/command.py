@@ -10,17 +10,17 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
-from bus.ident import ARITHMETICS
-from bus.link import open_link
-from bus.realtime import cycle
-from bus.select import choose_bus
-from bus.usage import OneLineParser, add_priority_argument, add_task_argument, parse
-from controller_node.controller import Controller
-from controller_node.laws import names
-from controller_node.node import ControllerNode, ControllerOptions, run_controller
-from controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from scenarios.load import load
-from scenarios.parameters import load_parameters
+from railhil.bus.ident import ARITHMETICS
+from railhil.bus.link import open_link
+from railhil.bus.select import choose_bus
+from railhil.common.command_line import OneLineParser, add_priority_argument, add_task_argument, parse
+from railhil.common.scheduling import cycle
+from railhil.controller_node.controller import Controller
+from railhil.controller_node.laws import names
+from railhil.controller_node.node import ControllerNode, ControllerOptions, run_controller
+from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
+from railhil.scenarios.load import load
+from railhil.scenarios.parameters import load_parameters
 
 
 def arguments() -> argparse.ArgumentParser:

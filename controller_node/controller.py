@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from controller_node.arithmetic import make
-from controller_node.arithmetic.base import Arithmetic, Counters
-from controller_node.cost import Cost, cost_of
-from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
-from controller_node.loop import NO_BALISE, ControlLoop
-from controller_node.program.ranges import refuse_wraps
-from controller_node.program.record import record
-from controller_node.telemetry import Telemetry
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic, Counters
+from railhil.controller_node.cost import Cost, cost_of
+from railhil.controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
+from railhil.controller_node.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.program.ranges import refuse_wraps
+from railhil.controller_node.program.record import record
+from railhil.controller_node.telemetry import Telemetry
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 #: UNIPOLAR2.16 of CTL_STAT: 1/16384.
 _UNIPOLAR2_Q = 14

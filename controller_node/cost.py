@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from controller_node.arithmetic.base import Arithmetic
-from controller_node.arithmetic.float32 import Single
-from controller_node.program.cycles import C28X_CYCLES, CPU_MHZ, FLASH_FACTOR, FPU_CYCLES, estimated_cycles
-from controller_node.program.model import LawProgram
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.arithmetic.float32 import Single
+from railhil.controller_node.program.cycles import C28X_CYCLES, CPU_MHZ, FLASH_FACTOR, FPU_CYCLES, estimated_cycles
+from railhil.controller_node.program.model import LawProgram
 
 
 @dataclass(frozen=True, slots=True)

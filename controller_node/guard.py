@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 
-from bus.layout import CHECK_CORRECT
-from bus.lifesign import Life, LifeSign
-from bus.telegrams import TrkInfo, TrnSpeed
-from controller_node.ecan import BitCounter, MessageAge
-from controller_node.odometer import Odometer
-from controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
-from dbc import wire_contract
-from scenarios.model import Scenario
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import Life, LifeSign
+from railhil.bus.telegrams import TrkInfo, TrnSpeed
+from railhil.controller_node.ecan import BitCounter, MessageAge
+from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
 
 #: Raw speeds beyond this are no speeds of a train on this bench (0.1 mm/s, 150 m/s).
 SPEED_MAX_01MMPS = 1_500_000

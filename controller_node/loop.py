@@ -6,14 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Generic
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws import load
-from controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
-from controller_node.laws.parameters import law_parameters
-from controller_node.setpoint import INDEXINGS, SetPoints
-from scenarios.errors import InputError, Words
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws import load
+from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
+from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.setpoint import INDEXINGS, SetPoints
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 #: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")

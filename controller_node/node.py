@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from bus.errors import PeerSilent
-from bus.ident import CtlIdent, Ident, Role, make_ident
-from bus.layout import Telegram, flag
-from bus.link import Link
-from bus.responder import Responder
-from bus.schedule import Schedule
-from bus.telegrams import (
+from railhil.bus.errors import PeerSilent
+from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.layout import Telegram, flag
+from railhil.bus.link import Link
+from railhil.bus.responder import Responder
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import (
     HEADROOM_UNUSED,
     NO_QUANTITY,
     BalisePassed,
@@ -27,17 +27,17 @@ from bus.telegrams import (
     TrnPos,
     TrnSpeed,
 )
-from controller_node.balises import Balises
-from controller_node.controller import Controller, ControlOutput
-from controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
-from controller_node.guard import Guard
-from controller_node.laws import load
-from controller_node.odometer import Odometer
-from controller_node.watch import Level
-from dbc import wire_contract
-from scenarios.errors import InputError
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.common.errors import InputError
+from railhil.controller_node.balises import Balises
+from railhil.controller_node.controller import Controller, ControlOutput
+from railhil.controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
+from railhil.controller_node.guard import Guard
+from railhil.controller_node.laws import load
+from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.watch import Level
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 _MODES = {
     Level.NORMAL: CtlMode.RUNNING,

@@ -16,12 +16,12 @@ from __future__ import annotations
 
 from collections import Counter
 
-from bus.layout import CHECK_CORRECT
-from bus.lifesign import LifeSign
-from bus.schedule import Schedule
-from bus.telegrams import TrnPos
-from controller_node.loop import POSITION_MAX_01MM, limited_01mm
-from scenarios.model import Scenario
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import LifeSign
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import TrnPos
+from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
+from railhil.scenarios.model import Scenario
 
 #: Longest time on a reckoned position (reaction to the loss of position only: 1 s, then service brake).
 RECKONING_MAX_NS = 1_000_000_000

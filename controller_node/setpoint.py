@@ -20,11 +20,11 @@ from typing import Any, Generic
 import numpy as np
 from numpy.typing import NDArray
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.base import SPEED_Q
-from scenarios.errors import InputError
-from scenarios.model import Scenario
-from scenarios.target import Target
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.base import SPEED_Q
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.target import Target
 
 INDEXINGS = ("time", "distance")
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Arithmetic
-from controller_node.program.model import Quantity
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP, Arithmetic
+from railhil.controller_node.program.model import Quantity
 
 #: Bits of an int32 without its sign.
 VALUE_BITS = 31

@@ -9,13 +9,13 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from bus import wholefile
-from bus.ident import PROFILES
-from controller_node.laws import load
-from controller_node.node import ControllerNode
-from controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
-from controller_node.telemetry import QuantityTelemetry
-from scenarios.errors import InputError
+from railhil.bus.ident import PROFILES
+from railhil.common import whole_file as wholefile
+from railhil.common.errors import InputError
+from railhil.controller_node.laws import load
+from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
+from railhil.controller_node.telemetry import QuantityTelemetry
 
 
 def _row(row: QuantityTelemetry) -> dict[str, Any]:

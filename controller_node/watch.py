@@ -19,7 +19,7 @@ A level is entered at once and only upwards; every leave leads to NORMAL or to w
 ends with a bad or implausible telegram and with an age above hold. After a level above HOLD the notch comes back
 on the ramp of the service brake, so that no release of the brake is a jump into traction.
 
-Thresholds are scenario data (:class:`scenarios.model.WatchLimits`); the counts follow common practice for vital
+Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts follow common practice for vital
 data on a train bus and are ours.
 """
 
@@ -28,7 +28,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
-from scenarios.model import Scenario
+from railhil.scenarios.model import Scenario
 
 GOOD_AFTER_TRACTION_CUT = 5
 GOOD_AFTER_SERVICE_BRAKE = 10

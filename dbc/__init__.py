@@ -1,5 +1,5 @@
 """The wire contract: ports, telegram layouts, and the DBC file that says the same to every other tool."""
 
-from dbc.contract import Contract, ContractError, Port, Signal, load_contract, wire_contract
+from railhil.dbc.contract import Contract, ContractError, Port, Signal, load_contract, wire_contract
 
 __all__ = ["Contract", "ContractError", "Port", "Signal", "load_contract", "wire_contract"]

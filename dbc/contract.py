@@ -199,7 +199,7 @@ def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -
     :raises ContractError: one line with file, key, found and allowed; also when the DBC beside the table does not
         say the same (a foreign or outdated DBC).
     """
-    from dbc.generate import dbc_text
+    from railhil.dbc.generate import dbc_text
 
     file = path.name
     try:

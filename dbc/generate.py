@@ -1,4 +1,4 @@
-"""Write ``railhil.dbc`` from the port table: ``python -m dbc.generate`` (or ``make dbc``).
+"""Write ``railhil.dbc`` from the port table: ``python -m railhil.dbc.generate`` (or ``make dbc``).
 
 A classic telegram of more than 32 bit is several CAN frames, so it becomes several DBC messages: one per block, one
 for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too, so that
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from dbc.contract import Contract, Port, Signal, load_contract
+from railhil.dbc.contract import Contract, Port, Signal, load_contract
 
 _NODES = {"plant": "PLT", "controller": "CTL", "supervisor": "SUP"}
 #: Payload lengths of the CAN FD form by F_code; 40 bytes do not exist in CAN FD, 48 do.

@@ -95,7 +95,7 @@ bus)
         printf 'socketcan\nvcan0\n' | leave can
     else
         # A frame is carried before a node goes on.
-        python3 -m bus.hub -c /bus/hub.sock --realtime-priority "$(priority 45)" &
+        python3 -m railhil.bus.hub -c /bus/hub.sock --realtime-priority "$(priority 45)" &
         hub=$!
         trap 'kill -TERM $hub 2>/dev/null; exit 143' TERM INT
         await hub.sock

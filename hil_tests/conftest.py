@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from bus.select import vcan_available
-from hil_tests.bench import BenchRun, local_run
-from hil_tests.browser import browser
-from scenarios.load import load
-from scenarios.model import Scenario
+from hil_tests.support.browser import browser
+from railhil.bench import BenchRun, local_run
+from railhil.bus.select import vcan_available
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -14,11 +14,11 @@ import os
 import sys
 from collections.abc import Sequence
 
-from bus.exitcodes import guarded
-from bus.usage import OneLineParser
 from hil_tests import parts as running
-from hil_tests.machines import debian
 from hil_tests.parts import Part
+from railhil.common.command_line import OneLineParser
+from railhil.common.exit_codes import guarded
+from railhil.machines import debian
 
 #: Exit code of the machines when this host cannot have the capability.
 _NO_CAPABILITY = 77
@@ -31,7 +31,7 @@ def parts() -> list[Part]:
     machine = [sys.executable, "-m"]
     # A file at a time on each core: what a module's tests share is made once.
     side_by_side = ["-n", str(len(os.sched_getaffinity(0))), "--dist", "loadfile"]
-    docker = [*machine, "hil_tests.machines.docker_engine", "--timeout", "1500", "--"]
+    docker = [*machine, "railhil.machines.docker_engine", "--timeout", "1500", "--"]
     return [
         Part(
             "anywhere",
@@ -43,12 +43,12 @@ def parts() -> list[Part]:
         Part(
             "vcan",
             "kernel SocketCAN",
-            [*machine, "hil_tests.vcan"],
+            [*machine, "hil_tests.transport.vcan"],
             {"CAN tools": debian.install_can_tools, "compilers": debian.install_compilers},
             beside=True,
         ),
         Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"], beside=True),
-        Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.compose.vcan_runs"], beside=True),
+        Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.transport.compose.vcan_runs"], beside=True),
     ]
 
 

@@ -1,15 +1,15 @@
-"""``python -m plant_sim`` (the same as ``railhil node plant``): the train and its line as one process on the bus."""
+"""``python -m railhil.plant_sim`` (the same as ``railhil node plant``): the train and its line as one process on the bus."""
 
 from __future__ import annotations
 
 import sys
 
-from bus.exitcodes import guarded
+from railhil.common.exit_codes import guarded
 
 
 def main() -> int:
     """The command; its modules are loaded here, so that Ctrl-C while they are ends as it does later."""
-    from plant_sim import command
+    from railhil.plant_sim import command
 
     return command.main()
 

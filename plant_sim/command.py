@@ -9,14 +9,14 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
-from bus.link import open_link
-from bus.realtime import NODE_PRIORITY, cycle
-from bus.select import choose_bus
-from bus.usage import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
-from bus.wholefile import check_writable
-from plant_sim.node import PlantNode, PlantOptions
-from scenarios.errors import InputError
-from scenarios.load import load
+from railhil.bus.link import open_link
+from railhil.bus.select import choose_bus
+from railhil.common.command_line import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
+from railhil.common.errors import InputError
+from railhil.common.scheduling import NODE_PRIORITY, cycle
+from railhil.common.whole_file import check_writable
+from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.scenarios.load import load
 
 
 def arguments() -> argparse.ArgumentParser:

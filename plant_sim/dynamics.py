@@ -21,7 +21,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import NamedTuple
 
-from plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
+from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 
 
 class Lag(NamedTuple):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Literal
 
-from plant_sim.dynamics import Motion
-from scenarios.model import Balise
+from railhil.plant_sim.dynamics import Motion
+from railhil.scenarios.model import Balise
 
 #: A standstill counts as a stop after at least this distance.
 MOVED_MIN_M = 1.0

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scenarios.model import Effort, Profile, Train
-from scenarios.profiles import Floats, MeanGrade
+from railhil.scenarios.model import Effort, Profile, Train
+from railhil.scenarios.profiles import Floats, MeanGrade
 
 _KMH = 3.6
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 
-from bus.layout import CHECK_CORRECT, FLAG_FALSE
-from bus.lifesign import Life, LifeSign
-from bus.telegrams import NotchCmd
+from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE
+from railhil.bus.lifesign import Life, LifeSign
+from railhil.bus.telegrams import NotchCmd
 
 
 class CommandGate:

@@ -9,21 +9,21 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from bus.administrator import Administrator
-from bus.clock import Pacer
-from bus.errors import BusError, PeerSilent
-from bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
-from bus.schedule import Schedule
-from bus.store import TrafficStore
-from bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
-from dbc import Port, wire_contract
-from plant_sim.gate import CommandGate
-from plant_sim.plant import Plant, PlantError
-from plant_sim.supervision import RunEndpoint, SupervisorWatch
-from plant_sim.telegrams import TrainTelegrams
-from plant_sim.timing import MISSED_NS, PlantTiming
-from scenarios.model import Scenario
-from scenarios.perturb import perturbed
+from railhil.bus.administrator import Administrator
+from railhil.bus.clock import Pacer
+from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.schedule import Schedule
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
+from railhil.dbc import Port, wire_contract
+from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.gate import CommandGate
+from railhil.plant_sim.plant import Plant, PlantError
+from railhil.plant_sim.supervision import RunEndpoint, SupervisorWatch
+from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.perturb import perturbed
 
 #: The record goes on this long after the stop, so that it shows the standstill.
 AFTER_STOP_S = 1.0

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections import deque
 from math import inf, isfinite
 
-from plant_sim import dynamics, forces
-from plant_sim.dynamics import Lag, Motion, Window
-from plant_sim.events import MOVED_MIN_M, EventKind, PlantEvent, passing_s
-from plant_sim.sensors import AxleSensors
-from plant_sim.status import TrainStatus
-from plant_sim.watch import INITIAL, Level, operator_reset, watch_brake_mps2, watch_step, watch_ticks
-from scenarios.model import Balise, Profile, Scenario, profile_value
-from scenarios.profiles import front_speed_limit
+from railhil.plant_sim import dynamics, forces
+from railhil.plant_sim.dynamics import Lag, Motion, Window
+from railhil.plant_sim.events import MOVED_MIN_M, EventKind, PlantEvent, passing_s
+from railhil.plant_sim.sensors import AxleSensors
+from railhil.plant_sim.status import TrainStatus
+from railhil.plant_sim.watch import INITIAL, Level, operator_reset, watch_brake_mps2, watch_step, watch_ticks
+from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
+from railhil.scenarios.profiles import front_speed_limit
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH = 256

@@ -2,7 +2,7 @@
 
 The train pulls with its whole traction limit until it meets the ceiling, keeps to the ceiling as far as its force
 allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic
-(the deceleration is given, the force follows), resistance and traction are those of :mod:`plant_sim.forces`. There
+(the deceleration is given, the force follows), resistance and traction are those of :mod:`railhil.plant_sim.forces`. There
 is no actuator lag: the result is a bound, to be compared with published running times.
 
 Integration over distance: ``d(v^2)/dx = 2 a(v, x)``, midpoint rule; cells end at every change of limit and at every
@@ -16,7 +16,7 @@ from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
-from plant_sim.forces import (
+from railhil.plant_sim.forces import (
     GradeTable,
     TrainConstants,
     effort_limit_n,
@@ -25,8 +25,8 @@ from plant_sim.forces import (
     resistance_n,
     train_constants,
 )
-from scenarios.model import Line, Profile, Train
-from scenarios.profiles import front_speed_limit
+from railhil.scenarios.model import Line, Profile, Train
+from railhil.scenarios.profiles import front_speed_limit
 
 #: Length of an integration cell; halving it moves the railtoolkit times by less than 0.002 %.
 CELL_M = 2.0

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from scenarios import streams
-from scenarios.model import Sensors
+from railhil.scenarios import streams
+from railhil.scenarios.model import Sensors
 
 #: Speed noise is drawn in blocks of so many ticks.
 _NOISE_BLOCK = 4096

@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from typing import Protocol
 
-from bus.administrator import WATCHDOG_NS
-from bus.link import Endpoint
+from railhil.bus.administrator import WATCHDOG_NS
+from railhil.bus.link import Endpoint
 
 #: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
 _PERIODS = 2.5

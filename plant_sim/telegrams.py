@@ -6,12 +6,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bus.clock import rate_to_10th, to_time_sync
-from bus.layout import Telegram, flag
-from bus.telegrams import BalisePassed, PltStat, SimTruth, TimeState, TimeSync, TrkInfo, TrnPos, TrnSpeed
-from plant_sim.plant import Plant
-from scenarios.model import Profile, Scenario, profile_value
-from scenarios.target import Target
+from railhil.bus.clock import rate_to_10th, to_time_sync
+from railhil.bus.layout import Telegram, flag
+from railhil.bus.telegrams import BalisePassed, PltStat, SimTruth, TimeState, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.plant_sim.plant import Plant
+from railhil.scenarios.model import Profile, Scenario, profile_value
+from railhil.scenarios.target import Target
 
 #: 100 % of a BIPOLAR2.16 value.
 _BIPOLAR_FULL = 0x4000

@@ -15,7 +15,7 @@ EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at o
 
 The age is the simulation time since the last accepted command; "in a row" means that no command came later than the
 hold limit after the one before it. Every leave leads to NORMAL, the operator reset to SERVICE_BRAKE, which holds the
-train until a command comes. The thresholds are scenario data (:class:`scenarios.model.WatchLimits`).
+train until a command comes. The thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from enum import IntEnum
 from math import inf
 from typing import NamedTuple
 
-from scenarios.model import WatchLimits
+from railhil.scenarios.model import WatchLimits
 
 #: Good commands in a row that end TRACTION_CUT.
 GOOD_AFTER_TRACTION_CUT = 5

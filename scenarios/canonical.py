@@ -6,7 +6,7 @@ import dataclasses
 import hashlib
 import json
 
-from scenarios.model import Scenario
+from railhil.scenarios.model import Scenario
 
 #: Fields that only explain a scenario; changing them does not change a run.
 _EXPLAINING = ("title", "assumptions", "published", "sha256")

@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from scenarios import model
-from scenarios.errors import InputError, Words
-from scenarios.profiles import front_speed_limit
-from scenarios.target import Target
+from railhil.common.errors import InputError, Words
+from railhil.scenarios import model
+from railhil.scenarios.profiles import front_speed_limit
+from railhil.scenarios.target import Target
 
 #: Raises nothing itself: builds the error for a key path (keys, found, allowed).
 Refuse = Callable[[tuple[str | int, ...], object, str], InputError]

@@ -1,14 +1,14 @@
-"""From checked file tables (units as written) to :mod:`scenarios.model` (SI units)."""
+"""From checked file tables (units as written) to :mod:`railhil.scenarios.model` (SI units)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-from scenarios import model, schema
-from scenarios.errors import InputError, Words
-from scenarios.generate import CurveLimits
-from scenarios.importers import railtoolkit, ttobench
-from scenarios.importers.section import Stop, StopLine
+from railhil.common.errors import InputError, Words
+from railhil.scenarios import model, schema
+from railhil.scenarios.generate import CurveLimits
+from railhil.scenarios.importers import railtoolkit, ttobench
+from railhil.scenarios.importers.section import Stop, StopLine
 
 #: Raises :class:`InputError` for a key of the scenario: (keys, found, allowed).
 Refuse = Callable[[tuple[str | int, ...], object, str], InputError]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenarios.model import Effort, Train
+from railhil.scenarios.model import Effort, Train
 
 Floats = NDArray[np.float64]
 

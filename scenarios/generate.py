@@ -1,7 +1,7 @@
 """Target speed curves for any line and train, within speed, force, acceleration and jerk limits.
 
 How it works. The fastest run with piecewise-constant acceleration is built over distance
-(:mod:`scenarios.envelope`) under the line's limits, the train's limit and one common speed cap. Its speed
+(:mod:`railhil.scenarios.envelope`) under the line's limits, the train's limit and one common speed cap. Its speed
 over time is then averaged over a window ``tau``: a moving average keeps the distance, keeps every
 acceleration within its bounds, turns piecewise-constant acceleration into piecewise-linear, and bounds the
 jerk by ``(a_max + b_max) / tau``. The cap is lowered until the running time is nearly met; the rest is a
@@ -17,8 +17,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from scenarios.effort import force_limit_n, resistance_n
-from scenarios.envelope import (
+from railhil.scenarios.effort import force_limit_n, resistance_n
+from railhil.scenarios.envelope import (
     CurveError,
     Piece,
     Zone,
@@ -28,8 +28,8 @@ from scenarios.envelope import (
     one_way,
     speed_knots,
 )
-from scenarios.model import Line, TargetCurve, Train
-from scenarios.profiles import Floats, MeanGrade, front_speed_limit
+from railhil.scenarios.model import Line, TargetCurve, Train
+from railhil.scenarios.profiles import Floats, MeanGrade, front_speed_limit
 
 #: Acceleration that must be left when a train holds the speed of a zone, so that it can also reach it.
 _SPARE_MPS2 = 0.05

@@ -1,4 +1,4 @@
-"""JSON Schema of scenario files for editors: ``python -m scenarios.json_schema > scenario.schema.json``.
+"""JSON Schema of scenario files for editors: ``python -m railhil.scenarios.json_schema > scenario.schema.json``.
 
 A scenario may take any key from another file (``extends``, ``file``), so the schema knows every key, its type and
 bounds, but requires none; what is missing in the end is found by loading.
@@ -11,7 +11,7 @@ import signal
 import sys
 from typing import Any
 
-from scenarios.schema import ScenarioFile
+from railhil.scenarios.schema import ScenarioFile
 
 _REFERENCES = {
     "TrainTable": "a shipped train or a relative path to a .toml file",

@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from scenarios.errors import InputError, Words
+from railhil.common.errors import InputError, Words
 
 DATA = Path(__file__).parent / "data"
 _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}

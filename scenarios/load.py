@@ -6,14 +6,14 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from scenarios import check, convert, model
-from scenarios.canonical import scenario_sha256
-from scenarios.envelope import CurveError
-from scenarios.errors import InputError, Words, nearest_key
-from scenarios.generate import fastest_time_s, generate
-from scenarios.layers import DATA, Layers, shipped_names
-from scenarios.schema import TRAIN_TAGS, ScenarioFile
-from scenarios.validation import Keys, dotted, validated
+from railhil.common.errors import InputError, Words, nearest_key
+from railhil.scenarios import check, convert, model
+from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.envelope import CurveError
+from railhil.scenarios.generate import fastest_time_s, generate
+from railhil.scenarios.layers import DATA, Layers, shipped_names
+from railhil.scenarios.schema import TRAIN_TAGS, ScenarioFile
+from railhil.scenarios.validation import Keys, dotted, validated
 
 RUNS = DATA / "runs"
 

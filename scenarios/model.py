@@ -1,6 +1,6 @@
 """What a run is made of, as frozen dataclasses in SI units.
 
-Everything inside the bench reads these classes; files and their validation stay in :mod:`scenarios.schema`.
+Everything inside the bench reads these classes; files and their validation stay in :mod:`railhil.scenarios.schema`.
 Positions are metres from the stopping point at which the run starts (increasing along the run), grades are
 permil (up positive), speeds are m/s unless the name says otherwise.
 """
@@ -85,7 +85,7 @@ class TargetCurve:
 
     After the last node the last acceleration continues, so the speed becomes virtually negative after the
     planned stop (spec decision: clamping at zero costs seconds of punctuality). Values are exact
-    polynomials per piece: see :mod:`scenarios.target`.
+    polynomials per piece: see :mod:`railhil.scenarios.target`.
     """
 
     nodes: tuple[tuple[float, float], ...]

@@ -25,8 +25,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from scenarios.errors import InputError, Words
-from scenarios.validation import validated
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.validation import validated
 
 #: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
 DIGEST_DIGITS = 8

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from scenarios import streams
-from scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
+from railhil.scenarios import streams
+from railhil.scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
 
 
 class _Draws:

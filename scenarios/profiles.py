@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from scenarios.model import Line, Profile, Train
+from railhil.scenarios.model import Line, Profile, Train
 
 Floats = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Target speed curve of a scenario made again: ``python -m scenarios.regenerate NAME... [--write]``.
+"""Target speed curve of a scenario made again: ``python -m railhil.scenarios.regenerate NAME... [--write]``.
 
 Shipped scenarios carry their curve precomputed, so that loading is quick and the curve does not depend on the
 versions of numerical libraries. This command recomputes it from ``[target.generate]`` and prints the target
@@ -11,10 +11,10 @@ import argparse
 import sys
 from pathlib import Path
 
-from scenarios.errors import InputError, Words
-from scenarios.layers import DATA
-from scenarios.load import RUNS, Parts, find, generated_target, read_parts
-from scenarios.model import TargetCurve
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.layers import DATA
+from railhil.scenarios.load import RUNS, Parts, find, generated_target, read_parts
+from railhil.scenarios.model import TargetCurve
 
 
 def target_file_text(parts: Parts, curve: TargetCurve) -> str:
@@ -22,7 +22,7 @@ def target_file_text(parts: Parts, curve: TargetCurve) -> str:
     limits = parts.file.target.generate
     assert limits is not None
     lines = [
-        f"# Made by: python -m scenarios.regenerate {parts.file.name} --write",
+        f"# Made by: python -m railhil.scenarios.regenerate {parts.file.name} --write",
         "nodes_s_mps2 = [",
         *(f"    [{time_s!r}, {accel!r}]," for time_s, accel in curve.nodes),
         "]",
@@ -35,7 +35,7 @@ def target_file_text(parts: Parts, curve: TargetCurve) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Command line; returns 0, or 2 for bad input (one line on stderr)."""
-    parser = argparse.ArgumentParser(prog="python -m scenarios.regenerate", description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(prog="python -m railhil.scenarios.regenerate", description=__doc__.splitlines()[0])
     parser.add_argument("scenario", nargs="+", help="shipped name or path of a scenario with [target.generate]")
     parser.add_argument("--write", action="store_true", help="write data/targets/<name>.toml instead of printing")
     options = parser.parse_args(arguments)

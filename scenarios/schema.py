@@ -1,8 +1,8 @@
 """Schema of scenario, line, train and target files (TOML), checked with pydantic.
 
 Keys carry their unit (``mass_t``, ``distance_m``, ``speed_limit_kmh``); unknown keys are refused. This
-module only says what a file may contain: :mod:`scenarios.load` resolves references and turns it into
-:mod:`scenarios.model`.
+module only says what a file may contain: :mod:`railhil.scenarios.load` resolves references and turns it into
+:mod:`railhil.scenarios.model`.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class LineTable(_Table):
 
 
 class GenerateTable(_Table):
-    """Limits of a generated target speed curve (see :mod:`scenarios.generate`)."""
+    """Limits of a generated target speed curve (see :mod:`railhil.scenarios.generate`)."""
 
     accel_max_mps2: Positive = 0.8
     braking_max_mps2: Positive = 0.7

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Draws of :func:`scenarios.perturb.perturbed`.
+#: Draws of :func:`railhil.scenarios.perturb.perturbed`.
 PERTURBATION = 0
 #: Noise of the axle speed sensor.
 SPEED_NOISE = 1

@@ -19,7 +19,7 @@ from numpy import all as all_of
 from numpy import maximum, minimum, sqrt, where
 from numpy.typing import ArrayLike, NDArray
 
-from scenarios.model import TargetCurve
+from railhil.scenarios.model import TargetCurve
 
 Floats = NDArray[np.float64]
 

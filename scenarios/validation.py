@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from scenarios.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, nearest_key
 
 M = TypeVar("M", bound=BaseModel)
 Keys = tuple[str | int, ...]

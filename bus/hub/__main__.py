@@ -1,18 +1,18 @@
-"""``python -m bus.hub -c PATH``."""
+"""``python -m railhil.bus.hub -c PATH``."""
 
 from __future__ import annotations
 
 import sys
 
-from bus.exitcodes import guarded
+from railhil.common.exit_codes import guarded
 
 
 def main() -> int:
     """Parse the command line and run the hub; modules are loaded here, so that Ctrl-C while they are ends as later."""
-    from bus.hub.cli import add_arguments, run
-    from bus.usage import OneLineParser
+    from railhil.bus.hub.cli import add_arguments, run
+    from railhil.common.command_line import OneLineParser
 
-    parser = OneLineParser(prog="python -m bus.hub", description="software CAN switch")
+    parser = OneLineParser(prog="python -m railhil.bus.hub", description="software CAN switch")
     add_arguments(parser)
     return run(parser.parse_args())
 

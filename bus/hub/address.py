@@ -18,7 +18,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bus.errors import BusUnavailable
+from railhil.bus.errors import BusUnavailable
 
 TCP_SCHEME = "tcp://"
 #: ``sizeof(sun_path)`` of Linux less the closing zero byte.

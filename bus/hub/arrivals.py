@@ -7,8 +7,8 @@ import os
 import threading
 from collections import deque
 
-from bus.frame import Frame
-from bus.hub.backlog import LIMIT_FRAMES
+from railhil.bus.frame import Frame
+from railhil.bus.hub.backlog import LIMIT_FRAMES
 
 
 class Arrivals:

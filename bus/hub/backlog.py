@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from bus.frame import Frame
+from railhil.bus.frame import Frame
 
 #: Most frames that wait for one bus.
 LIMIT_FRAMES = 4096

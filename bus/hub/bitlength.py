@@ -14,7 +14,7 @@ does not depend on values. With bit rate switch, ESI to CRC delimiter count at t
 
 from __future__ import annotations
 
-from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 
 #: CRC delimiter, acknowledge slot, acknowledge delimiter, end of frame, interframe space.
 _TAIL_BITS = 1 + 1 + 1 + 7 + 3

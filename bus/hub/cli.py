@@ -1,4 +1,4 @@
-"""Command line of the hub process (``railhil bus hub``, ``python -m bus.hub``)."""
+"""Command line of the hub process (``railhil bus hub``, ``python -m railhil.bus.hub``)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import argparse
 import contextlib
 import sys
 
-from bus.errors import BusUnavailable
-from bus.hub.address import default_channel
-from bus.hub.portspec import parse_ports
-from bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
-from bus.realtime import cycle
-from bus.usage import add_priority_argument
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.hub.address import default_channel
+from railhil.bus.hub.portspec import parse_ports
+from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
+from railhil.common.command_line import add_priority_argument
+from railhil.common.scheduling import cycle
 
 
 def _positive_int(text: str) -> int:

@@ -16,11 +16,11 @@ from typing import Any
 
 import can
 
-from bus.errors import BusUnavailable
-from bus.frame import EXTENDED, Frame
-from bus.hub import wire
-from bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
-from bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, SendTimeout, StreamLink
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.frame import EXTENDED, Frame
+from railhil.bus.hub import wire
+from railhil.bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
+from railhil.bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, SendTimeout, StreamLink
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
 CHANNEL_NAME = "railhil"
@@ -68,7 +68,7 @@ class HubBus(can.BusABC):
         Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is only just starting. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
-        classic frames ``wake_on`` comes (see :mod:`bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
+        classic frames ``wake_on`` comes (see :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
         may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the
         hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and
         the like) have no meaning here and are ignored.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 
-from bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
+from railhil.bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
 
 #: Longest time that a packet is held back.
 HOLD_S = 0.02

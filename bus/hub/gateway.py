@@ -1,6 +1,6 @@
 """Another python-can bus as a port of the hub: what makes it a gateway.
 
-The bus is a :class:`bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over and takes
+The bus is a :class:`railhil.bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over and takes
 them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the port's own:
 waiting for a bus that is down, and reading one through python-can's own driver. The hub is not a node of the control
 path, and nothing else reads the link meanwhile.
@@ -27,14 +27,14 @@ from collections.abc import Callable
 
 import can
 
-from bus.errors import BusLost
-from bus.frame import ERROR, FD, Frame
-from bus.hub.arrivals import Arrivals
-from bus.hub.backlog import Backlog
-from bus.hub.ports import Port
-from bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
-from bus.hub.wire import pack_frames, unpack_frames
-from bus.link.batch import BatchLink
+from railhil.bus.errors import BusLost
+from railhil.bus.frame import ERROR, FD, Frame
+from railhil.bus.hub.arrivals import Arrivals
+from railhil.bus.hub.backlog import Backlog
+from railhil.bus.hub.ports import Port
+from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
+from railhil.bus.hub.wire import pack_frames, unpack_frames
+from railhil.bus.link.batch import BatchLink
 
 #: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that and so on.
 RETRY_NS = 500_000
@@ -55,7 +55,7 @@ class BusPort(Port):
     without), ``local_error_frames`` (not carried on), ``rx_lost`` (frames of the bus that the switch did not read in
     time), beside those of the link.
 
-    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`bus.hub.backlog`); else for a moment for
+    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); else for a moment for
         a full one and not at all for a missing one, so that nothing old is sent later.
     :param report: takes one line.
     :raises BusUnavailable: the bus cannot be opened.

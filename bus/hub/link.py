@@ -17,8 +17,8 @@ from struct import Struct
 
 import can
 
-from bus.errors import BusError, BusLost
-from bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
+from railhil.bus.errors import BusError, BusLost
+from railhil.bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
 
 _RECEIVE_SIZE = MAX_PACKET_SIZE + len(OWN_MARK)
 _STREAM_CHUNK_SIZE = 65536

@@ -2,7 +2,7 @@
 
 Both are off unless asked for. Each client is a CAN controller with one first-in-first-out transmit queue.
 
-*Bit rate*: one frame at a time is on the wire, for its exact length (:mod:`bus.hub.bitlength`), and is
+*Bit rate*: one frame at a time is on the wire, for its exact length (:mod:`railhil.bus.hub.bitlength`), and is
 delivered at its end. Time is the monotonic clock of the hub process; a hub that is woken late catches up,
 so rounding does not accumulate.
 
@@ -19,9 +19,9 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from bus.hub.bitlength import arbitration_key, frame_bits
-from bus.hub.ports import Port
-from bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
+from railhil.bus.hub.bitlength import arbitration_key, frame_bits
+from railhil.bus.hub.ports import Port
+from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
 
 #: A client with this many frames waiting is not read until the wire has taken some: its ``send`` then
 #: blocks, as with the transmit queue of a real interface. (One packet more may be in.)

@@ -1,6 +1,6 @@
 """The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
 
-:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (:mod:`bus.hub.gateway`).
+:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (:mod:`railhil.bus.hub.gateway`).
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ import socket
 from abc import ABC, abstractmethod
 from collections import deque
 
-from bus.hub.coalesce import Coalescer
-from bus.hub.wire import MAX_PACKET_SIZE
+from railhil.bus.hub.coalesce import Coalescer
+from railhil.bus.hub.wire import MAX_PACKET_SIZE
 
 #: What a queued packet costs beyond its bytes: the bytes object and its place in the queue.
 QUEUED_PACKET_OVERHEAD_BYTES = 48

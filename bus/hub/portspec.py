@@ -11,10 +11,10 @@ from typing import Any
 import can
 from can.util import cast_from_string
 
-from bus.errors import BusUnavailable
-from bus.hub.address import parse_channel
-from bus.link import Link, open_link
-from bus.link.kernel import is_up
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.hub.address import parse_channel
+from railhil.bus.link import Link, open_link
+from railhil.bus.link.kernel import is_up
 
 #: How the hub begins its lines.
 PROGRAM = "railhil hub"

@@ -9,11 +9,11 @@ import threading
 from collections.abc import Iterator, Sequence
 from typing import Any, Self
 
-from bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
-from bus.hub.gateway import BusPort
-from bus.hub.model import WireModel
-from bus.hub.portspec import PROGRAM, PortSpec
-from bus.hub.switch import Switch
+from railhil.bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
+from railhil.bus.hub.gateway import BusPort
+from railhil.bus.hub.model import WireModel
+from railhil.bus.hub.portspec import PROGRAM, PortSpec
+from railhil.bus.hub.switch import Switch
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
 DEFAULT_BITRATE_BPS = 500_000
@@ -43,7 +43,7 @@ def serve(
 
     Prints one line to standard output when clients may connect, and one to standard error for each client
     cut off, for each bus that goes or comes back, and at the end or SIGUSR1 for what each bus has carried.
-    Raises :class:`bus.errors.BusUnavailable` when the channel or a port cannot be had.
+    Raises :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be had.
     """
     data_bitrate_bps = bitrate_bps if data_bitrate_bps is None else data_bitrate_bps
     model = None

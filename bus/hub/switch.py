@@ -12,11 +12,11 @@ import socket
 import time
 from collections.abc import Callable, Sequence
 
-from bus.hub.address import describe
-from bus.hub.coalesce import HOLD_S, coalescer_of
-from bus.hub.model import WireModel
-from bus.hub.ports import Port, PortClosed, PortFault, SocketPort, StreamPort
-from bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
+from railhil.bus.hub.address import describe
+from railhil.bus.hub.coalesce import HOLD_S, coalescer_of
+from railhil.bus.hub.model import WireModel
+from railhil.bus.hub.ports import Port, PortClosed, PortFault, SocketPort, StreamPort
+from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
 
 MAX_PORTS = 256
 #: How long a stopped hub goes on handing out what it has already taken.

@@ -38,7 +38,7 @@ from typing import Any
 
 import can
 
-from bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame
 
 PROTOCOL_VERSION = 1
 CLASSIC_SIZE = 16

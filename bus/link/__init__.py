@@ -5,14 +5,14 @@ The same node code runs on the hub, on SocketCAN and on a serial adapter; :func:
 ============= ====================== ==============================================================================
 interface     link                   an interface that fails
 ============= ====================== ==============================================================================
-the hub       :mod:`bus.link.batch`  ends the node: the run is gone with it
-``socketcan`` :mod:`bus.link.kernel` is waited for (:mod:`bus.link.outage`) and opened again
-``slcan``     :mod:`bus.link.slcan`  is waited for and opened again
-any other     :mod:`bus.link.single` is waited for and opened again
+the hub       :mod:`railhil.bus.link.batch`  ends the node: the run is gone with it
+``socketcan`` :mod:`railhil.bus.link.kernel` is waited for (:mod:`railhil.bus.link.outage`) and opened again
+``slcan``     :mod:`railhil.bus.link.slcan`  is waited for and opened again
+any other     :mod:`railhil.bus.link.single` is waited for and opened again
 ============= ====================== ==============================================================================
 """
 
-from bus.link.base import Endpoint, Link
-from bus.link.opening import open_link
+from railhil.bus.link.base import Endpoint, Link
+from railhil.bus.link.opening import open_link
 
 __all__ = ["Endpoint", "Link", "open_link"]

@@ -10,8 +10,8 @@ from typing import Protocol
 
 import can
 
-from bus.errors import BusLost
-from bus.frame import Frame
+from railhil.bus.errors import BusLost
+from railhil.bus.frame import Frame
 
 #: What python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)

@@ -7,8 +7,8 @@ from typing import Any
 
 import can
 
-from bus.frame import Frame
-from bus.link.base import FAILURES, Link
+from railhil.bus.frame import Frame
+from railhil.bus.link.base import FAILURES, Link
 
 
 class BatchLink(Link):

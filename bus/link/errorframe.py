@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bus.frame import Frame
+from railhil.bus.frame import Frame
 
 #: Class bits in the identifier of an error frame.
 BUS_OFF = 0x40

@@ -16,9 +16,9 @@ from typing import Any
 
 import can
 
-from bus.frame import Frame
-from bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
-from bus.link.single import SingleLink
+from railhil.bus.frame import Frame
+from railhil.bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
+from railhil.bus.link.single import SingleLink
 
 _SO_RXQ_OVFL = 40
 _SO_TIMESTAMPNS = 35

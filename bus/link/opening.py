@@ -8,8 +8,8 @@ from typing import Any
 
 import can
 
-from bus.errors import BusUnavailable
-from bus.link.base import Link
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.link.base import Link
 
 
 def open_link(config: dict[str, Any], name: str = "bus") -> Link:
@@ -31,21 +31,21 @@ def open_link(config: dict[str, Any], name: str = "bus") -> Link:
     try:
         bus = reopen()
         if hasattr(bus, "send_frames"):
-            from bus.link.batch import BatchLink
+            from railhil.bus.link.batch import BatchLink
 
             return BatchLink(bus, say)
         if type(bus).__name__ == "SocketcanBus":
-            from bus.link.kernel import KernelLink
+            from railhil.bus.link.kernel import KernelLink
 
             return KernelLink(bus, reopen, say)
         has_port = isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int)
         if has_port and type(bus).__name__ == "slcanBus":
             # A port of this machine; one behind socket:// or on Windows goes python-can's way. So does an adapter of
             # another protocol: robotell keeps its port under the same name.
-            from bus.link.slcan import SlcanLink
+            from railhil.bus.link.slcan import SlcanLink
 
             return SlcanLink(bus, reopen, say)
-        from bus.link.single import SingleLink
+        from railhil.bus.link.single import SingleLink
 
         return SingleLink(bus, reopen, say)
     except Exception as error:

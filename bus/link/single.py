@@ -1,6 +1,6 @@
 """The link on any python-can interface: frame by frame, with outages.
 
-An adapter that fails does not end the node: the link waits for it (:mod:`bus.link.outage`) and opens it again.
+An adapter that fails does not end the node: the link waits for it (:mod:`railhil.bus.link.outage`) and opens it again.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from collections.abc import Callable, Sequence
 
 import can
 
-from bus.frame import ERROR, Frame, from_message, to_message
-from bus.link.base import FAILURES, Link
-from bus.link.errorframe import BUS_OFF, RESTARTED, describe
-from bus.link.outage import GIVE_UP_S, Outage
+from railhil.bus.frame import ERROR, Frame, from_message, to_message
+from railhil.bus.link.base import FAILURES, Link
+from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
+from railhil.bus.link.outage import GIVE_UP_S, Outage
 
 #: A full transmit queue (ENOBUFS) is retried for so long, this far apart; python-can raises it at once.
 SEND_RETRY_MAX_S = 0.02

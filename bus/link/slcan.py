@@ -23,10 +23,10 @@ from typing import Any
 
 import can
 
-from bus.frame import Frame
-from bus.link.outage import Outage
-from bus.link.single import SingleLink
-from bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
+from railhil.bus.frame import Frame
+from railhil.bus.link.outage import Outage
+from railhil.bus.link.single import SingleLink
+from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
 #: In realtime nothing is added to frames that have waited longer than this: half of what cuts traction.
 STALE_NS = 30_000_000

@@ -9,7 +9,7 @@ Source: Lawicel CAN232 manual, version 3 (t T r R); CANable 2.0 slcan firmware (
 
 from __future__ import annotations
 
-from bus.frame import BRS, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.frame import BRS, EXTENDED, FD, REMOTE, Frame
 
 #: The longest line: an extended FD frame of 64 bytes, and a time stamp.
 LINE_MAX_BYTES = 1 + 8 + 1 + 128 + 4

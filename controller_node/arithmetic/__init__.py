@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from controller_node.arithmetic.base import Arithmetic
-from controller_node.arithmetic.float32 import Float32, Float32Truncated
-from controller_node.arithmetic.float32_batch import Float32Batch, Float32TruncatedBatch
-from controller_node.arithmetic.float64 import Float64, Float64Batch
-from controller_node.arithmetic.iq import C28, C28Batch, Portable, PortableBatch
-from scenarios.errors import InputError
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.arithmetic.float32 import Float32, Float32Truncated
+from railhil.controller_node.arithmetic.float32_batch import Float32Batch, Float32TruncatedBatch
+from railhil.controller_node.arithmetic.float64 import Float64, Float64Batch
+from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable, PortableBatch
 
 _ONE_TRAIN: dict[str, type[Arithmetic[Any]]] = {
     "iq": C28,

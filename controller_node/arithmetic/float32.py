@@ -27,7 +27,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Condition, Constant, Curve, T
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Condition, Constant, Curve, T
 
 #: Smallest normal and largest number of the format.
 FLT_MIN = 2.0**-126

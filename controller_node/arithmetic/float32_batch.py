@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Condition, Constant, Curve
-from controller_node.arithmetic.float32 import (
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Condition, Constant, Curve
+from railhil.controller_node.arithmetic.float32 import (
     ESTIMATE_BITS,
     FLT_MAX,
     FLT_MIN,

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, T
+from railhil.controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, T
 
 Floats = NDArray[np.float64]
 

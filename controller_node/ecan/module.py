@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
-from bus.frame import BRS, ERROR, EXTENDED, FD, Frame
-from controller_node.ecan.table import MAILBOXES_MAX, Mailbox
-from controller_node.ecan.timestamp import BitCounter
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, Frame
+from railhil.controller_node.ecan.mailboxes import MAILBOXES_MAX, Mailbox
+from railhil.controller_node.ecan.timestamp import BitCounter
 
 _STANDARD_IDS = 0x800
 #: An error frame is no message, and a CAN FD frame is a broken one to a classic CAN module.

@@ -7,13 +7,13 @@ administrator and the bench's own telegrams (time, end of the run) are read by i
 
 from __future__ import annotations
 
-from bus.frame import Frame
-from bus.responder import Responder
-from bus.telegrams import RunEvent, TimeSync
-from controller_node.ecan.module import Ecan
-from controller_node.ecan.table import POLL, Mailbox
-from controller_node.ecan.timestamp import BitCounter
-from dbc import wire_contract
+from railhil.bus.frame import Frame
+from railhil.bus.responder import Responder
+from railhil.bus.telegrams import RunEvent, TimeSync
+from railhil.controller_node.ecan.mailboxes import POLL, Mailbox
+from railhil.controller_node.ecan.module import Ecan
+from railhil.controller_node.ecan.timestamp import BitCounter
+from railhil.dbc import wire_contract
 
 _BY_INTERRUPT = (POLL, TimeSync.PORT, RunEvent.PORT)
 

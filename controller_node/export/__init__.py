@@ -1,5 +1,5 @@
 """A control law as C99 for the target, written from the same recorded program that the bench runs and audits."""
 
-from controller_node.export.bundle import Bundle, make_bundle, write_bundle
+from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
 
 __all__ = ["Bundle", "make_bundle", "write_bundle"]

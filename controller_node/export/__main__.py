@@ -10,13 +10,13 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from bus.exitcodes import guarded
-from bus.usage import OneLineParser, parse
-from controller_node.controller import Controller
-from controller_node.export.bundle import make_bundle, write_bundle
-from controller_node.laws import names
-from scenarios.load import load
-from scenarios.parameters import load_parameters
+from railhil.common.command_line import OneLineParser, parse
+from railhil.common.exit_codes import guarded
+from railhil.controller_node.controller import Controller
+from railhil.controller_node.export.bundle import make_bundle, write_bundle
+from railhil.controller_node.laws import names
+from railhil.scenarios.load import load
+from railhil.scenarios.parameters import load_parameters
 
 _FILE_COLUMNS = 100
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from controller_node.arithmetic.base import Constant
-from controller_node.export.names import Names, comment, identifier, literal
-from controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.export.names import Names, comment, identifier, literal
+from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
 #: The IQmath library has its functions for 1 to 30 fraction bits.
 NAMED_Q = range(1, 31)

@@ -9,19 +9,19 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
-from controller_node.export.body import NAMED_Q
-from controller_node.export.mailboxes import mailbox_header
-from controller_node.export.node_header import node_header
-from controller_node.export.note import memory_note
-from controller_node.export.reference import reference_log
-from controller_node.export.source import Source, SourceWriter, c_name
-from controller_node.node import mailboxes
-from controller_node.program.model import BALISE_INPUTS, BranchError, LawProgram
-from controller_node.program.record import record
-from controller_node.program.tracer import FormatError
-from scenarios.errors import InputError, Words
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.export.body import NAMED_Q
+from railhil.controller_node.export.mailboxes import mailbox_header
+from railhil.controller_node.export.node_header import node_header
+from railhil.controller_node.export.note import memory_note
+from railhil.controller_node.export.reference import reference_log
+from railhil.controller_node.export.source import Source, SourceWriter, c_name
+from railhil.controller_node.node import mailboxes
+from railhil.controller_node.program.model import BALISE_INPUTS, BranchError, LawProgram
+from railhil.controller_node.program.record import record
+from railhil.controller_node.program.tracer import FormatError
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 #: Words of a record without a balise.
 _RECORD_WORDS = 5
@@ -48,7 +48,7 @@ class Bundle:
 
 
 def _template(name: str, law: str) -> str:
-    text = files("controller_node.export").joinpath("c", name).read_text(encoding="ascii")
+    text = files("railhil.controller_node.export").joinpath("c", name).read_text(encoding="ascii")
     return text.replace("@LAW@", law)
 
 

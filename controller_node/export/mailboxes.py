@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from controller_node.ecan import Mailbox
-from controller_node.export.names import Names
+from railhil.controller_node.ecan import Mailbox
+from railhil.controller_node.export.names import Names
 
 
 def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from controller_node.arithmetic.base import INT32_MIN
+from railhil.controller_node.arithmetic.base import INT32_MIN
 
 #: Characters in which C99 requires a compiler to tell external names apart.
 LENGTH_MAX = 31

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from bus.ident import INDEXINGS, Role, make_ident
-from bus.lifesign import MAX_STEP
-from bus.mvb import master_word
-from bus.schedule import Schedule
-from bus.telegrams import TrnPos, TrnSpeed
-from controller_node import odometer
-from controller_node.arithmetic import make
-from controller_node.cost import cost_of
-from controller_node.export.names import comment
-from controller_node.node import ANSWERS, MAILBOXES
-from controller_node.program.model import LawProgram
-from controller_node.watch import Ladder
-from dbc import Port, wire_contract
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.bus.ident import INDEXINGS, Role, make_ident
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import master_word
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.controller_node import odometer
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.export.names import comment
+from railhil.controller_node.node import ANSWERS, MAILBOXES
+from railhil.controller_node.program.model import LawProgram
+from railhil.controller_node.watch import Ladder
+from railhil.dbc import Port, wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 _ARITHMETIC = "iq"
 _CYCLES_MAX = 0xFFFF

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from controller_node.arithmetic import make
-from controller_node.arithmetic.base import Constant
-from controller_node.cost import cost_of
-from controller_node.export.body import NAMED_Q
-from controller_node.export.names import comment
-from controller_node.export.source import Source
-from controller_node.program.cycles import CPU_MHZ
-from controller_node.program.model import LawProgram
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.export.body import NAMED_Q
+from railhil.controller_node.export.names import comment
+from railhil.controller_node.export.source import Source
+from railhil.controller_node.program.cycles import CPU_MHZ
+from railhil.controller_node.program.model import LawProgram
+from railhil.scenarios.model import Scenario
 
 #: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, where the stack usually is (TI SPRS439).
 RAM_WORDS = 34 * 1024

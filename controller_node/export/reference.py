@@ -12,17 +12,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from controller_node.arithmetic import make
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from controller_node.export.names import comment
-from controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
-from controller_node.loop import NO_BALISE, ControlLoop
-from controller_node.program.evaluate import Evaluator
-from controller_node.program.model import BALISE_INPUTS, LawProgram
-from controller_node.program.record import leaves
-from scenarios.errors import InputError, Words
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.export.names import comment
+from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
+from railhil.controller_node.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.program.evaluate import Evaluator
+from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram
+from railhil.controller_node.program.record import leaves
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 #: Bits of a record's flags.
 FLAG_BEGIN = 1

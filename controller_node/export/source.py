@@ -6,11 +6,11 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from controller_node.arithmetic.base import Constant
-from controller_node.export.body import Body, Data, remark
-from controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
-from controller_node.program.model import LawProgram, Program, Value
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.export.body import Body, Data, remark
+from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.program.model import LawProgram, Program, Value
+from railhil.scenarios.model import Scenario
 
 _PER_LINE = 5
 _BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"

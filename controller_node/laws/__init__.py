@@ -5,9 +5,9 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 from typing import Any
 
-from controller_node.laws.base import Law
-from scenarios.errors import InputError, nearest_key
-from scenarios.laws import in_order
+from railhil.common.errors import InputError, nearest_key
+from railhil.controller_node.laws.base import Law
+from railhil.supervisor.law_order import in_order
 
 GROUP = "railhil.laws"
 

@@ -13,9 +13,9 @@ from __future__ import annotations
 
 from typing import Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, T
-from controller_node.laws.base import TrackInputs
-from controller_node.laws.ipfc_plus_constants import (
+from railhil.controller_node.arithmetic.base import Arithmetic, T
+from railhil.controller_node.laws.base import TrackInputs
+from railhil.controller_node.laws.ipfc_plus_constants import (
     GAP_Q,
     SHARE_Q,
     SUM_Q,

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.scenarios.model import Scenario
 
 State = TypeVar("State")
 

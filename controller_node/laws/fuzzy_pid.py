@@ -24,10 +24,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.laws.fuzzy_pid_constants import GAIN_Q, TUNABLE, FuzzyPidParameters, make_constants
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.fuzzy_pid_constants import GAIN_Q, TUNABLE, FuzzyPidParameters, make_constants
+from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _SPEED_TO_SCALED = SPEED_Q

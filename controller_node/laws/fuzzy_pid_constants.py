@@ -11,9 +11,9 @@ from typing import Annotated
 
 from pydantic import Field
 
-from controller_node.arithmetic.base import Constant
-from controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
-from controller_node.laws.table import LawTable, build, flatten, held
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
+from railhil.controller_node.laws.constant_table import LawTable, build, flatten, held
 
 #: Gains per control period, memberships, scaled inputs, outputs of the rules.
 GAIN_Q = 24

@@ -1,4 +1,4 @@
-"""Write the constant tables of the laws: ``python -m controller_node.laws.generate`` (or ``make tables``).
+"""Write the constant tables of the laws: ``python -m railhil.controller_node.laws.generate`` (or ``make tables``).
 
 With ``--check`` nothing is written; the exit code is 1 when a table is not what its law computes.
 """
@@ -10,8 +10,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from controller_node.laws import fuzzy_pid_constants, ipfc_constants, tdmc_constants, tpfc1, tpfc2
-from controller_node.laws.table import LawTable, coarse, flatten
+from railhil.controller_node.laws import fuzzy_pid_constants, ipfc_constants, tdmc_constants, tpfc1, tpfc2
+from railhil.controller_node.laws.constant_table import LawTable, coarse, flatten
 
 #: One table per law.
 TABLES: tuple[LawTable[Any], ...] = (
@@ -25,7 +25,9 @@ TABLES: tuple[LawTable[Any], ...] = (
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write or check every table; says which constants their formats hold coarsely."""
-    parser = argparse.ArgumentParser(prog="python -m controller_node.laws.generate", description="Constant tables.")
+    parser = argparse.ArgumentParser(
+        prog="python -m railhil.controller_node.laws.generate", description="Constant tables."
+    )
     parser.add_argument("--check", action="store_true", help="write nothing, exit code 1 when a table is out of date")
     check = parser.parse_args(arguments).check
     stale = 0

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, T
-from controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, LawInputs, LawOutputs
-from controller_node.laws.ipfc_constants import (
+from railhil.controller_node.arithmetic.base import Arithmetic, T
+from railhil.controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc_constants import (
     RATE_Q,
     RISE_Q,
     TUNABLE,
@@ -20,9 +20,9 @@ from controller_node.laws.ipfc_constants import (
     make_constants,
     softening_curve,
 )
-from controller_node.laws.pfc import Basis, Pfc
-from controller_node.laws.pfc_constants import GAIN_Q
-from scenarios.model import Scenario
+from railhil.controller_node.laws.pfc import Basis, Pfc
+from railhil.controller_node.laws.pfc_constants import GAIN_Q
+from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _NOTCH_TO_SPEED = GAIN_Q + GAIN_Q - SPEED_Q

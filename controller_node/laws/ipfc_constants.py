@@ -13,9 +13,10 @@ from typing import Annotated
 
 from pydantic import Field
 
-from controller_node.arithmetic.base import Constant, Curve
-from controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
-from controller_node.laws.pfc_constants import (
+from railhil.controller_node.arithmetic.base import Constant, Curve
+from railhil.controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
+from railhil.controller_node.laws.constant_table import LawTable, build, held
+from railhil.controller_node.laws.pfc_constants import (
     GAIN_Q,
     MODEL_TUNABLE,
     WAVELETS,
@@ -30,8 +31,7 @@ from controller_node.laws.pfc_constants import (
     step_basis,
     wavelet_basis,
 )
-from controller_node.laws.pfc_model import on_grid
-from controller_node.laws.table import LawTable, build, held
+from railhil.controller_node.laws.pfc_model import on_grid
 
 #: Reciprocals of the fuzzy widths and of the control period.
 RATE_Q = 20

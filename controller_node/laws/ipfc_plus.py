@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.balise_odometer import BaliseOdometer, BaliseState, Place
-from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.laws.ipfc_plus_constants import (
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.balise_odometer import BaliseOdometer, BaliseState, Place
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc_plus_constants import (
     ACCEL_Q,
     ADVANCE_Q,
     GAP_Q,
@@ -25,8 +25,8 @@ from controller_node.laws.ipfc_plus_constants import (
     IpfcPlusParameters,
     compute_constants,
 )
-from controller_node.laws.ipfc_plus_design import DESIGN_SEEDS
-from scenarios.model import Scenario
+from railhil.controller_node.laws.ipfc_plus_design import DESIGN_SEEDS
+from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _UNIT_TO_UNIT = UNIT_Q

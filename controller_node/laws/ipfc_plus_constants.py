@@ -15,9 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from controller_node.arithmetic.base import Constant
-from controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, NOTCH_RAW_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
-from controller_node.laws.ipfc_plus_design import (
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws.base import (
+    BASIS_STEP,
+    BASIS_WAVELET,
+    NOTCH_RAW_Q,
+    SATISFACTION_Q,
+    SOFTENING_Q,
+    SPEED_Q,
+)
+from railhil.controller_node.laws.constant_table import build, flatten, held
+from railhil.controller_node.laws.ipfc_plus_design import (
     Uncertainty,
     basis_functions,
     lag,
@@ -25,10 +33,9 @@ from controller_node.laws.ipfc_plus_design import (
     plan,
     replanning_gains,
 )
-from controller_node.laws.pfc_model import InternalModel, on_grid
-from controller_node.laws.table import build, flatten, held
-from scenarios.model import Scenario
-from scenarios.target import Target
+from railhil.controller_node.laws.pfc_model import InternalModel, on_grid
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.target import Target
 
 #: Lagged notch, its integral over a period (notch s), lag error (s), weights and most gains.
 UNIT_Q = 24

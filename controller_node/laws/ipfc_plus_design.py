@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from controller_node.laws.pfc_model import Matrix, morlet
-from scenarios.effort import force_limit_n, resistance_n
-from scenarios.model import Scenario
-from scenarios.profiles import MeanGrade
-from scenarios.target import Target
+from railhil.controller_node.laws.pfc_model import Matrix, morlet
+from railhil.scenarios.effort import force_limit_n, resistance_n
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.profiles import MeanGrade
+from railhil.scenarios.target import Target
 
 #: Scale and shift (s) of the wavelets of IPFC.
 _WAVELETS = ((1.0, 0.0), (2.0, 5.0))

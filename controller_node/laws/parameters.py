@@ -12,10 +12,10 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from controller_node.laws.base import Law
-from scenarios.errors import InputError, Words, nearest_key
-from scenarios.parameters import ParameterSet
-from scenarios.validation import dotted, sentence
+from railhil.common.errors import InputError, Words, nearest_key
+from railhil.controller_node.laws.base import Law
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.validation import dotted, sentence
 
 
 def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | None) -> Any:

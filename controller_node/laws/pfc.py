@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.base import (
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.base import (
     NOTCH_Q,
     NOTCH_RAW_Q,
     SOFTENING_Q,
@@ -26,7 +26,8 @@ from controller_node.laws.base import (
     LawOutputs,
     State,
 )
-from controller_node.laws.pfc_constants import (
+from railhil.controller_node.laws.constant_table import flatten
+from railhil.controller_node.laws.pfc_constants import (
     DEVIATION_Q,
     GAIN_Q,
     POLYNOMIAL_Q,
@@ -35,7 +36,6 @@ from controller_node.laws.pfc_constants import (
     PfcParameters,
     Row,
 )
-from controller_node.laws.table import flatten
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _GAIN_TO_GAIN = GAIN_Q

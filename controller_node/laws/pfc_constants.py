@@ -12,9 +12,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from controller_node.arithmetic.base import Constant
-from controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q
-from controller_node.laws.pfc_model import (
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q
+from railhil.controller_node.laws.constant_table import held
+from railhil.controller_node.laws.pfc_model import (
     InternalModel,
     Matrix,
     ModelDamping,
@@ -24,7 +25,6 @@ from controller_node.laws.pfc_model import (
     on_grid,
     polynomial_fit,
 )
-from controller_node.laws.table import held
 
 #: Model state (km/h), model matrices, fit matrices, gains.
 GAIN_Q = 24

@@ -19,10 +19,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.guard import SPEED_MAX_01MMPS
-from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.laws.tdmc_constants import (
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.guard import SPEED_MAX_01MMPS
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.tdmc_constants import (
     GAIN_Q,
     LINE_Q,
     MODEL_Q,
@@ -32,7 +32,7 @@ from controller_node.laws.tdmc_constants import (
     largest_predictions,
     make_constants,
 )
-from scenarios.model import Scenario
+from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _RESPONSE_BY_MOVE_TO_MODEL = NOTCH_Q

@@ -15,10 +15,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field
 
-from controller_node.arithmetic.base import Constant
-from controller_node.laws.base import NOTCH_RAW_Q
-from controller_node.laws.pfc_model import InternalModel, Matrix, ModelDamping, ModelGain, ModelStiffness, on_grid
-from controller_node.laws.table import LawTable, build, flatten, held
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws.base import NOTCH_RAW_Q
+from railhil.controller_node.laws.constant_table import LawTable, build, flatten, held
+from railhil.controller_node.laws.pfc_model import (
+    InternalModel,
+    Matrix,
+    ModelDamping,
+    ModelGain,
+    ModelStiffness,
+    on_grid,
+)
 
 #: Predictions of the step-response model, km/h: in a step they reach 170 at 7 notches, 240 at 10, and their format ends
 #: at 256 (a controller with more notches than it holds does not start).

@@ -11,10 +11,11 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, ClassVar
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.base import BASIS_RAMP, BASIS_STEP, SPEED_Q
-from controller_node.laws.pfc import Basis, ConstantPfc
-from controller_node.laws.pfc_constants import (
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.base import BASIS_RAMP, BASIS_STEP, SPEED_Q
+from railhil.controller_node.laws.constant_table import LawTable, build, held
+from railhil.controller_node.laws.pfc import Basis, ConstantPfc
+from railhil.controller_node.laws.pfc_constants import (
     CONSTANT_TUNABLE,
     GAIN_Q,
     ConstantPfcConstants,
@@ -27,8 +28,7 @@ from controller_node.laws.pfc_constants import (
     step_and_ramp_basis,
     step_basis,
 )
-from controller_node.laws.table import LawTable, build, held
-from scenarios.model import Scenario
+from railhil.scenarios.model import Scenario
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from controller_node.arithmetic.base import Arithmetic
-from controller_node.program.model import Operation, Program, Value
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.program.model import Operation, Program, Value
 
 
 class Evaluator:

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum
 
-from controller_node.arithmetic.base import Constant, Curve
+from railhil.controller_node.arithmetic.base import Constant, Curve
 
 #: Inputs of a law with ``track`` beside k, speed and position: the fields of a ``BaliseReading``.
 BALISE_INPUTS = ("balise", "balise_01mm", "balise_odometer_01mm")

@@ -11,13 +11,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from controller_node.guard import SPEED_MAX_01MMPS
-from controller_node.laws.base import Law
-from controller_node.loop import POSITION_MAX_01MM
-from controller_node.program.model import Kind, LawProgram, Operation, Program, Value
-from scenarios.errors import InputError, Words
-from scenarios.model import Scenario
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.guard import SPEED_MAX_01MMPS
+from railhil.controller_node.laws.base import Law
+from railhil.controller_node.loop import POSITION_MAX_01MM
+from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
+from railhil.scenarios.model import Scenario
 
 #: Smallest and largest raw integer.
 Interval = tuple[int, int]

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from controller_node.laws.base import NOTCH_Q, BaliseReading
-from controller_node.loop import NO_BALISE, ControlLoop
-from controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
-from controller_node.program.tracer import FormatError, Tracer
-from scenarios.model import Scenario
-from scenarios.parameters import ParameterSet
+from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
+from railhil.controller_node.program.tracer import FormatError, Tracer
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
 
 
 def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:

@@ -10,8 +10,8 @@ import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve
-from controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve
+from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
 
 class FormatError(Exception):

@@ -16,10 +16,10 @@ from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
-from controller_node.arithmetic.base import Arithmetic, Constant, T
-from controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
-from controller_node.laws.table import build, flatten, held
-from scenarios.model import Scenario
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.constant_table import build, flatten, held
+from railhil.scenarios.model import Scenario
 
 #: Gains, notch per km/h.
 GAIN_Q = 24

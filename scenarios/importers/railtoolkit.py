@@ -25,11 +25,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
-from scenarios.errors import InputError, Words
-from scenarios.importers.section import Stop, StopLine
-from scenarios.model import Effort, Line, Train
-from scenarios.profiles import merged
-from scenarios.validation import Keys, validated
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.importers.section import Stop, StopLine
+from railhil.scenarios.model import Effort, Line, Train
+from railhil.scenarios.profiles import merged
+from railhil.scenarios.validation import Keys, validated
 
 VERSION = "2022.05"
 GRAVITY_MPS2 = 9.80665

@@ -13,10 +13,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
-from scenarios.errors import InputError, Words
-from scenarios.importers.section import Stop, StopLine
-from scenarios.model import Line, Profile
-from scenarios.validation import validated
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.importers.section import Stop, StopLine
+from railhil.scenarios.model import Line, Profile
+from railhil.scenarios.validation import validated
 
 VERSIONS = ("TTOBench v1.1", "TTOBench v1.2")
 

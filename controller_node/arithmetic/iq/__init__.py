@@ -6,7 +6,7 @@ Each is there for one train (plain ``int``) and for N (int64 arrays) with equal 
 and divisions by zero.
 """
 
-from controller_node.arithmetic.iq.c28 import C28, C28Batch
-from controller_node.arithmetic.iq.portable import Portable, PortableBatch
+from railhil.controller_node.arithmetic.iq.c28 import C28, C28Batch
+from railhil.controller_node.arithmetic.iq.portable import Portable, PortableBatch
 
 __all__ = ["C28", "C28Batch", "Portable", "PortableBatch"]

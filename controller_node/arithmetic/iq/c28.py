@@ -13,11 +13,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
-from controller_node.arithmetic.iq import decimals, series
-from controller_node.arithmetic.iq.core import FixedPoint
-from controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
-from controller_node.arithmetic.iq.interface import check_trig_format
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
+from railhil.controller_node.arithmetic.iq import decimals, series
+from railhil.controller_node.arithmetic.iq.core import FixedPoint
+from railhil.controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
+from railhil.controller_node.arithmetic.iq.interface import check_trig_format
 
 
 class C28(FixedPoint):

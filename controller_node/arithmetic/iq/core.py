@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from typing import Any
 
-from controller_node.arithmetic.base import (
+from railhil.controller_node.arithmetic.base import (
     DIVISION_BY_ZERO,
     INT32_MAX,
     INT32_MIN,
@@ -21,7 +21,7 @@ from controller_node.arithmetic.base import (
     Constant,
     Curve,
 )
-from controller_node.arithmetic.iq.interface import IqMath
+from railhil.controller_node.arithmetic.iq.interface import IqMath
 
 SIGN = 2**31
 MASK = 2**32 - 1

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from controller_node.arithmetic.base import (
+from railhil.controller_node.arithmetic.base import (
     DIVISION_BY_ZERO,
     INT32_MAX,
     INT32_MIN,
@@ -23,8 +23,8 @@ from controller_node.arithmetic.base import (
     Counters,
     Curve,
 )
-from controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint
-from controller_node.arithmetic.iq.interface import IqMath
+from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint
+from railhil.controller_node.arithmetic.iq.interface import IqMath
 
 Ints = NDArray[np.int64]
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 
 _DECIMAL = re.compile(r"(-?)([0-9]*)(?:\.([0-9]*))?")
 _FORM = re.compile(r"%([0-9]{1,2})\.([0-9]{0,2})[fF]")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, WRAP, Arithmetic, Constant, T
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, WRAP, Arithmetic, Constant, T
 
 #: Largest format of sine and cosine in rad: pi needs two bits before the point.
 TRIG_Q_MAX = 29

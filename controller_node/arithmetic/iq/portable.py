@@ -13,11 +13,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
-from controller_node.arithmetic.iq import decimals, series
-from controller_node.arithmetic.iq import portable_functions as functions
-from controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint, low32
-from controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
+from railhil.controller_node.arithmetic.iq import decimals, series
+from railhil.controller_node.arithmetic.iq import portable_functions as functions
+from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint, low32
+from railhil.controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
 
 
 class Portable(FixedPoint):

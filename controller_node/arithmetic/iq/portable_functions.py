@@ -1,4 +1,4 @@
-"""Algorithms and tables of the portable profile (see :mod:`controller_node.arithmetic.iq.portable`).
+"""Algorithms and tables of the portable profile (see :mod:`railhil.controller_node.arithmetic.iq.portable`).
 
 "Fractional product" means (a * b) >> 31 of 32-bit numbers.
 """
@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
-from controller_node.arithmetic.iq import series
-from controller_node.arithmetic.iq.core import MASK, SIGN, low32
-from controller_node.arithmetic.iq.interface import check_trig_format
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.arithmetic.iq import series
+from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, low32
+from railhil.controller_node.arithmetic.iq.interface import check_trig_format
 
 #: 1/x in Q6 at the middle of 65 cells of 1/128 from 1/2, rounded.
 RECIPROCAL = tuple((2 * 16384 + 129 + 2 * i) // (2 * (129 + 2 * i)) for i in range(65))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 
 #: Bound on the error of an approximation, in units of its last bit; the sums below stay under a thousandth of it.
 _ERROR = 1 << 20

@@ -1,0 +1,146 @@
+"""The argument parser of every ``railhil`` command: one line for a usage error, exit codes in each help."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import difflib
+import io
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, NoReturn
+
+from railhil.common.scheduling import PRIORITY_MAX
+
+#: Seeds travel as 32 bit in the handshake.
+SEED_MAX = 0xFFFF_FFFF
+#: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
+RATE_MIN, RATE_MAX = 0.01, 1000.0
+#: Of a realtime run that is told none.
+RATE = 1.0
+APPEAR_MAX_S = 3600.0
+TASK_PERIOD_MAX_MS = 10_000
+EXIT_CODES = """\
+exit codes:
+  0    PASS, or the command has done what was asked
+  1    FAIL: the run is good, limits of the scenario are missed
+  2    usage or bad input; one line says what was found and what is allowed
+  3    INVALID: the bench cannot be trusted, nothing is said about the controller
+  4    TOOL ERROR: a defect of the bench, or the record could not be written
+  130  stopped by Ctrl-C; 143 by SIGTERM (the log is kept, the run is marked INVALID)"""
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """:class:`argparse.ArgumentParser` whose complaint is one line instead of the whole usage."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        kwargs.setdefault("epilog", EXIT_CODES)
+        kwargs.setdefault("formatter_class", argparse.RawDescriptionHelpFormatter)
+        super().__init__(*args, **kwargs)
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """As ever, but no command leaves what it does not know to the one above, whose help is not the one to read."""
+        known, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            near = difflib.get_close_matches(unknown[0].partition("=")[0], self._option_string_actions, 1)
+            hint = f", did you mean {near[0]}?" if near else ""
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{hint}")
+        return known, unknown
+
+    def error(self, message: str) -> NoReturn:
+        """Print one line and end with exit code 2."""
+        print(f"{self.prog}: {' '.join(message.split())} (see {self.prog} --help)", file=sys.stderr)
+        raise SystemExit(2)
+
+
+def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:
+    """Parsed command line. python-can prints a ``--timing`` that it has understood: that goes to standard error,
+    where it does not spoil ``--json``. Options of a realtime run are refused in another."""
+    said = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(said):
+            namespace = parser.parse_args(arguments)
+    except SystemExit:
+        print(said.getvalue(), end="")
+        raise
+    print(said.getvalue(), end="", file=sys.stderr)
+    if getattr(namespace, "pace", "realtime") != "realtime":
+        for option, is_given in (
+            ("--rate", namespace.rate is not None),
+            ("--no-rt", getattr(namespace, "no_rt", False)),
+        ):
+            if is_given:
+                parser.error(f"argument {option}: allowed only with --pace realtime")
+    return namespace
+
+
+def whole_number(low: int, high: int) -> Callable[[str], int]:
+    """An option's type: a whole number from ``low`` (0 or more) to ``high``, in ASCII digits."""
+
+    def number(text: str) -> int:
+        if not (text.isascii() and text.isdigit()) or not low <= int(text) <= high:
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {low}..{high}")
+        return int(text)
+
+    return number
+
+
+def _rate(text: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = float("nan")
+    if not RATE_MIN <= rate <= RATE_MAX:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed {RATE_MIN:g} to {RATE_MAX:g}")
+    return rate
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = float("nan")
+    if not 0 < seconds <= APPEAR_MAX_S:
+        raise argparse.ArgumentTypeError(f"found {text}, allowed above 0, at most {APPEAR_MAX_S:g} s")
+    return seconds
+
+
+def add_task_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of the controller that the run command hands on to it."""
+    parser.add_argument(
+        "--task-period-ms",
+        type=whole_number(0, TASK_PERIOD_MAX_MS),
+        default=0,
+        metavar="N",
+        help="the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
+    )
+
+
+def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
+    """Option of every node of a realtime run.
+
+    :param said: what the help says of the default.
+    """
+    parser.add_argument(
+        "--realtime-priority",
+        type=whole_number(0, PRIORITY_MAX),
+        default=default,
+        metavar="N",
+        help=f"SCHED_FIFO priority and locked memory, if permitted; 0: normal scheduling ({said})",
+    )
+
+
+def add_run_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that say which run it is: the same for the plant node and for the supervisor."""
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
+    parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
+    parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
+    parser.add_argument(
+        "--appear-timeout",
+        type=_seconds,
+        default=25.0,
+        metavar="S",
+        help="wall time for the other nodes to appear (default 25 s)",
+    )
+    parser.add_argument("--rate", type=_rate, help=f"realtime: simulated seconds per second (default {RATE:g})")

@@ -1,0 +1,400 @@
+"""Bad input on the command line: one line that names what was found, the right exit code, nothing left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import socket
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import can
+import pytest
+
+from hil_tests.support.cli import Done, Started, railhil, wait_for
+from railhil import cli
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.frame import Frame
+from railhil.bus.ident import Role, make_ident
+from railhil.bus.local import LocalBus
+from railhil.bus.mvb import TelegramSource
+from railhil.bus.select import BusChoice
+from railhil.bus.telegrams import Event
+from railhil.cli import programs as outside
+from railhil.common.errors import InputError
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.dbc import wire_contract
+from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
+from railhil.scenarios.load import load
+from railhil.supervisor import recorder_link as join
+from railhil.supervisor.folder import run_folder
+from railhil.supervisor.framelog import log_line, sha256_of
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.run import Run
+from railhil.supervisor.session import Session
+
+Railhil = Callable[..., Done]
+ROOT = Path(cli.__file__).resolve().parents[2]
+DBC = ROOT / "dbc" / "railhil.dbc"
+
+
+@pytest.fixture
+def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
+    """The command in this process, in an empty folder: as in a process of its own, but faster."""
+    monkeypatch.chdir(tmp_path)
+    handler = signal.getsignal(signal.SIGTERM)
+
+    def call(*arguments: str | Path) -> Done:
+        monkeypatch.setattr(sys, "argv", ["railhil", *map(str, arguments)])
+        try:
+            code = cli.main()
+        except SystemExit as end:
+            code = int(end.code or 0)
+        said = capsys.readouterr()
+        return Done(code, said.out, said.err)
+
+    yield call
+    signal.signal(signal.SIGTERM, handler)
+
+
+def complaint(done: Done, exit_code: int = 2) -> str:
+    assert done.exit_code == exit_code, done.err
+    return done.one_line()
+
+
+def ident_frames(**changes: int) -> list[Frame]:
+    """PLT_IDENT of a run of the published scenario, with changed fields and right check sequences."""
+    ident = make_ident(Role.PLANT, load("lvshun_tieshan").sha256)
+    for name, value in changes.items():
+        setattr(ident, name, value)
+    return list(TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()))
+
+
+def log_of(folder: Path, frames: list[Frame]) -> Path:
+    path = folder / "frames.log"
+    path.write_text("".join(log_line(0, frame) for frame in frames), encoding="ascii")
+    return path
+
+
+# -- usage ------------------------------------------------------------------------------------------------------------
+
+USAGE = {
+    "no command": ([], "COMMAND"),
+    "unknown command": (["rnu"], "'rnu'"),
+    "unknown option": (["run", "--sede", "3"], "railhil run: unrecognized arguments: --sede, did you mean --seed? "),
+    "unknown option of a kind": (["bus", "hub", "--prot", "a:b"], "bus hub: unrecognized arguments: --prot a:b, did"),
+    "unknown scenario": (["run", "lvshun_tieshn"], "did you mean lvshun_tieshan?"),
+    "no such file": (["run", "there.toml"], "there.toml: found no such file"),
+    "unknown controller": (
+        ["run", "--controller", "nix"],
+        "--controller: found 'nix', allowed ipfc, tpfc2, tpfc1, ",
+    ),
+    "mistyped law": (["compare", "--laws", "ipfcc"], "(did you mean ipfc?)"),
+    "arithmetic": (["run", "--arithmetic", "nix"], "'nix' (choose from 'float32'"),
+    "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
+    "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
+    "text as seed": (["run", "--seed", "x"], "--seed: found x, allowed 0..4294967295"),
+    "rate 0": (["run", "--rate", "0"], "--rate: found 0, allowed 0.01 to 1000"),
+    "no rate": (["run", "--rate", "nan"], "--rate: found nan"),
+    "empty out": (["run", "--out", ""], "--out: found ''"),
+    "interface": (["run", "-i", "nix"], "'nix' (choose from "),
+    "one process only": (["run", "-i", "virtual"], "--interface: found 'virtual', allowed an interface that other"),
+    "channel alone": (["run", "-c", "vcan0"], "--interface: found only -c vcan0, allowed -i INTERFACE"),
+    "keyword": (["run", "-i", "railhil", "--bus-kwargs", "x"], "--bus-kwargs: "),
+    "port": (["ports", "nix"], "port: found 'nix', allowed TIME_SYNC, "),
+    "bit rate 0": (["ports", "-b", "0"], "--bitrate: found 0, allowed bit/s above 0"),
+    "node": (["node", "nix"], "'nix' (choose from 'controller', 'plant')"),
+    "hub address": (["bus", "hub", "-c", "tcp://192.0.2.1:5"], "found host '192.0.2.1', allowed: tcp://127.0.0.1"),
+}
+
+
+@pytest.mark.parametrize("case", USAGE)
+def test_usage(here, tmp_path, case):
+    arguments, words = USAGE[case]
+    assert words in complaint(here(*arguments))
+    assert not list(tmp_path.iterdir())
+
+
+SCENARIOS = {
+    "no TOML": ("= 3", "TOML 1.0"),
+    "unknown key": ("[plan]\ndistanze_m = 3", "plan.distanze_m: found the unknown key distanze_m, allowed "),
+    "other unit": ("[train]\nmass_kg = 3", "train.mass_kg: found the unknown key mass_kg, allowed "),
+}
+
+
+@pytest.mark.parametrize("command", ["run", "scenarios"])
+@pytest.mark.parametrize("case", SCENARIOS)
+def test_scenario_file(here, tmp_path, case, command):
+    text, words = SCENARIOS[case]
+    head = 'extends = "lvshun_tieshan"\nname = "mine"\ntitle = "t"\n'
+    Path("mine.toml").write_text(head + text, encoding="utf-8")
+    line = complaint(here(command, "mine.toml"))
+    assert "mine.toml: " in line
+    assert words in line
+    if "key" in case or "unit" in case:
+        assert "did you mean " in line
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.toml"]
+
+
+def test_out_that_cannot_be_used(here, tmp_path):
+    Path("occupied").mkdir()
+    Path("occupied/file").touch()
+    for out, words in (
+        ("occupied", "allowed an empty or new folder"),
+        ("occupied/file", "file exists"),
+        ("occupied/file/below", "not a directory"),
+        ("/proc/nothing/here", "no such file or directory"),
+    ):
+        assert f"--out: found '{out}'" in (line := complaint(here("run", "--out", out)))
+        assert words in line
+    assert [path.name for path in tmp_path.rglob("*")] == ["occupied", "file"]
+
+
+def test_out_without_permission(tmp_path):
+    """Root may write everywhere, so the check is made with the rights of an ordinary user."""
+    folder = tmp_path / "closed"
+    folder.mkdir()
+    user = os.geteuid()
+    for path in (tmp_path, *tmp_path.parents):
+        if path.stat().st_uid == user and str(path).startswith("/tmp/"):
+            path.chmod(0o755)
+    folder.chmod(0o555)
+    if user == 0:
+        os.seteuid(65534)
+    try:
+        with pytest.raises(Exception, match=r"--out: found .*can be written \(permission denied\)") as caught:
+            run_folder(str(folder), "s", "c")
+        assert caught.value.exit_code == 2
+    finally:
+        os.seteuid(user)
+
+
+def test_missing_parents_of_out_are_made(tmp_path):
+    folder, made = run_folder(str(tmp_path / "a" / "b"), "s", "c")
+    assert (folder.is_dir(), made) == (True, True)
+    assert run_folder(str(folder), "s", "c") == (folder, False)
+
+
+# -- the bus ----------------------------------------------------------------------------------------------------------
+
+
+def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
+    stale, stream, plain = (socket_folder / name for name in ("stale.sock", "stream.sock", "plain.sock"))
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as listener:
+        listener.bind(str(stale))
+    plain.touch()
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
+        listener.bind(str(stream))
+        listener.listen()
+        for interface, channel, words in (
+            ("socketcan", "vcan9", "bus socketcan:vcan9 cannot be opened: "),
+            ("railhil", socket_folder / "no.sock", "no.sock: no such file or directory"),
+            ("railhil", stale, "stale.sock: connection refused"),
+            ("railhil", stream, "stream.sock: protocol wrong type for socket"),
+            ("railhil", plain, "plain.sock: connection refused"),
+            ("railhil", "tcp://192.0.2.1:5", "found host '192.0.2.1', allowed"),
+        ):
+            attach = here("run", "--attach", "-i", interface, "-c", channel, "--out", "run")
+            assert words in complaint(attach)
+    # An empty folder of the user's own stays, one that was made for the run goes.
+    assert not list(tmp_path.iterdir())
+    Path("mine").mkdir()
+    complaint(here("run", "--attach", "-i", "railhil", "-c", plain, "--out", "mine"))
+    assert [path.name for path in tmp_path.rglob("*")] == ["mine"]
+
+
+def test_interface_without_its_driver(monkeypatch, tmp_path):
+    """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
+
+    def broken(**_config: object) -> None:
+        raise NameError("name 'canGetNumberOfChannels' is not defined")
+
+    monkeypatch.setattr(can, "Bus", broken)
+    choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
+    run = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path)
+    with pytest.raises(BusUnavailable, match="bus kvaser:0 cannot be opened: name 'canGet"):
+        run.execute()
+
+
+def test_attach_with_nobody_there(monkeypatch, tmp_path):
+    """Frames of somebody else on the bus do not keep the wait going."""
+
+    class Chatter:
+        counters: dict[str, int] = {}  # noqa: RUF012
+        is_down = False
+        take_gap_ns = tell_trouble = close = staticmethod(int)
+
+        def receive(self, timeout_s: float) -> list[Frame]:
+            return [Frame(0x7FF, b"\0")]
+
+    monkeypatch.setattr(join, "open_link", lambda _config, _name: Chatter())
+    choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
+    options = RunOptions("lvshun_tieshan", attach=True, appear_s=0.3)
+    result = Run(load("lvshun_tieshan"), options, choice, tmp_path).execute()
+    assert (result.exit_code, result.frames) == (3, 0)
+    assert result.line == "no plant on socketcan:can0 within 0.3 s"
+
+
+@pytest.mark.loop
+def test_nodes_that_do_not_agree(tmp_path, socket_folder):
+    """A hub, a controller with another scenario, a plant: refused, and everybody says why."""
+    channel = str(socket_folder / "hub.sock")
+    bus = ("-i", "railhil", "-c", channel)
+    hub = Started("bus", "hub", "-c", channel)
+    wait_for(lambda: Path(channel).exists())
+    try:
+        busy = railhil("bus", "hub", "-c", channel)
+        assert "is in use by a running hub" in complaint(busy)
+        other = "yizhuang_12_ciqu_nan_ciqu"
+        plant = Started("node", "plant", *bus)
+        controller = Started("node", "controller", other, *bus)
+        done = railhil("run", "--attach", "--out", tmp_path / "run", *bus)
+        ours, theirs = load("lvshun_tieshan").sha256[:8], load(other).sha256[:8]
+        assert f"scenario differs: plant {ours}, controller {theirs}" in complaint(done)
+        assert not (tmp_path / "run").exists()
+        assert plant.finish()[0].exit_code == 2
+        assert controller.finish()[0].exit_code == 0
+    finally:
+        hub.process.send_signal(signal.SIGTERM)
+        assert hub.finish()[0].exit_code == 0
+
+
+def test_controller_that_is_not_the_one_asked_for(lvshun):
+    """Only the supervisor knows what was asked for: the plant has no opinion on the controller's arithmetic."""
+    lines: list[str] = []
+    session = Session(
+        lvshun, lines.append, seed=0, perturbed=False, controller="ipfc", arithmetic="iq", indexing="time"
+    )
+    node = ControllerNode(lvshun, ControllerOptions("ipfc", "float64"))
+    plant = PlantNode(lvshun, PlantOptions(), LocalBus([node.handle, session.handle]))
+    with pytest.raises(Refused):
+        plant.run()
+    assert session.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
+    assert (session.sim_time_s, session.ended) == (0, Event.ENDED_REFUSED)
+
+
+def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
+    """A realtime run recorded as lockstep would be judged without its jitter."""
+    asked = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time"}
+    session = Session(lvshun, lambda line: None, seed=0, perturbed=False, **asked)
+    node = ControllerNode(lvshun, ControllerOptions())
+    plant = PlantNode(lvshun, PlantOptions(rate=100.0), LocalBus([node.handle, session.handle]))
+    with pytest.raises(Refused, match="pace differs: plant realtime, supervisor lockstep"):
+        plant.run()
+
+
+def test_a_program_that_the_installation_lacks(monkeypatch):
+    """The container image leaves the tests out, and the audit with them."""
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"^railhil: command: found 'railhil.audit', allowed a program of this inst"):
+        outside.become_program(["audit", "lvshun_tieshan"])
+
+
+# -- logs -------------------------------------------------------------------------------------------------------------
+
+
+def test_logs_that_are_none(here, tmp_path):
+    whole = log_of(tmp_path, ident_frames()).read_text()
+    two_lines = "".join(whole.splitlines(keepends=True)[:2])
+    for text, words in (
+        (whole[:-9], "my.log: line 3: found '(0.000000) mvb0 "),
+        (whole + "garbage line\n", "my.log: line 4: found 'garbage line', allowed candump lines"),
+        (whole + "(1.000000) mvb0 118#ZZ R\n", "my.log: line 4: found '(1.000000) mvb0 118#ZZ R'"),
+        ("", "my.log: file: found '', allowed a candump log with at least one frame"),
+        ("LOGG\x90\xff", "my.log: after line 0: found b'LOGG\\x90\\xff', allowed a candump log (text)"),
+        (two_lines, "my.log: PLT_IDENT: found no such telegram"),
+    ):
+        Path("my.log").write_bytes(text.encode("latin-1"))
+        for command in ("score", "plot"):
+            assert words in complaint(here(command, "my.log", "--scenario", "lvshun_tieshan"))
+    Path("empty").mkdir()
+    for name, words in (("nix.log", "no such file"), ("/dev/null", "no regular file"), ("empty", "empty/frames.log")):
+        assert words in complaint(here("score", name))
+
+
+def test_log_of_something_else(here, tmp_path):
+    log = log_of(tmp_path, ident_frames(wire_hash=0xDEADBEEF))
+    ours = wire_contract().sha256[:8]
+    line = complaint(here("score", log, "--scenario", "lvshun_tieshan"))
+    assert f"DBC hash: found 'deadbeef', allowed {ours}" in line
+    log = log_of(tmp_path, ident_frames())
+    other = "yizhuang_12_ciqu_nan_ciqu"
+    line = complaint(here("score", log, "--scenario", other))
+    assert f"found '{load('lvshun_tieshan').sha256[:8]}', allowed {load(other).sha256[:8]} ({other})" in line
+
+
+def test_certificates_that_do_not_help(here, tmp_path):
+    log_of(tmp_path, ident_frames())
+    path = tmp_path / "certificate.json"
+    for text, words in (
+        (None, "file: found no such file"),
+        ('{"scenario": "lvs', "file: found no JSON document"),
+        ("\xff", "file: found no JSON document"),
+        ("[]", "found [], allowed a JSON object"),
+        ("{}", "scenario: found no such key"),
+        ('{"scenario": 3}', "scenario: found 3, allowed a text"),
+        ('{"scenario": "lvshun_tieshan", "seed": "7"}', "certificate.json: seed: found '7', allowed a whole number"),
+        ('{"scenario": "gone.toml"}', "gone.toml: found no such file"),
+        ('{"scenario": "lvshun_tieshan", "frames_sha256": "00"}', "allowed 00 (certificate.json beside it)"),
+    ):
+        if text is not None:
+            path.write_bytes(text.encode("latin-1"))
+        assert words in complaint(here("score", tmp_path))
+    # With the scenario named, a broken certificate is of no importance; the record itself is incomplete.
+    for text in (path.read_text(), "[]", '{"scenario": "lvs'):
+        path.write_text(text)
+        done = here("score", tmp_path, "--scenario", "lvshun_tieshan")
+        assert (done.exit_code, done.out) == (3, "INVALID: run record_incomplete\n")
+    assert "SIM_TRUTH: found 0" in complaint(here("plot", tmp_path, "--scenario", "lvshun_tieshan"))
+
+
+@pytest.mark.parametrize("named", [(), ("--scenario", "lvshun_tieshan")])
+def test_score_of_a_killed_run_says_what_killed_it(here, tmp_path, named):
+    log = log_of(tmp_path, ident_frames())
+    known = {"scenario": "lvshun_tieshan", "verdict": "INVALID", "frames_sha256": sha256_of(log)}
+    # What the log says as well is said once.
+    for line, shown in (("plant lost: SIGKILL", "; plant lost: SIGKILL\n"), ("run record_incomplete", "\n")):
+        (tmp_path / "certificate.json").write_text(json.dumps({**known, "line": line}))
+        done = here("score", tmp_path, *named)
+        assert (done.exit_code, done.out) == (3, f"INVALID: run record_incomplete{shown}")
+
+
+# -- the DBC ----------------------------------------------------------------------------------------------------------
+
+
+def test_dbc_files(here):
+    right = DBC.read_text()
+    assert here("ports", "--dbc", DBC).exit_code == 0
+    moved = "SG_ SpeedLife : 27|4@0+", "SG_ SpeedLife : 26|3@0+"
+    unit = '(0.0001,0) [-838.86080000000004|838.86070000000007] "m/s"', '(0.0001,0) [-838|838] "km/h"'
+    for change in (moved, unit):
+        assert change[0] in right
+    for text, words in (
+        ("no dbc", "file: found no DBC that can be read"),
+        ("", "file: found no DBC that can be read"),
+        ('VERSION ""\nBS_:\nBU_: A\nBO_ 256 Foo: 8 A\n SG_ x : 0|8@1+ (1,0) [0|0] "" A\n', "found no such message"),
+        (right.replace(*moved), "message TRN_SPEED (0x118): signal SpeedLife: start bit: found 26, allowed 27"),
+        (right.replace(*unit), "signal TrainSpeed: unit: found 'km/h', allowed 'm/s'"),
+        (right.replace("SpeedLife", "Speedlife"), "signal SpeedLife: found no such signal"),
+    ):
+        Path("my.dbc").write_text(text)
+        for command in ("ports", "run"):
+            line = complaint(here(command, "--dbc", "my.dbc"))
+            assert line.startswith("railhil: my.dbc: ")
+            assert words in line
+    assert "is a directory" in complaint(here("ports", "--dbc", "."))
+    assert not Path("runs").exists()
+
+
+def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
+    for package in ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor"):
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "dbc" / "railhil.dbc"
+    path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
+    for name in (["run"], ["scenarios"], ["node", "plant"]):
+        done = railhil(*name, cwd=tmp_path)
+        assert "railhil.dbc: sha256: found " in complaint(done)
+    assert not (tmp_path / "runs").exists()

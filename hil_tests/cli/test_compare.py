@@ -1,0 +1,292 @@
+"""``railhil compare``: real processes, one law after another, and ``railhil report`` of what they left."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.cli import Done, Started, railhil, wait_for
+from railhil.scenarios.parameters import load_parameters
+
+_PLUGGED = """\
+from railhil.controller_node.laws.ipfc import Ipfc
+
+class Twin(Ipfc):
+    name = "twin"
+    indexings = ("time",)
+    parameters_origin = "designed on seeds 0 and 1"
+    design_seeds = {"benchmark_quick": range(2)}
+"""
+_TWO_LAWS = """\
+import importlib.metadata
+
+_all = importlib.metadata.entry_points
+
+def entry_points(**given):
+    found = _all(**given)
+    if given.get("group") == "railhil.laws":
+        found = importlib.metadata.EntryPoints(entry for entry in found if entry.name in ("ipfc", "twin"))
+    return found
+
+importlib.metadata.entry_points = entry_points
+"""
+_TUNED = """\
+law = "ipfc"
+[parameters]
+softening_max = 0.8
+[training]
+scenario = "benchmark_quick"
+seeds = [0, 1]
+"""
+_FILES = ["compare.csv", "compare.json", "report.html"]
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """Folder of a short scenario, a parameter file, and a second law that the processes find."""
+    folder = tmp_path_factory.mktemp("compare")
+    package = folder / "plug" / "plugged-0.1.dist-info"
+    package.mkdir(parents=True)
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: plugged\nVersion: 0.1\n")
+    (package / "entry_points.txt").write_text("[railhil.laws]\ntwin = plugged_twin:Twin\n")
+    (package.parent / "plugged_twin.py").write_text(_PLUGGED)
+    (folder / "short.toml").write_text(QUICK_TOML)
+    (folder / "tuned.toml").write_text(_TUNED)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(package.parent))
+        yield folder
+
+
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """A finished comparison: what was printed, and ``compare.json``."""
+
+    done: Done
+    folder: Path
+    document: dict[str, Any]
+
+
+def compare(place: Path, out: str, *arguments: str) -> Done:
+    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments)
+
+
+@pytest.fixture(scope="module")
+def compared(place: Path) -> Compared:
+    """Three runs: the law of the paper, the same tuned, and the twin."""
+    arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--both", "--seed", "7")
+    done = compare(place, "whole", *arguments)
+    assert done.exit_code in (0, 1), done.err
+    document = json.loads((place / "whole" / "compare.json").read_text(encoding="utf-8"))
+    return Compared(done, place / "whole", document)
+
+
+@pytest.mark.loop
+def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
+    runs = compared.document["runs"]
+    tuned = load_parameters(compared.folder.parent / "tuned.toml").controller
+    assert [run["label"] for run in runs] == ["ipfc", f"{tuned} tuned", "twin"]
+    assert [run["folder"] for run in runs] == ["ipfc", tuned, "twin"]
+    assert "twin: the law's own (designed on seeds 0 and 1)" in compared.done.out
+    assert sorted(path.name for path in compared.folder.iterdir() if path.is_file()) == _FILES
+    for run in runs:
+        certificate = json.loads((compared.folder / run["folder"] / "certificate.json").read_text(encoding="utf-8"))
+        assert (certificate["frames_sha256"], certificate["seed"]) == (run["frames_sha256"], 7)
+        assert railhil("score", compared.folder / run["folder"], "--json").json["scores"] == run["scores"]
+        assert f"{run['label']} (measured)" in compared.done.out
+        line = f"{run['verdict']}: {run['label']}" + (f": {run['line']}" if run["line"] else "")
+        assert line in compared.done.out.splitlines()
+    assert runs[0]["published"]["itae"] == 262
+    assert runs[2]["published"] is None
+    # The twin is the same law, the tuned one is not.
+    assert runs[0]["scores"] == runs[2]["scores"] != runs[1]["scores"]
+    assert (runs[0]["parameters_sha256"], len(runs[1]["parameters_sha256"])) == (None, 64)
+    assert compared.done.exit_code == max({"PASS": 0, "FAIL": 1}[run["verdict"]] for run in runs)
+
+
+@pytest.mark.loop
+def test_csv_holds_the_same_figures(compared: Compared) -> None:
+    with (compared.folder / "compare.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    for row, run in zip(rows, compared.document["runs"], strict=True):
+        assert (row["label"], row["verdict"], row["frames_sha256"]) == (
+            run["label"],
+            run["verdict"],
+            run["frames_sha256"],
+        )
+        assert {key: float(row[key]) for key in run["scores"]} == run["scores"]
+        published = run["published"] or dict.fromkeys(run["scores"], "")
+        assert {key: row[f"published_{key}"] for key in run["scores"]} == {k: str(v) for k, v in published.items()}
+
+
+@pytest.mark.loop
+def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, tmp_path: Path) -> None:
+    first = (compared.folder / "report.html").read_bytes()
+    assert b"3 runs, compared" in first
+    out = tmp_path / "again.html"
+    done = railhil("report", compared.folder, "--out", out)
+    assert (done.exit_code, done.out) == (0, f"{out}\n")
+    assert out.read_bytes() == first
+    folders = [compared.folder / run["folder"] for run in compared.document["runs"]]
+    assert railhil("report", *folders, cwd=tmp_path).exit_code == 0
+    assert (tmp_path / "report.html").read_bytes() == first
+    full = railhil("report", compared.folder, "--out", "/dev/full")
+    assert full.exit_code == 4
+    assert full.one_line() == "railhil: RecordFailed: /dev/full cannot be written: no space left on device"
+
+
+def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: Path) -> None:
+    """Also when it comes last; what is there says so in its own words, and the folder is free for the next attempt."""
+    (place / "wrong.toml").write_text('law = "twin"\n[parameters]\nsoftening_maxx = 0.8\n')
+    for arguments, words in (
+        (("--indexing", "distance"), "indexing: twin: found 'distance', allowed time with this law"),
+        (("--parameters", str(place / "wrong.toml")), "the unknown parameter softening_maxx"),
+        (("--perturbed", "--seed", "1"), "--seed: found 1, on which twin's own parameters were chosen (designed on"),
+    ):
+        done = compare(place, "refused", "--laws", "ipfc,twin", *arguments)
+        assert done.exit_code == 2
+        assert words in done.one_line()
+        assert done.out == ""
+        assert not (place / "refused").exists()
+
+
+@pytest.mark.loop
+def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two laws are enough here: the others of this distribution are hidden."""
+    hidden = place / "hidden"
+    hidden.mkdir(exist_ok=True)
+    (hidden / "sitecustomize.py").write_text(_TWO_LAWS)
+    monkeypatch.setenv("PYTHONPATH", f"{hidden}:{place / 'plug'}")
+    done = compare(place, "all", "--indexing", "distance")
+    assert done.exit_code in (0, 1), done.err
+    sentence = "Left out, as without set-points over distance: twin."
+    assert sentence in done.out.splitlines()
+    document = json.loads((place / "all" / "compare.json").read_text(encoding="utf-8"))
+    assert [run["folder"] for run in document["runs"]] == ["ipfc"]
+    report = (place / "all" / "report.html").read_bytes()
+    assert f"<p>{sentence}</p>".encode() in report
+    assert railhil("report", place / "all").exit_code == 0
+    assert (place / "all" / "report.html").read_bytes() == report
+
+
+@pytest.mark.loop
+def test_an_interrupted_comparison_keeps_what_was_recorded(place: Path) -> None:
+    folder = place / "stopped"
+    started = Started(
+        "compare", place / "short.toml", "--laws", "ipfc,twin", "--out", folder, "--pace", "realtime", "--rate", "2"
+    )
+    wait_for(lambda: (folder / "ipfc" / "frames.log").is_file() and (folder / "ipfc" / "frames.log").stat().st_size)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert done.exit_code == 130
+    assert "1 of 2 runs recorded" in done.out
+    assert [path.name for path in folder.iterdir()] == ["ipfc"]
+    assert json.loads((folder / "ipfc" / "score.json").read_text(encoding="utf-8"))["verdict"] == "INVALID"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--laws", "ipfc,pid"), "--laws: found 'pid', allowed "),
+        (("--laws", "ipfc,ipfc"), "allowed each law once"),
+        (("--laws", "twin", "--parameters", "tuned.toml"), "law: found 'ipfc', allowed a law that is compared: twin"),
+        (("--both",), "--both: found no parameter file"),
+        (("--parameters", "tuned.toml", "--parameters", "tuned.toml"), "allowed one parameter file per law"),
+        (("--parameters", "gone.toml"), "gone.toml"),
+        (
+            ("--parameters", "tuned.toml", "--perturbed", "--seed", "1"),
+            "training.seeds: found seed 1, on which these parameters were tuned, allowed other seeds",
+        ),
+    ],
+)
+def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments: tuple[str, ...], words: str) -> None:
+    given = [str(place / word) if word.endswith(".toml") else word for word in arguments]
+    done = compare(place, "bad", *given)
+    assert done.exit_code == 2
+    assert words in done.one_line()
+    assert not (place / "bad").exists()
+
+
+@pytest.mark.loop
+def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None:
+    folder = place / "early"
+    started = Started("compare", place / "short.toml", "--laws", "ipfc,twin", "--out", folder)
+    wait_for((folder / "twin").is_dir)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert (done.exit_code, done.err) == (130, "")
+    assert done.out.splitlines()[-1] == f"1 of 2 runs recorded in {folder}, no comparison written"
+    assert [path.name for path in folder.iterdir()] == ["ipfc"]
+
+
+@pytest.mark.loop
+def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:
+    arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
+    done = compare(place, "trained", *arguments, "--allow-training-seeds")
+    assert done.exit_code in (0, 1), done.err
+    tuned = load_parameters(place / "tuned.toml").controller
+    runs = json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"]
+    assert [run["label"] for run in runs] == [f"{tuned} tuned (on this seed)", "twin (on this seed)"]
+    assert [run["seed_was_trained"] for run in runs] == [True, True]
+    page = (place / "trained" / "report.html").read_text(encoding="utf-8")
+    for law, how in (("ipfc", "tuned"), ("twin", "designed")):
+        sentence = f"NOT AN EVALUATION: the parameters of {law} were {how} on this very run, seed 1"
+        assert sentence in done.out.splitlines()
+        assert f"<strong>{sentence}.</strong>" in page
+    assert 'class="first best"' not in page
+
+
+@pytest.mark.loop
+def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Compared, tmp_path: Path) -> None:
+    arguments = ("--parameters", place / "tuned.toml", "--perturbed", "--seed", "1", "--no-report", "--quiet")
+    done = railhil("run", place / "short.toml", *arguments, "--out", tmp_path / "run")
+    assert done.exit_code in (0, 1), done.err
+    sentence = "NOT AN EVALUATION: the parameters of ipfc were tuned on this very run, seed 1"
+    assert sentence in done.out.splitlines()
+    for folder, trained in ((tmp_path / "run", True), (compared.folder / "twin", False)):
+        assert json.loads((folder / "score.json").read_text())["run"]["seed_was_trained"] is trained
+    (tmp_path / "run" / "score.json").write_text('{"telemetry": {"source": 1}, "run": 3}')
+    damaged = railhil("report", tmp_path / "run")
+    assert damaged.exit_code == 2
+    assert "score.json: " in damaged.one_line()
+
+
+@pytest.mark.loop
+def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: Path, tmp_path: Path) -> None:
+    (place / "other.toml").write_text(QUICK_TOML.replace("benchmark_quick", "another"))
+    done = railhil("run", place / "other.toml", "--quiet", "--no-report", "--out", tmp_path / "other")
+    assert done.exit_code in (0, 1), done.err
+    assert "report.html" not in done.out
+    assert not (tmp_path / "other" / "report.html").exists()
+    done = railhil("report", compared.folder / "ipfc", tmp_path / "other", cwd=tmp_path)
+    assert done.exit_code == 2
+    assert "scenario: found 'another', allowed benchmark_quick" in done.one_line()
+    assert not (tmp_path / "report.html").exists()
+    done = railhil("report", tmp_path / "other", "--out", tmp_path / "no" / "x.html")
+    assert "no such file or directory" in done.one_line()
+    assert railhil("report", tmp_path / "other").exit_code == 0
+    assert (tmp_path / "other" / "report.html").is_file()
+    (tmp_path / "compare.json").write_text("[]")
+    assert "compare.json: file: found [], allowed a JSON object" in railhil("report", tmp_path).one_line()
+
+
+@pytest.mark.loop
+def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = 'raise ModuleNotFoundError("No module named \'jinja2\'", name="jinja2")\n'
+    (tmp_path / "lacking").mkdir()
+    (tmp_path / "lacking" / "jinja2.py").write_text(lacking)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "lacking"))
+    done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run")
+    assert done.exit_code in (0, 1), done.err
+    assert "no report: jinja2 is not installed (pip install 'railhil[report]')" in done.out
+    assert (tmp_path / "run" / "certificate.json").is_file()
+    done = railhil("report", tmp_path / "run")
+    assert done.exit_code == 2
+    assert "found jinja2 is not installed, allowed pip install 'railhil[report]'" in done.one_line()

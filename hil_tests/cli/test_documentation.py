@@ -1,0 +1,91 @@
+"""README and docs: every link leads somewhere, every command line that is printed is one that the command takes."""
+
+from __future__ import annotations
+
+import re
+from argparse import ArgumentParser, _SubParsersAction
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from railhil.cli import commands
+from railhil.cli import programs as outside
+
+_ROOT = Path(outside.__file__).resolve().parents[2]
+_PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(_ROOT)) for page in _ROOT.glob("docs/**/*.md")))
+#: Where the command line of a program stands, when not in its ``__main__``.
+_ARGUMENTS = {
+    "railhil.campaign": "railhil.campaign.command",
+    "railhil.tuning": "railhil.tuning.command",
+    "railhil.machines.vcan": "railhil.machines.vcan",
+    "plant_sim": "railhil.plant_sim.command",
+    "controller_node": "railhil.controller_node.command",
+}
+_LINK = re.compile(r"\]\(([^)\s]+)\)")
+#: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
+#: is a command line of its own.
+_COMMAND = re.compile(r"\brailhil ((?:bus |node )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
+_OPTION = re.compile(r"(?<!\S)--?[a-z][a-z-]*")
+
+
+def _anchor(heading: str) -> str:
+    """As GitHub makes it of a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def _subparsers(parser: ArgumentParser) -> dict[str, ArgumentParser]:
+    return {name: sub for a in parser._actions if isinstance(a, _SubParsersAction) for name, sub in a.choices.items()}
+
+
+@cache
+def _options() -> dict[str, set[str]]:
+    """Command, as it is typed after ``railhil`` -> its options."""
+    found = _subparsers(commands.parser())
+    found |= {f"bus {name}": parser for name, parser in _subparsers(found.pop("bus")).items()}
+    del found["node"]
+    programs = {f"node {role}": module for role, module in outside.NODES.items()}
+    programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
+    for name, module in programs.items():
+        found[name] = import_module(_ARGUMENTS.get(module, f"{module}.__main__")).arguments()
+    return {name: set(parser._option_string_actions) for name, parser in found.items()}
+
+
+def _command_lines(text: str) -> list[tuple[str, str]]:
+    joined = re.sub(r"\\\n\s*", "", text)
+    return [(match[1], match[2]) for line in joined.splitlines() for match in _COMMAND.finditer(line)]
+
+
+@pytest.mark.parametrize("page", _PAGES)
+def test_links_lead_somewhere(page):
+    for target in _LINK.findall((_ROOT / page).read_text(encoding="utf-8")):
+        if target.startswith(("http://", "https://")):
+            continue
+        name, _, anchor = target.partition("#")
+        path = (_ROOT / page).parent / name if name else _ROOT / page
+        assert path.exists(), target
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)
+            assert anchor in map(_anchor, headings), target
+
+
+@pytest.mark.parametrize("page", _PAGES)
+def test_options_of_printed_commands_exist(page):
+    for command, rest in _command_lines((_ROOT / page).read_text(encoding="utf-8")):
+        if command in _options():
+            unknown = [option for option in _OPTION.findall(rest) if option not in _options()[command]]
+            assert not unknown, f"railhil {command}{rest}"
+
+
+def test_code_blocks_name_only_commands_that_exist():
+    seen = 0
+    for page in _PAGES:
+        for block in re.findall(r"^```\n(.*?)^```", (_ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
+            for line in block.splitlines():
+                # A line that is a command line, not what one prints.
+                match = re.match(r"\s*railhil (?:(?:bus|node) )?[a-z][a-z-]*(?= |$)", line)
+                if match and match[0].strip() != "railhil hub":
+                    seen += 1
+                    assert match[0].strip().removeprefix("railhil ") in _options(), line
+    assert seen > 50

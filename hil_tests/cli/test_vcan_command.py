@@ -1,0 +1,178 @@
+"""``railhil vcan``: what it says when it cannot; a namespace passes everything on and leaves nothing behind."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import wait_for
+from railhil.machines import debian, namespace, vcan, vcan_vm
+from railhil.machines.compiled import compile_by
+
+_FAMILY = OSError(97, "Address family not supported by protocol")
+
+
+def namespaces_permitted() -> bool:
+    user = [] if os.geteuid() == 0 else ["-r"]
+    return subprocess.run(["unshare", "-n", *user, "true"], capture_output=True, check=False).returncode == 0
+
+
+needs_namespaces = pytest.mark.skipif(not namespaces_permitted(), reason="MISSING CAPABILITY network namespaces")
+
+
+@pytest.fixture
+def no_machine(monkeypatch):
+    def refuse() -> None:
+        raise debian.CapabilityError("a virtual machine needs Debian")
+
+    monkeypatch.setattr(vcan_vm, "ensure_machine", refuse)
+
+
+@pytest.fixture
+def no_can(monkeypatch):
+    def refuse(*_: object) -> None:
+        raise _FAMILY
+
+    monkeypatch.setattr(socket, "socket", refuse)
+
+
+@pytest.mark.parametrize(
+    ("via", "named"),
+    [
+        ([], ["neither a namespace", "no CAN sockets", "modprobe", "nor a virtual machine", "needs Debian"]),
+        (["--via", "namespace"], ["no CAN sockets", "linux-modules-extra"]),
+        (["--via", "machine"], ["needs Debian"]),
+    ],
+)
+def test_what_was_tried_stands_in_one_line(no_can, no_machine, capsys, via, named):
+    assert vcan.main([*via, "--", "true"]) == debian.EXIT_NO_CAPABILITY
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert len(captured.err.splitlines()) == 1
+    assert [word for word in named if word not in captured.err] == []
+
+
+@needs_namespaces
+def test_kernel_that_knows_can_but_not_vcan_says_so(monkeypatch):
+    monkeypatch.setattr(namespace, "_require_can", lambda: None)
+    monkeypatch.setattr(namespace, "_prepared", lambda *_: ["sh", "-c", "echo Error: Unknown device type. >&2; exit 2"])
+    with pytest.raises(debian.CapabilityError, match=r"Unknown device type \(modprobe vcan, or apt install"):
+        namespace.require_namespace(["vcan0"])
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ([], "required: command"),
+        (["--interfaces", "vcan0,", "--", "true"], "found 'vcan0,', allowed: different interface names"),
+        (["--interfaces", "a;reboot", "--", "true"], "found 'a;reboot'"),
+        (["--interfaces", "vcan0,vcan0", "--", "true"], "found 'vcan0,vcan0'"),
+        (["--share", "/no/such", "--", "true"], "found /no/such, allowed: a folder that is there"),
+        (["--via", "hope", "--", "true"], "invalid choice: 'hope'"),
+        (["--timeout", "0", "--", "true"], "found '0', allowed: 1 to 86400 s"),
+        (["--memory", "12", "--", "true"], "found 12, allowed 256..1048576"),
+        (["--processors", "0", "--", "true"], "found 0, allowed 1..16"),
+    ],
+)
+def test_wrong_command_line_is_one_line(capsys, words, said):
+    with pytest.raises(SystemExit) as ended:
+        vcan.main(words)
+    assert ended.value.code == 2
+    captured = capsys.readouterr()
+    assert (captured.out, len(captured.err.splitlines())) == ("", 1)
+    assert said in captured.err
+
+
+def test_results_are_kept_and_an_empty_folder_is_not_left_behind(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with vcan._kept_folders(None) as folders:
+        assert [path.is_dir() for path in folders] == [True]
+    assert not (tmp_path / "runs").exists()
+    with vcan._kept_folders(None) as folders:
+        (folders[0] / "result").touch()
+    assert (tmp_path / "runs/result").exists()
+    with vcan._kept_folders([tmp_path]) as folders:
+        assert folders == [tmp_path]
+
+
+# -- a namespace without CAN, which any Linux has -----------------------------------------------------------------
+
+
+def in_namespace(command: Sequence[str], **options: float) -> int:
+    return namespace.run(command, (), environment=dict(os.environ), **options)
+
+
+def alive(pid_file: Path) -> bool:
+    return Path(f"/proc/{pid_file.read_text().strip()}").exists()
+
+
+@needs_namespaces
+def test_exit_code_output_and_interfaces(tmp_path, capfd):
+    assert in_namespace(["sh", "-c", f"ip -o link | wc -l; pwd > {tmp_path}/where; exit 7"]) == 7
+    assert capfd.readouterr().out == "1\n"
+    assert (tmp_path / "where").read_text() == f"{Path.cwd()}\n"
+    assert in_namespace(["sh", "-c", "kill -KILL $$"]) == 128 + signal.SIGKILL
+    with pytest.raises(debian.MachineError, match="no command nosuch"):
+        in_namespace(["nosuch"])
+
+
+@needs_namespaces
+@pytest.mark.parametrize("ends", ["by itself", "by the time-out"])
+def test_what_the_command_leaves_running_is_ended(tmp_path, ends):
+    left = tmp_path / "left"
+    script = f"setsid sleep 600 & echo $! > {left}; "
+    if ends == "by itself":
+        assert in_namespace(["sh", "-c", script]) == 0
+    else:
+        assert in_namespace(["sh", "-c", script + "sleep 600"], timeout_s=1.0) == debian.EXIT_TIMEOUT
+    assert not alive(left)
+
+
+@needs_namespaces
+@pytest.mark.parametrize(
+    ("trap", "rest", "number", "code"),
+    [
+        ("true", "sleep 600", signal.SIGTERM, 128 + signal.SIGTERM),
+        ("trap 'exit 9' INT", "while :; do sleep 0.01; done", signal.SIGINT, 9),
+    ],
+)
+def test_signals_are_passed_on_and_the_whole_tree_ends(tmp_path, trap, rest, number, code):
+    left = tmp_path / "left"
+    script = f"setsid sleep 600 & {trap}; echo $! > {left}.new; mv {left}.new {left}; {rest}"
+    process = multiprocessing.get_context("fork").Process(target=lambda: os._exit(in_namespace(["sh", "-c", script])))
+    process.start()
+    wait_for(left.exists)
+    os.kill(process.pid, number)
+    process.join(20.0)
+    assert (process.exitcode, alive(left)) == (code, False)
+
+
+# -- modules compiled for a machine -------------------------------------------------------------------------------
+
+
+def test_modules_are_compiled_into_the_cache_and_found_there_even_where_writing_them_is_forbidden(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("RAILHIL_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", "1")
+    monkeypatch.setenv("PYTHONPYCACHEPREFIX", "")
+    (tmp_path / "mine.py").write_text("print(__cached__)")
+    monkeypatch.chdir(tmp_path)
+    done = compile_by([sys.executable, "-c", "import mine"])
+    made = Path(done.stdout.strip())
+    assert made.is_relative_to(tmp_path / "cache")
+    assert made.is_file()
+    # What is started from here finds it: a text of the same time and length is not looked at.
+    times = (tmp_path / "mine.py").stat()
+    (tmp_path / "mine.py").write_text("print(not_here__)")
+    os.utime(tmp_path / "mine.py", ns=(times.st_atime_ns, times.st_mtime_ns))
+    found = subprocess.run([sys.executable, "-c", "import mine"], capture_output=True, text=True, check=True)
+    assert found.stdout == done.stdout

@@ -1,0 +1,326 @@
+"""The exported controller in C in the place of ours: the same answers, frame by frame, on any kind of bus."""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+from collections.abc import Callable, Container, Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.foreign import (
+    CNode,
+    TwinRun,
+    export_node,
+    twin_run,
+    without_telemetry,
+)
+from railhil.bus.frame import EXTENDED, REMOTE, Frame
+from railhil.bus.ident import CtlIdent, Role
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
+from railhil.bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.watch import Level
+from railhil.dbc import wire_contract
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
+from railhil.scenarios.target import Target
+
+pytestmark = pytest.mark.needs_compiler
+
+LAWS = ("ipfc", "ipfc_plus", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid")
+POLL = wire_contract().poll_id
+#: Off, coast, brake: short, because every frame passes two controllers.
+_SHORT = TargetCurve(((0.0, 0.0), (1.0, 1.0), (7.0, 1.0), (8.0, 0.0), (11.0, 0.0), (12.0, -1.0)))
+
+
+def short(name: str = "lvshun_tieshan") -> Scenario:
+    """A short run with another train's limits, so that every constant of the header is its own."""
+    whole = load(name)
+    target = Target(_SHORT)
+    plan = dataclasses.replace(whole.plan, distance_m=target.stop_position_m, running_time_s=target.stop_time_s)
+    watch = WatchLimits(hold_ms=30, traction_cut_ms=70, service_brake_ms=200, emergency_ms=600, overspeed_margin_mps=1)
+    return dataclasses.replace(whole, target=_SHORT, plan=plan, watch=watch)
+
+
+@pytest.fixture(scope="module")
+def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Folder of an export, written once."""
+    folders: dict[tuple[str, str, str], Path] = {}
+
+    def get(scenario: Scenario, law: str = "ipfc", indexing: str = "time") -> Path:
+        key = (scenario.sha256 + scenario.target.__repr__(), law, indexing)
+        if key not in folders:
+            folders[key] = tmp_path_factory.mktemp(law)
+            export_node(scenario, folders[key], indexing, law)
+        return folders[key]
+
+    return get
+
+
+# -- the same answers ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> None:
+    """Short runs in one process, drawn parameters; by distance as well where the law has it."""
+    for indexing in ("time", "distance") if law != "ipfc_plus" else ("time",):
+        scenario = short("lvshun_tieshan_worn_wheels")
+        c = CNode(exported(scenario, law, indexing), law)
+        run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law, indexing=indexing)
+        assert run.answers > 1000
+        assert (run.levels, run.c) == ({Level.NORMAL}, {})
+        assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
+
+
+# -- one run after another ------------------------------------------------------------------------------------------
+
+
+class Pulled(Exception):
+    """The run is gone from the bus, and nobody says that it has ended."""
+
+
+def torn_off(at_poll: int, silent: range) -> Callable[[Frame], list[Frame]]:
+    """A bus that is gone at some poll; TRN_SPEED is missing before."""
+    bus = Faulty(1, 0.0, {TrnSpeed.port().address: silent})
+
+    def wire(frame: Frame) -> list[Frame]:
+        if bus.polls >= at_poll:
+            raise Pulled
+        return bus(frame)
+
+    return wire
+
+
+@pytest.mark.parametrize("law", ["ipfc", "ipfc_plus"])
+def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, tmp_path: Path) -> None:
+    """Whatever is left of the run before: a run that has ended, one that was torn off in motion, in emergency, before
+    the first period, or in a handshake."""
+    scenario = short("lvshun_tieshan_worn_wheels")
+    c = CNode(exported(scenario, law), law)
+    for at_poll, level in ((5, Level.NORMAL), (9, Level.NORMAL), (300, Level.NORMAL), (400, Level.EMERGENCY), (0, 0)):
+        if at_poll:
+            silent = range(at_poll - 100, at_poll) if level else range(0)
+            with pytest.raises(Pulled):
+                twin_run(scenario, c, tmp_path, seed=9, law=law, wire=torn_off(at_poll, silent))
+            assert (c.ended, c.level) == (0, level)
+        run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law)
+        assert run.answers > 1000
+        assert (run.levels, run.c) == ({Level.NORMAL}, {})
+        assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
+
+
+def test_no_single_poll_of_a_handshake_begins_afresh_in_motion(exported, tmp_path: Path) -> None:
+    """Both of them, in this order, but with the run going on between."""
+    port = wire_contract().port(CtlIdent.PORT)
+    own, scan = master_frame(port.f_code, port.address), master_frame(F_DEVICE_STATUS, Role.CONTROLLER)
+    polls = 0
+    added = {300: own, 400: scan, 401: own}
+
+    def wire(frame: Frame) -> list[Frame]:
+        nonlocal polls
+        polls += frame.can_id == POLL
+        return [*([added.pop(polls)] if polls in added else []), frame]
+
+    scenario = short()
+    run = twin_run(scenario, CNode(exported(scenario), "ipfc"), tmp_path, wire=wire)
+    assert (added, run.levels, run.c) == ({}, {Level.NORMAL}, {})
+
+
+# -- a bus that is not healthy --------------------------------------------------------------------------------------
+
+
+class Faulty:
+    """A bus that loses, damages, doubles, delays and swaps frames, each with a probability, from a seed.
+
+    Polls are never lost: the bus administrator would wait for each.
+    """
+
+    def __init__(self, seed: int, often: float, silent: Mapping[int, Container[int]] | None = None) -> None:
+        self._random = random.Random(seed)
+        self._often = often
+        self._silent = silent or {}
+        self._late: list[tuple[int, Frame]] = []
+        self._count = 0
+        self.polls = 0
+        #: So often each fault happened.
+        self.happened: dict[str, int] = {}
+
+    def __call__(self, frame: Frame) -> list[Frame]:
+        self._count += 1
+        self.polls += frame.can_id == POLL
+        due = [late for at, late in self._late if at <= self._count]
+        self._late = [item for item in self._late if item[0] > self._count]
+        if self.polls in self._silent.get(frame.can_id, ()):
+            return due
+        if self._random.random() >= self._often:
+            return [*due, frame]
+        kinds = ("damaged", "checked", "doubled", "masqueraded", "remote", "extended", "cut", "lost", "kept")
+        kind = self._random.choice(kinds)
+        self.happened[kind] = self.happened.get(kind, 0) + 1
+        return [*due, *(self._poll(frame) if frame.can_id == POLL else getattr(self, f"_{kind}")(frame))]
+
+    def _poll(self, frame: Frame) -> list[Frame]:
+        """A poll comes in any case; before it something like it."""
+        return [*self._damaged(frame), *self._cut(frame), frame]
+
+    def _damaged(self, frame: Frame) -> list[Frame]:
+        bits = int.from_bytes(frame.data)
+        for _ in range(self._random.randint(1, 3)):
+            bits ^= 1 << self._random.randrange(8 * len(frame.data))
+        return [frame._replace(data=bits.to_bytes(len(frame.data)))]
+
+    def _checked(self, frame: Frame) -> list[Frame]:
+        """Any content, with the right check sequence: stands for a source that is wrong itself."""
+        if frame.can_id != TrnSpeed.port().address:
+            return self._damaged(frame)
+        data = self._random.choice([b"\x7f\xff\xff\x40", b"\x00\x00\x00\x80", b"\xff\xff\xff\x45", b"\x01\x00\x00\x07"])
+        data = data[:3] + bytes([data[3] & 0xF0 | frame.data[3] & 0xF])
+        return [frame._replace(data=data + bytes([check_sequence(data)]) + frame.data[5:])]
+
+    def _doubled(self, frame: Frame) -> list[Frame]:
+        return [frame, frame]
+
+    def _masqueraded(self, frame: Frame) -> list[Frame]:
+        other = self._random.choice([port for port in wire_contract().ports if port.source == "plant"])
+        return [frame._replace(can_id=self._random.choice(other.can_ids))]
+
+    def _remote(self, frame: Frame) -> list[Frame]:
+        return [frame._replace(flags=REMOTE), frame]
+
+    def _extended(self, frame: Frame) -> list[Frame]:
+        return [frame._replace(flags=EXTENDED)]
+
+    def _cut(self, frame: Frame) -> list[Frame]:
+        return [frame._replace(data=frame.data[: self._random.randrange(len(frame.data))])]
+
+    def _lost(self, frame: Frame) -> list[Frame]:
+        return []
+
+    def _kept(self, frame: Frame) -> list[Frame]:
+        self._late.append((self._count + self._random.randint(1, 60), frame))
+        return []
+
+
+def faulty_run(
+    exported,
+    law: str,
+    wire: Callable[[Frame], list[Frame]],
+    indexing: str = "time",
+    name: str = "lvshun_tieshan",
+) -> TwinRun:
+    """A short run of both controllers on a faulty bus; what each refused must be the same too."""
+    scenario = short(name)
+    folder = exported(scenario, law, indexing)
+    run = twin_run(scenario, CNode(folder, law), folder, seed=3, law=law, indexing=indexing, wire=wire)
+    assert {cause: run.python.get(cause, 0) for cause in run.c} == run.c
+    known = {"no_mailbox", "unknown_id", "remote_frame", "extended_id", "error_frame"}
+    assert run.python.keys() - known == run.c.keys()
+    assert run.ended[0] == run.ended[1]
+    return run
+
+
+@pytest.mark.parametrize("often", [0.003, 0.03, 0.3])
+@pytest.mark.parametrize(("law", "indexing"), [("ipfc", "distance"), ("ipfc_plus", "time")])
+def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, indexing: str, often: float) -> None:
+    """Damaged, cut, doubled, swapped, late and lost frames: equal answers, levels and counts of what was refused."""
+    refused: set[str] = set()
+    for seed in range(3):
+        wire = Faulty(seed, often)
+        run = faulty_run(exported, law, wire, indexing, "lvshun_tieshan_worn_wheels")
+        refused |= run.c.keys()
+        if often == 0.3:
+            assert len(wire.happened) == 9
+            assert max(run.levels) >= Level.TRACTION_CUT
+    if often == 0.3:
+        assert refused >= {
+            "wrong_length", "wrong_check_sequence", "wrong_master_word", "missing_block", "duplicate", "gap",
+            "out_of_order", "check_variable", "out_of_range",
+        }  # fmt: skip
+
+
+@pytest.mark.parametrize("polls", [3, 8, 25, 80])
+@pytest.mark.parametrize("silent", [TrnSpeed, TrnPos, BalisePassed])
+def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) -> None:
+    """One port falls silent in motion and comes back: the ladder by age, the reckoned position, the way back."""
+    quiet = {can_id: range(250, 250 + polls) for can_id in silent.port().can_ids}
+    run = faulty_run(exported, "ipfc_plus", Faulty(1, 0.0, quiet), name="lvshun_tieshan_worn_wheels")
+    if silent is TrnSpeed:
+        reached = {3: Level.HOLD, 8: Level.TRACTION_CUT, 25: Level.SERVICE_BRAKE, 80: Level.EMERGENCY}
+        assert max(run.levels) == reached[polls]
+    if silent is TrnPos:
+        assert max(run.levels) == (Level.SERVICE_BRAKE if polls == 80 else Level.NORMAL)
+
+
+def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
+    """Long before the train moves, when an old speed of 0 is no emergency; shortly and again and again later on, when
+    HOLD keeps traction down and braking up."""
+    missing = {*range(12, 68), *(poll for start in range(300, 1400, 40) for poll in range(start, start + 4))}
+    run = faulty_run(exported, "ipfc", Faulty(1, 0.0, {TrnSpeed.port().address: missing}))
+    assert Level.HOLD in run.levels
+    assert Level.EMERGENCY not in run.levels
+
+
+def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()) -> tuple[list[int], bytes]:
+    """Both controllers with one speed (0.1 mm/s; None: no telegram) in each tick and their two polls in every other.
+
+    :param unpolled: ticks without polls.
+    :returns: the level after each tick, and the second block of the last CTL_STAT.
+    """
+    scenario = short()
+    node, c = ControllerNode(scenario, ControllerOptions()), CNode(exported(scenario), "ipfc")
+    source, contract = TelegramSource(TrnSpeed.port()), wire_contract()
+    polls = [master_frame(port.f_code, port.address) for port in map(contract.port, (NotchCmd.PORT, CtlStat.PORT))]
+    levels, status = [], b""
+    for tick, speed in enumerate(speeds):
+        frames = [] if speed is None else source.frames(TrnSpeed(speed, life=tick & 0xF).encode())
+        for frame in [*frames, *(polls if tick % 2 == 0 and tick not in unpolled else [])]:
+            expected = node.handle(frame)
+            assert without_telemetry(c.handle(frame)) == without_telemetry(expected), tick
+            assert c.level == node.guard.level, tick
+            status = expected[1].data if len(expected) == 3 else status
+        levels.append(c.level)
+    return levels, status
+
+
+def test_control_periods_left_out_are_counted(exported) -> None:
+    """Polls fail for 3 s, as they can in realtime."""
+    _, status = driven(exported, [50 * tick for tick in range(600)], range(101, 400))
+    assert status[6] == 1, "OverrunCount"
+
+
+def test_standing_train_leaves_the_service_brake_at_once(exported) -> None:
+    """A standing train is no emergency, however long its speed is missing, and the first speed ends the brake; a moving
+    one needs ten good in a row, and stays in emergency."""
+    standing, _ = driven(exported, [0] * 50 + [None] * 100 + [0] * 4)
+    assert max(standing) == standing[149] == Level.SERVICE_BRAKE
+    assert standing[150] == Level.NORMAL
+    braked, _ = driven(exported, [20_000] * 50 + [None] * 35 + [20_000] * 20)
+    assert [braked.index(Level.SERVICE_BRAKE), braked[93], braked[94]] == [70, Level.SERVICE_BRAKE, Level.NORMAL]
+    moving, _ = driven(exported, [20_000] * 50 + [None] * 100 + [20_000] * 50)
+    assert moving[-1] == Level.EMERGENCY
+
+
+@pytest.mark.parametrize(("bad", "level"), [((300, 304, 309), Level.TRACTION_CUT), ((300, 304, 310), Level.HOLD)])
+def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level: Level) -> None:
+    """The third bad one in the last ten cuts traction, the third in eleven does not."""
+    speeds = 0
+
+    def wire(frame: Frame) -> list[Frame]:
+        nonlocal speeds
+        speeds += frame.can_id == TrnSpeed.port().address
+        if frame.can_id != TrnSpeed.port().address or speeds not in bad:
+            return [frame]
+        data = frame.data[:3] + bytes([frame.data[3] & 0xF])
+        return [frame._replace(data=data + bytes([check_sequence(data)]) + frame.data[5:])]
+
+    run = faulty_run(exported, "ipfc", wire)
+    assert (max(run.levels), run.c["check_variable"]) == (level, 3)
+
+
+def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> None:
+    ids = [can_id for port in wire_contract().ports if port.source == "plant" for can_id in port.can_ids]
+    quiet = {can_id: range(200, 300) for can_id in ids}
+    run = faulty_run(exported, "ipfc", Faulty(1, 0.0, quiet))
+    assert max(run.levels) == Level.EMERGENCY

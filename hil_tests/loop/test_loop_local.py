@@ -1,0 +1,140 @@
+"""The loop through codec and stores, in one process."""
+
+from __future__ import annotations
+
+import pytest
+
+from railhil.bench import direct_run, local_run
+from railhil.bus.frame import Frame
+from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
+from railhil.controller_node.node import MAILBOXES, ControllerNode, ControllerOptions
+from railhil.dbc import wire_contract
+from railhil.scenarios.load import load
+
+#: 72 m in 24 s. The record goes on for 1 s after the stop: longer than the overtime.
+SHORT_TOML = """\
+extends = "lvshun_tieshan"
+name = "short"
+title = "72 m in 24 s"
+[target]
+nodes_s_mps2 = [[0, 0.5], [11.9, 0.5], [12.1, -0.5], [24, -0.5]]
+[plan]
+distance_m = 71.9983
+running_time_s = 24
+overtime_max_s = 0.9
+"""
+
+
+def test_nominal_run_is_healthy_and_complete(nominal, healthy):
+    healthy.append(nominal)
+    assert nominal.ended is Event.ENDED_COMPLETE
+    assert nominal.trace.count(TrnSpeed.PORT) == round(nominal.trace.times_s(TrnSpeed.PORT)[-1] * 100) + 1
+    assert nominal.counters["gate"]["accepted"] == nominal.trace.count(NotchCmd.PORT)
+    assert nominal.counters["plant"].get("missed_polls", 0) == 0
+
+
+def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
+    found = nominal.score
+    assert found.itae == pytest.approx(2120, rel=0.10)
+    assert found.punctuality_s == pytest.approx(0.078, abs=0.02)
+    assert found.stop_error_m == pytest.approx(0.26, abs=0.05)
+    assert found.comfort == pytest.approx(1.8, abs=0.15)
+    assert found.overspeed_mps == 0
+
+
+def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    assert local_run(lvshun, tmp_path / "a", seed=1).frames_sha256 == nominal.frames_sha256
+    other = local_run(lvshun, tmp_path / "b", seed=2)
+    assert other.frames_sha256 != nominal.frames_sha256
+    # Not only the handshake differs: the sensor noise does.
+    assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(nominal.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
+
+
+def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path, healthy):
+    fd = local_run(lvshun, tmp_path, seed=1, fd=True)
+    healthy.append(fd)
+    assert fd.notches == nominal.notches
+    assert fd.score == nominal.score
+    assert fd.frames_sha256 != nominal.frames_sha256
+
+
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+@pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
+def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic, seed, drawn):
+    is_nominal = (seed, drawn, arithmetic) == (1, False, "iq")
+    through_telegrams = (
+        nominal if is_nominal else local_run(lvshun, tmp_path, seed=seed, drawn=drawn, arithmetic=arithmetic)
+    )
+    direct = direct_run(lvshun, seed=seed, drawn=drawn, arithmetic=arithmetic)
+    assert direct.notches == through_telegrams.notches
+    assert direct.score == through_telegrams.score
+
+
+@pytest.mark.parametrize(
+    "timing",
+    [
+        "control_period_ms = 200",
+        # The period begins between two polls.
+        "control_period_ms = 330",
+        # Shorter than the poll's period: periods are left out, and the train's watch takes the traction away.
+        "control_period_ms = 200\nport_period_ms = { NOTCH_CMD = 240 }",
+        "port_period_ms = { NOTCH_CMD = 40 }",
+        "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, SIM_TRUTH = 40 }",
+        # The position that the law sees is older than its poll.
+        "control_period_ms = 330\nport_period_ms = { NOTCH_CMD = 10, TRN_POS = 160 }",
+        "base_tick_ms = 5",
+        "base_tick_ms = 20",
+    ],
+)
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
+    path = tmp_path / "timing.toml"
+    path.write_text(f"{SHORT_TOML}[timing]\n{timing}\n")
+    scenario = load(str(path))
+    through_telegrams = local_run(scenario, tmp_path, seed=1, indexing=indexing)
+    direct = direct_run(scenario, seed=1, indexing=indexing)
+    for port in (NotchCmd.PORT, SimTruth.PORT):
+        assert direct.trace.times_s(port).tolist() == through_telegrams.trace.times_s(port).tolist(), port
+    assert direct.notches == through_telegrams.notches
+    assert direct.score == through_telegrams.score
+
+
+def test_controller_has_no_mailbox_for_the_truth(lvshun):
+    node = ControllerNode(lvshun, ControllerOptions())
+    assert SimTruth not in MAILBOXES
+    assert SimTruth.PORT not in node.responder.store.ports
+    truth_ids = set(SimTruth.port().can_ids)
+    for count, can_id in enumerate(sorted(truth_ids), 1):
+        node.handle(Frame(can_id, bytes(8)))
+        assert node.counters == {"no_mailbox": count}
+
+
+def test_scrambled_truth_changes_nothing_for_the_controller(nominal, lvshun, tmp_path):
+    truth_ids = set(SimTruth.port().can_ids)
+
+    def wire(frame: Frame) -> list[Frame]:
+        return [frame._replace(data=b"\xa5" * 8)] if frame.can_id in truth_ids else [frame]
+
+    assert local_run(lvshun, tmp_path, seed=1, wire=wire).notches == nominal.notches
+
+
+def test_control_status_follows_the_law(nominal):
+    basis = set(nominal.trace.raw(CtlStat.PORT, "BasisInUse").tolist())
+    assert {1, 2} <= basis
+    softening = nominal.trace.values(CtlStat.PORT, "SofteningFactor")
+    assert softening[5:].min() >= 0.76
+    assert softening.max() <= 0.851
+
+
+def test_measured_bus_load_is_the_computed_one(nominal):
+    """The record's bits per second against the load formula (events and handshake are the difference)."""
+    from railhil.bus.load import bus_load, longest_frame_bits
+    from railhil.supervisor.framelog import read_log
+
+    assert nominal.log is not None
+    frames = list(read_log(nominal.log))
+    bits = sum(longest_frame_bits(len(frame.data)) for _, frame in frames)
+    measured = bits / (frames[-1][0] / 1e9) / 500_000
+    assert measured == pytest.approx(sum(bus_load(wire_contract(), 500_000).values()), rel=0.02)

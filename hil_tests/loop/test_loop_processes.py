@@ -1,0 +1,229 @@
+"""The bench as it is used: three processes and a hub."""
+
+from __future__ import annotations
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import can
+import numpy as np
+import psutil
+import pytest
+
+from hil_tests.loop.test_loop_local import SHORT_TOML
+from hil_tests.support.cli import Started, railhil, wait_for
+from railhil.bench import local_run
+from railhil.bus.telegrams import NotchCmd
+from railhil.scenarios.load import load
+from railhil.supervisor.framelog import read_log, sha256_of
+from railhil.supervisor.trace import trace_of
+
+pytestmark = pytest.mark.loop
+
+#: How long the rest of the bench may take to end when a node was killed.
+END_S = 5.0
+_RUN_KEYS = {"sim_time_s", "wall_time_s", "speed_factor", "frames", "transport", "arithmetic", "controller", "seed"}
+
+
+@pytest.fixture(scope="module")
+def hub_run(tmp_path_factory) -> Path:
+    """Folder of one run over the hub's Unix socket, seed 1."""
+    folder = tmp_path_factory.mktemp("hub") / "run"
+    done = railhil("run", "--seed", "1", "--out", folder, "--quiet")
+    assert done.exit_code in (0, 1), done.err
+    return folder
+
+
+@pytest.fixture
+def short(tmp_path) -> Path:
+    """A scenario of 24 s, 13 000 frames."""
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT_TOML)
+    return path
+
+
+def certificate(folder: Path) -> dict:
+    return json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
+
+
+def test_run_folder_is_complete(hub_run):
+    names = {path.name for path in hub_run.iterdir()}
+    documents = {"score.json", "certificate.json", "junit.xml", "telemetry.json"}
+    assert {"frames.log", "frames.blf", "signals.csv"} | documents <= names
+    assert certificate(hub_run)["frames_sha256"] == sha256_of(hub_run / "frames.log")
+    document = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))
+    assert set(document["scores"]) == {"itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"}
+    assert set(document["signed"]) == {"time_error_s", "stop_error_m"}
+    assert set(document["run"]) >= _RUN_KEYS
+    suite = ET.parse(hub_run / "junit.xml").getroot()
+    assert int(suite.get("tests", "0")) == len(suite.findall("testcase")) == 7
+
+
+def test_bench_health(hub_run):
+    """Nothing lost, rejected or out of order between the processes."""
+    counters = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))["run"]["counters"]
+    assert {key: count for key, count in counters.items() if key not in ("sent", "received") and count} == {}
+    trace = trace_of(read_log(hub_run / "frames.log"))
+    for port, signal_name, modulus in (("TRN_SPEED", "SpeedLife", 16), ("NOTCH_CMD", "NotchLife", 16)):
+        steps = np.diff(trace.raw(port, signal_name)) % modulus
+        assert set(steps.tolist()) == {1}
+
+
+def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, nominal):
+    assert nominal.frames_sha256 == certificate(hub_run)["frames_sha256"]
+
+
+def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    channel = f"tcp://127.0.0.1:{port}"
+    hub = subprocess.Popen([sys.executable, "-m", "railhil.bus.hub", "-c", channel], stderr=subprocess.DEVNULL)
+    try:
+        folder = tmp_path / "run"
+        bus = ("-i", "railhil", "-c", channel, "--bus-kwargs", "connect_timeout=10")
+        done = railhil("run", short, "--seed", "1", "--out", folder, "--quiet", "--no-report", *bus)
+        assert done.exit_code in (0, 1), done.err
+        assert certificate(folder)["frames_sha256"] == local_run(load(short), tmp_path, seed=1).frames_sha256
+    finally:
+        hub.terminate()
+        assert hub.wait(5) == 0
+
+
+def test_score_of_the_log_is_the_live_score_to_the_last_digit(hub_run, tmp_path):
+    live = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))
+    done = railhil("score", hub_run / "frames.log", "--json")
+    for key in ("verdict", "scores", "signed", "overspeed_mps", "failures"):
+        assert done.json[key] == live[key]
+    # Without the certificate beside it, the scenario must be named.
+    moved = tmp_path / "frames.log"
+    moved.write_bytes((hub_run / "frames.log").read_bytes())
+    assert railhil("score", moved, "--scenario", "lvshun_tieshan", "--json").json == done.json
+    assert railhil("score", moved).exit_code == 2
+
+
+def test_blf_holds_the_same_frames(hub_run):
+    with can.LogReader(hub_run / "frames.blf") as blf:
+        # python-can truncates to whole nanoseconds, so the comparison is in microseconds.
+        messages = [(round(message.timestamp * 1e6), message.arbitration_id, bytes(message.data)) for message in blf]
+    frames = read_log(hub_run / "frames.log")
+    assert messages == [(time_ns // 1000, frame.can_id, frame.data) for time_ns, frame in frames]
+
+
+def test_candump_log_is_readable_by_python_can(hub_run):
+    with can.LogReader(hub_run / "frames.log") as log:
+        assert sum(1 for _ in log) == certificate(hub_run)["frames"]
+
+
+def test_signals_table_matches_the_log(hub_run):
+    table = np.genfromtxt(hub_run / "signals.csv", delimiter=",", names=True)
+    trace = trace_of(read_log(hub_run / "frames.log"))
+    assert np.allclose(table["true_speed_mps"], trace.values("SIM_TRUTH", "TrueSpeed"))
+    assert table["time_s"][-1] == pytest.approx(trace.times_s("SIM_TRUTH")[-1])
+    assert np.nanmax(table["notch_command"]) == pytest.approx(trace.values(NotchCmd.PORT, "NotchCmd").max())
+
+
+def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
+    words = certificate(hub_run)["command"].split()
+    assert words[0] == "railhil"
+    folder = tmp_path / "again"
+    railhil(*words[1:], "--out", folder, "--quiet", "--no-report")
+    assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
+
+
+@pytest.mark.parametrize(
+    ("module", "role"), [("plant_sim", "plant"), ("controller_node", "controller"), ("railhil.bus.hub", "hub")]
+)
+def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, role):
+    folder = tmp_path / "run"
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", "--pace", "realtime", "--rate", "20")
+    log = folder / "frames.log"
+    wait_for(lambda: log.stat().st_size > 200_000)
+    others = psutil.Process(run.process.pid).children()
+    run.child(module).send_signal(signal.SIGKILL)
+    done, seconds = run.finish()
+    assert seconds < END_S
+    assert done.exit_code == 3
+    assert "Traceback" not in done.out + done.err
+    assert f"{role} lost at simulation time" in done.out
+    assert "SIGKILL" in done.out
+    assert not [child for child in others if child.is_running() and child.status() != psutil.STATUS_ZOMBIE]
+    frames = list(read_log(log))
+    assert len(frames) > 5000
+    scored = railhil("score", folder)
+    assert scored.exit_code == 3
+    assert f"{role} lost at simulation time" in scored.out
+
+
+def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
+    folder = tmp_path / "run"
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
+    log = folder / "frames.log"
+    wait_for(lambda: log.exists() and log.stat().st_size > 800_000)
+    run.child("controller_node").send_signal(signal.SIGKILL)
+    done, seconds = run.finish()
+    assert (done.exit_code, seconds < END_S) == (3, True)
+    trace = trace_of(read_log(log))
+    assert trace.raw("RUN_EVENT", "RunEvent")[-1] == 7, "ended_controller_lost"
+    assert trace.values("SIM_TRUTH", "TrueSpeed")[-1] == 0
+    last_notch_s = trace.times_s(NotchCmd.PORT)[-1]
+    after = trace.times_s("SIM_TRUTH") > last_notch_s + 0.1
+    assert trace.values("SIM_TRUTH", "TractionForce")[after].max() == 0, "traction is cut within 100 ms"
+
+
+def test_killed_supervisor_stops_the_nodes(tmp_path):
+    run = Started("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", "--pace", "realtime", "--rate", "20")
+    wait_for(lambda: (tmp_path / "run" / "frames.log").stat().st_size > 200_000)
+    children = psutil.Process(run.process.pid).children()
+    run.process.kill()
+    run.process.wait()
+    hub = [child for child in children if "railhil.bus.hub" in child.cmdline()]
+    nodes = [child for child in children if child not in hub]
+    _, alive = psutil.wait_procs(nodes, timeout=END_S)
+    for child in children:
+        if child.is_running():
+            child.kill()
+    assert not alive
+    assert list(read_log(tmp_path / "run" / "frames.log"))
+
+
+@pytest.mark.wall_clock
+def test_realtime_pace_keeps_time(tmp_path):
+    folder = tmp_path / "run"
+    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20", "--json")
+    document = done.json
+    if done.exit_code == 3:
+        assert "timing: " in document["line"], document["line"]
+    assert document["jitter"]["cycles"] > 19_000
+
+
+def test_other_tools_attach_to_the_hub(short, tmp_path, socket_folder):
+    """python-can's logger, unmodified, sees what the supervisor records."""
+    channel = str(socket_folder / "hub.sock")
+    hub = subprocess.Popen([sys.executable, "-m", "railhil.bus.hub", "-c", channel], stderr=subprocess.DEVNULL)
+    wait_for(lambda: Path(channel).exists())
+    tool = subprocess.Popen(
+        [sys.executable, "-m", "can.logger", "-i", "railhil", "-c", channel, "-f", str(tmp_path / "tool.log")],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    try:
+        wait_for(lambda: (tmp_path / "tool.log").exists())
+        bus = ("-i", "railhil", "-c", channel)
+        done = railhil("run", short, "--seed", "1", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
+        assert done.exit_code in (0, 1), done.err
+    finally:
+        tool.send_signal(signal.SIGINT)
+        tool.wait(10)
+        hub.terminate()
+        hub.wait(10)
+    ours = [(frame.can_id, frame.data) for _, frame in read_log(tmp_path / "run" / "frames.log")]
+    with can.LogReader(tmp_path / "tool.log") as log:
+        theirs = [(message.arbitration_id, bytes(message.data)) for message in log]
+    # The tool also saw the device status scan before the record began.
+    assert theirs[-len(ours) :] == ours

@@ -1,0 +1,209 @@
+"""The whole loop with a position or balises that cannot be trusted: the train stops before its stopping point or at it.
+
+Laws that use the position (IPFC+, and every law by distance) reckon for a second and then brake; the others run on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hil_tests.support.paths import ROOT
+from railhil.bench import BenchRun, direct_run, local_run
+from railhil.bus.frame import Frame
+from railhil.bus.layout import CHECK_CORRECT, Telegram
+from railhil.bus.mvb import TelegramSource
+from railhil.bus.telegrams import BalisePassed, CtlMode, CtlStat, Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from railhil.common.errors import InputError
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Balise, Scenario
+
+WORN = load("lvshun_tieshan_worn_wheels")
+#: 146 s.
+SHORT = load("yizhuang_04_jiugong_yizhuang_qiao")
+#: Worn wheels, and every perturbation drawn.
+SEED = 1003
+SPEED_ID = TrnSpeed.port().address
+#: Telegram and time in s -> telegrams that arrive in its place.
+Fault = Callable[[Any, float], list[Any]]
+
+
+class Wire:
+    """Does something to the telegrams of one port of one block; counts time by the ticks of TRN_SPEED."""
+
+    def __init__(self, kind: type[Telegram], fault: Fault) -> None:
+        self._kind, self._fault = kind, fault
+        self._block_id, self._trailer_id = kind.port().can_ids
+        self._source = TelegramSource(kind.port())
+        self._block = b""
+        self._ticks = 0
+
+    def __call__(self, frame: Frame) -> list[Frame]:
+        self._ticks += frame.can_id == SPEED_ID and not frame.flags
+        if frame.can_id == self._block_id:
+            self._block = frame.data
+            return []
+        if frame.can_id != self._trailer_id:
+            return [frame]
+        telegrams = self._fault(self._kind.decode(self._block), (self._ticks - 1) / 100)
+        return [out for telegram in telegrams for out in self._source.frames(telegram.encode())]
+
+
+def silent(begin_s: float, end_s: float = 1e9) -> Fault:
+    return lambda telegram, now_s: [] if begin_s <= now_s < end_s else [telegram]
+
+
+def changed(begin_s: float, end_s: float = 1e9, *, check: int = CHECK_CORRECT, off_mm: int | None = None) -> Fault:
+    """From a time on: another check variable, and the odometer off by so much, or 0 for None."""
+
+    def fault(telegram: TrnPos, now_s: float) -> list[TrnPos]:
+        if not begin_s <= now_s < end_s:
+            return [telegram]
+        return [replace(telegram, check=check, odometer_mm=0 if off_mm is None else telegram.odometer_mm + off_mm)]
+
+    return fault
+
+
+def late(by_s: float) -> Fault:
+    """Every new balise comes so late; until then the port is silent."""
+    seen_s: dict[int, float] = {}
+
+    def fault(telegram: BalisePassed, now_s: float) -> list[BalisePassed]:
+        return [telegram] if now_s - seen_s.setdefault(telegram.balise_id, now_s) >= by_s else []
+
+    return fault
+
+
+def run_with(folder: Path, kind: type[Telegram], fault: Fault, scenario: Scenario = SHORT, **options: Any) -> BenchRun:
+    folder.mkdir(exist_ok=True)
+    given = {"controller": "ipfc_plus", "seed": SEED, "drawn": True, **options}
+    return local_run(scenario, folder, wire=Wire(kind, fault), **given)
+
+
+def assert_braked(run: BenchRun, begin_s: float) -> None:
+    """Service brake 1 s after the last good position, to the end, as CTL_STAT says too; short of the stopping point."""
+    times_s, modes = run.trace.times_s(NotchCmd.PORT), run.trace.raw(NotchCmd.PORT, "CtlMode")
+    entered_s = times_s[modes == CtlMode.SERVICE_BRAKE][0]
+    assert 0.98 <= entered_s - begin_s <= 1.04
+    assert set(modes[times_s < entered_s]) == {CtlMode.RUNNING}
+    assert set(modes[times_s >= entered_s]) == {CtlMode.SERVICE_BRAKE}
+    stat_s, levels = run.trace.times_s(CtlStat.PORT), run.trace.raw(CtlStat.PORT, "LadderLevel")
+    assert set(levels[stat_s >= entered_s + 0.02]) == {3}
+    # No traction any more from there on, beyond what the ramp of the brake takes back.
+    truth_s = run.trace.times_s(SimTruth.PORT)
+    assert (run.trace.raw(SimTruth.PORT, "TractionForce")[truth_s > entered_s + 4.0] == 0).all()
+    assert run.ended is Event.ENDED_COMPLETE
+    assert run.score.signed_stop_error_m is not None
+    assert run.score.signed_stop_error_m < 0.0
+    assert run.score.overspeed_mps == 0.0
+    assert not any("emergency" in failure for failure in run.score.failures)
+
+
+# -- position ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("begin_s", [60, 150, 185])
+def test_silent_position_is_reckoned_for_a_second_and_then_braked(tmp_path: Path, begin_s: float) -> None:
+    run = run_with(tmp_path, TrnPos, silent(begin_s), WORN)
+    assert_braked(run, begin_s)
+    assert run.refused == {}
+
+
+@pytest.mark.parametrize(
+    ("begin_s", "fault", "cause"),
+    [
+        (60, {"off_mm": None, "check": 3}, "position_check"),
+        (130, {"off_mm": -20_000}, "position_jump"),
+        (130, {"off_mm": 20_000}, "position_jump"),
+    ],
+)
+def test_a_position_that_is_wrong_is_as_good_as_none(
+    tmp_path: Path, begin_s: float, fault: dict[str, Any], cause: str
+) -> None:
+    run = run_with(tmp_path, TrnPos, changed(begin_s, **fault))
+    assert_braked(run, begin_s)
+    assert set(run.refused) == {f"controller.{cause}"}
+
+
+def test_lost_half_a_second_before_the_stop(tmp_path: Path) -> None:
+    """Reckoned to the stop."""
+    run = run_with(tmp_path, TrnPos, silent(145.5))
+    assert run.score.stop_error_m is not None
+    assert run.score.stop_error_m < 0.1
+
+
+@pytest.mark.parametrize("fault", [silent(60, 60.6), changed(60, 60.8, off_mm=-20_000)], ids=["silent", "jump"])
+def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
+    run = run_with(tmp_path, TrnPos, fault)
+    assert set(run.trace.raw(NotchCmd.PORT, "CtlMode")) == {CtlMode.RUNNING}
+    assert run.score.failures == ()
+    assert run.score.stop_error_m is not None
+    assert run.score.stop_error_m < 0.05
+
+
+def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
+    run = run_with(tmp_path, TrnPos, silent(60, 65))
+    times_s, modes = run.trace.times_s(NotchCmd.PORT), run.trace.raw(NotchCmd.PORT, "CtlMode")
+    braking_s = times_s[modes == CtlMode.SERVICE_BRAKE]
+    assert 60.98 <= braking_s[0] <= 61.04
+    assert 65.0 < braking_s[-1] < 65.5
+    assert set(modes[times_s > braking_s[-1]]) == {CtlMode.RUNNING}
+    assert run.score.failures == ()
+    assert run.score.stop_error_m is not None
+    assert run.score.stop_error_m < 0.05
+
+
+def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
+    run = run_with(tmp_path, TrnPos, silent(0))
+    assert np.max(run.trace.raw(SimTruth.PORT, "TruePos")) < 20_000
+    assert set(run.trace.raw(CtlStat.PORT, "LadderLevel")[-10:]) == {3}
+
+
+def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> None:
+    by_distance = run_with(tmp_path / "d", TrnPos, silent(60), controller="tdmc", indexing="distance")
+    assert_braked(by_distance, 60)
+    by_time = run_with(tmp_path / "t", TrnPos, silent(60), controller="tdmc")
+    healthy = direct_run(SHORT, seed=SEED, drawn=True, controller="tdmc")
+    assert by_time.notches == healthy.notches
+
+
+# -- balises ----------------------------------------------------------------------------------------------------------
+
+
+def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
+    """9 km with few balises: there a reading wrong by 65.536 m is inside of what a worn wheel explains."""
+    slope = load(ROOT / "docs/examples/desiro_slope.toml")
+    balises = tuple(Balise(number, at_m, at_m) for number, at_m in ((1, 2000.0), (2, 5000.0), (3, 8000.0)))
+    slope = replace(slope, line=replace(slope.line, balises=balises))
+    run = run_with(tmp_path, BalisePassed, late(3), slope, seed=0, drawn=False)
+    # At one of them the train is faster than 65 m in 3 s.
+    assert run.refused == {"controller.balise_late": 1}
+    assert run.score.stop_error_m is not None
+    assert run.score.stop_error_m < 0.05
+
+
+@pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])
+def test_balise_telegrams_that_say_nothing_are_not_used(tmp_path: Path, wrong: dict[str, int]) -> None:
+    """Those of the last balises, with a place that would send the train 5 m on."""
+
+    def fault(telegram: BalisePassed, now_s: float) -> list[BalisePassed]:
+        if telegram.balise_id < 43:
+            return [telegram]
+        return [replace(telegram, surveyed_mm=telegram.surveyed_mm - 5000, **wrong)]
+
+    run = run_with(tmp_path, BalisePassed, fault)
+    assert set(run.refused) == {"controller.balise_check" if "check" in wrong else "controller.balise_number"}
+    assert run.score.stop_error_m is not None
+    assert run.score.stop_error_m < 0.1
+
+
+def test_a_scenario_numbers_its_balises_from_1(tmp_path: Path) -> None:
+    path = tmp_path / "zero.toml"
+    path.write_text('extends = "lvshun_tieshan"\nname = "zero"\n[line]\nbalises = [{number=0, surveyed_m=600.0}]\n')
+    with pytest.raises(InputError, match=r"line\.balises\[0\]\.number: found 0, allowed at least 1"):
+        load(path)

@@ -1,0 +1,285 @@
+"""Telemetry of a run: in the run folder, in the verdict, and read back from the record."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+import signal
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import railhil.controller_node.controller
+import railhil.controller_node.loop
+from hil_tests.support.cli import Started, railhil, wait_for
+from railhil.bench import BenchRun, local_run
+from railhil.bus.mvb import master_frame
+from railhil.bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
+from railhil.common.exit_codes import FAIL
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.folder import junit, score_json
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.score import Score
+from railhil.supervisor.telemetry import Headroom, read_summary, shown_telemetry
+from railhil.supervisor.trace import Trace
+
+#: v^2 in Q28 does not fit into int32 above this speed, km/h.
+_WRAPS_ABOVE_KMH = math.sqrt(8)
+
+
+class Squared(Ipfc[Any]):
+    """The law with one quantity more, in a format that is too small: the square of the speed in Q28."""
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        answer = super().step(state, inputs)
+        self._ar.note("squared", self._ar.mpy(inputs.speed, inputs.speed, 2 * SPEED_Q - 28), 28, "km2/h2")
+        return answer
+
+
+@pytest.fixture(scope="module")
+def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """A run of :class:`Squared`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(railhil.controller_node.loop, "load", lambda name: Squared)
+        # Else it would not start.
+        patch.setattr(railhil.controller_node.controller, "refuse_wraps", lambda *given: None)
+        return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
+
+
+def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
+    slow = local_run(lvshun, tmp_path, seed=1, task_period_ms=50)
+    for run, lost in ((nominal, False), (slow, True)):
+        flags = run.trace.raw(CtlStat.PORT, "OverflowFlags")
+        assert bool(np.any(flags & ControllerFlag.MESSAGE_LOST)) is lost
+        assert np.all(np.diff(flags & ControllerFlag.MESSAGE_LOST) >= 0)
+        losses = run.telemetry["lost_messages"]
+        assert (losses["total"] > 0) is lost
+        assert (
+            losses["total"] == sum(losses["mailboxes"].values()) == run.counters["controller"].get("lost_messages", 0)
+        )
+
+
+def test_a_wrap_fails_the_run(nominal: BenchRun, wrapped: BenchRun) -> None:
+    (failure,) = set(wrapped.score.failures) - set(nominal.score.failures)
+    assert wrapped.score.verdict == "FAIL"
+    times_s = wrapped.trace.times_s(SimTruth.PORT)
+    fast_s = times_s[np.argmax(wrapped.trace.values(SimTruth.PORT, "TrueSpeed") * 3.6 > _WRAPS_ABOVE_KMH)]
+    text, _, reported = failure.rpartition(" at ")
+    assert text == "fixed-point wrap in the controller, reported"
+    # One control period until the law sees it, one period of CTL_STAT until it is told.
+    assert fast_s <= float(reported.removesuffix(" s")) <= fast_s + 0.5 + 0.16 + 0.02
+    # The quantity is only looked at: the train runs as ever.
+    assert wrapped.notches == nominal.notches
+    assert not any("wrap" in text for text in nominal.score.failures)
+
+
+def test_the_wrap_is_attributed(wrapped: BenchRun) -> None:
+    named = {row["name"]: row["wraps"] for row in wrapped.telemetry["quantities"] if row["wraps"]}
+    assert set(named) == {"squared"}
+    assert named["squared"] == wrapped.telemetry["totals"]["wraps"] > 100
+    last = len(wrapped.telemetry["quantities"]) - 1
+    shown = wrapped.trace.raw(CtlStat.PORT, "TelemetryIndex")
+    flagged = wrapped.trace.raw(CtlStat.PORT, "TelemetryWrapped")
+    assert set(shown[flagged == 1].tolist()) == {last}
+
+
+class Late(Ipfc[Any]):
+    """The law, with a sum that wraps in its second control period."""
+
+    def __init__(self, *arguments: Any) -> None:
+        super().__init__(*arguments)
+        self.steps = 0
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        self.steps += 1
+        if self.steps == 2 and not isinstance(self._ar, Tracer):
+            large = self._ar.from_raw(2**31 - 1, 0)
+            self._ar.add(large, large)
+        return super().step(state, inputs)
+
+
+def test_a_wrap_in_the_last_step_fails_the_run(
+    lvshun: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Control periods begin in ticks 0 and 50, CTL_STAT is due in tick 48, and the run ends in tick 53."""
+    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Late)
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.52, overtime_max_s=0.0)
+    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path)
+    assert run.telemetry["steps"] == 2
+    assert run.trace.times_s(CtlStat.PORT).tolist() == [0.0, 0.16, 0.32, 0.48, 0.53]
+    assert "fixed-point wrap in the controller, reported at 0.53 s" in run.score.failures
+    assert run.log is not None
+    done = railhil("score", run.log, "--scenario", "lvshun_tieshan", "--json")
+    assert done.exit_code == FAIL
+    assert "fixed-point wrap in the controller, reported at 0.53 s" in done.json["failures"]
+
+
+def result_of(score: Score) -> RunResult:
+    return RunResult(score, FAIL, "", 1, "", 1.0, 1.0, 1.0, "local", None)
+
+
+def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: BenchRun, lvshun: Scenario) -> None:
+    assert wrapped.log is not None
+    done = railhil("score", wrapped.log, "--scenario", "lvshun_tieshan", "--json")
+    assert done.exit_code == FAIL
+    assert done.json["failures"] == list(wrapped.score.failures)
+    for run, fails in ((wrapped, True), (nominal, False)):
+        root = junit(lvshun, RunOptions("lvshun_tieshan"), result_of(run.score)).getroot()
+        case = next(case for case in root.iter("testcase") if case.get("name") == "no_wrap")
+        failure = case.find("failure")
+        assert (failure is not None) is fails
+        assert failure is None or "fixed-point wrap in the controller" in failure.get("message", "")
+
+
+def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) -> None:
+    """A controller that never made a step, and left no file."""
+    assert shown_telemetry(Trace()) is None
+    trace = Trace()
+    trace.add(CtlStat.PORT, 0, CtlStat().encode())
+    assert shown_telemetry(trace) is None
+    document = score_json(lvshun, result_of(nominal.score), RunOptions("lvshun_tieshan", attach=True, perturbed=True))
+    assert document["telemetry"] is None
+    # Nor on which runs its own parameters were chosen.
+    assert document["run"]["seed_was_trained"] is None
+
+
+def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: BenchRun, wrapped: BenchRun) -> None:
+    found, other = shown_telemetry(nominal.trace), shown_telemetry(wrapped.trace)
+    assert found is not None
+    assert other is not None
+    assert (found.happened, found.cycles) == ((), nominal.telemetry["cycles"]["ram"])
+    whole = nominal.telemetry["quantities"]
+    least = min(whole, key=lambda row: row["headroom_bits"])
+    assert found.least_headroom == Headroom(f"quantity {whole.index(least)}", least["headroom_bits"])
+    assert [row["index"] for row in found.quantities] == list(range(len(whole)))
+    assert other.happened == ("wrap",)
+    assert [row["index"] for row in other.quantities if row["wrapped"]] == [len(whole)]
+    assert other.sentence().endswith(", wrap, as CTL_STAT tells it")
+
+
+@pytest.mark.loop
+def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
+    document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
+    assert document == json.loads(json.dumps(nominal.telemetry))
+    assert (document["law"], document["arithmetic"], document["profile"]) == ("ipfc", "iq", "c28")
+    assert document["steps"] == document["quantities"][0]["steps"] > 380
+    assert document["totals"] == {"wraps": 0, "saturations": 0, "zero_divisions": 0}
+    score = json.loads((folder / "score.json").read_text(encoding="utf-8"))["telemetry"]
+    least = min(document["quantities"], key=lambda row: row["headroom_bits"])
+    assert score == {
+        **document["totals"],
+        "least_headroom": {"name": least["name"], "bits": least["headroom_bits"]},
+        "cycles": document["cycles"]["ram"],
+        "cycles_flash": 2 * document["cycles"]["ram"],
+        "cycle_share": document["cycles"]["share"],
+        "lost_messages": 0,
+    }
+    certificate = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
+    assert (certificate["arithmetic"], certificate["arithmetic_profile"]) == ("iq", "c28")
+    assert f"least headroom {least['headroom_bits']} bit ({least['name']}), 0 wraps, 0 saturations" in done.out
+    assert f"{score['cycles']} C28x cycles a step in RAM, {score['cycles_flash']} from flash" in done.out
+    assert not list(folder.glob(".part-*"))
+
+
+@pytest.mark.loop
+def test_attached_run_takes_the_telemetry_from_the_record(
+    nominal: BenchRun, tmp_path: Path, socket_folder: Path
+) -> None:
+    bus = ("-i", "railhil", "-c", str(socket_folder / "hub.sock"))
+    started = [Started("bus", "hub", *bus[2:])]
+    wait_for((socket_folder / "hub.sock").exists)
+    started += [Started("node", role, "lvshun_tieshan", *bus) for role in ("plant", "controller")]
+    try:
+        done = railhil("run", "--attach", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
+        assert done.exit_code == FAIL, done.err
+    finally:
+        for process in started:
+            process.process.terminate()
+            process.finish()
+    found = json.loads((tmp_path / "run" / "score.json").read_text(encoding="utf-8"))["telemetry"]
+    assert (found["source"], found["cycles"]) == ("CTL_STAT", nominal.telemetry["cycles"]["ram"])
+    assert len(found["quantities"]) == len(nominal.telemetry["quantities"])
+    assert "no overflow, as CTL_STAT tells it" in done.out
+
+
+@pytest.mark.loop
+def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    pace = ("--pace", "realtime", "--rate", "20")
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", *pace)
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 400_000)
+    run.child("plant_sim").send_signal(signal.SIGKILL)
+    done, _ = run.finish()
+    assert done.exit_code == 3
+    document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
+    assert 5 < document["steps"] < 380
+    score = json.loads((folder / "score.json").read_text(encoding="utf-8"))
+    assert score["telemetry"]["cycles"] == document["cycles"]["ram"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        None,
+        lambda text: text[: len(text) // 2],
+        lambda text: "[]",
+        lambda text: "null",
+        lambda text: "\ufffe",
+        lambda text: text.replace('"ram"', '"step"'),
+        lambda text: text.replace('"share": ', '"share": 1e999, "was": '),
+        lambda text: text.replace('"ram": ', '"ram": 1e999, "was": '),
+        lambda text: text.replace('"quantities": [', '"quantities": [7, '),
+    ],
+)
+def test_a_broken_file_counts_as_missing(nominal: BenchRun, tmp_path: Path, change: Any) -> None:
+    whole = json.dumps(nominal.telemetry)
+    path = tmp_path / "telemetry.json"
+    if change is not None:
+        assert change(whole) != whole
+        path.write_text(change(whole), encoding="utf-8")
+    assert read_summary(tmp_path) is None
+    path.write_text(whole, encoding="utf-8")
+    assert read_summary(tmp_path) is not None
+
+
+def test_infinite_extremes_are_null(lvshun: Scenario, tmp_path: Path) -> None:
+    node = ControllerNode(lvshun, ControllerOptions(arithmetic="float64"))
+    number = make("float64")
+    number.noted = [math.inf] * len(node.controller.telemetry.quantities)
+    node.controller.telemetry.take(number)
+    write_telemetry(node, tmp_path / "telemetry.json")
+    row = json.loads((tmp_path / "telemetry.json").read_text(encoding="utf-8"))["quantities"][0]
+    assert (row["minimum"], row["maximum"], row["steps"]) == (None, None, 1)
+    found = read_summary(tmp_path)
+    assert found is not None
+    assert found.least_headroom is None
+    assert found.cycles == 0
+    assert found.sentence() == "no fixed point, 0 wraps, 0 saturations"
+
+
+def test_a_full_disk_costs_the_file_and_nothing_else(
+    lvshun: Scenario, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    node = ControllerNode(lvshun, ControllerOptions())
+    write_telemetry(node, tmp_path / "gone" / "telemetry.json")
+    assert "is lost: no such file or directory" in capsys.readouterr().err
+    assert node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))
+
+
+@pytest.mark.parametrize(("place", "why"), [(".", "is a directory"), ("gone/x.json", "no such file or directory")])
+def test_a_file_that_cannot_be_written_is_refused_before_the_run(tmp_path: Path, place: str, why: str) -> None:
+    done = railhil("node", "controller", "--telemetry", tmp_path / place, cwd=tmp_path)
+    assert done.exit_code == 2
+    assert f"a file that can be written ({why})" in done.one_line()

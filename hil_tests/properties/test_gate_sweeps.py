@@ -1,0 +1,215 @@
+"""Dense sweeps of the safety gate against models written here in another way.
+
+Each ``sweep_*`` takes the module to judge, so that the mutation test can run the very same checks on changed source.
+"""
+
+from __future__ import annotations
+
+import random
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
+from railhil.controller_node import guard
+from railhil.controller_node.ecan import BitCounter
+from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from railhil.plant_sim import gate
+from railhil.scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
+MS = 1_000_000
+
+# -- the train's gate -------------------------------------------------------------------------------------------------
+
+
+def sweep_gate(module: ModuleType) -> None:
+    """Every life sign, check variable and boundary of the notch after every accepted life sign."""
+    for maximum in (0, 1792):
+        notches = [*range(-maximum - 3, -maximum + 4), -1, 0, 1, *range(maximum - 3, maximum + 4), 32767, -32768]
+        for check in range(4):
+            for notch in notches:
+                for step in range(-1, 16):
+                    fresh_gate = module.CommandGate(maximum)
+                    if step >= 0:
+                        assert fresh_gate.accept(NotchCmd(0, life=9))
+                    before = int(step >= 0)
+                    wrong = [
+                        cause
+                        for cause, holds in (
+                            ("duplicate", step == 0),
+                            ("out_of_order", step > 7),
+                            ("check_variable", check != 1),
+                            ("out_of_range", not -maximum <= notch <= maximum),
+                        )
+                        if holds
+                    ]
+                    life = (9 + max(step, 0)) % 16
+                    assert fresh_gate.accept(NotchCmd(notch, check=check, life=life)) == (not wrong)
+                    expected = {"accepted": before} if before else {}
+                    if wrong:
+                        expected[wrong[0]] = 1
+                    else:
+                        expected["accepted"] = before + 1
+                        if 2 <= step <= 7:
+                            expected["gap"] = 1
+                    assert fresh_gate.counters == expected
+                    # What was refused is not remembered, what was accepted is.
+                    again = fresh_gate.accept(NotchCmd(0, life=life))
+                    assert again == (bool(wrong) and (step == -1 or 1 <= step <= 7))
+    assert [module.CommandGate.emergency(NotchCmd(emergency=code)) for code in range(4)] == [True, False, True, True]
+
+
+# -- the controller's guard -------------------------------------------------------------------------------------------
+
+
+class PlainGuard:
+    """The guard told as a history: which telegrams counted, and when."""
+
+    def __init__(self) -> None:
+        self.ladder = Ladder.of(SCENARIO)
+        self.state = WatchState()
+        self.fresh: list[int] = []
+        self.good: list[tuple[int, int]] = []
+        self.limits: list[int] = []
+        self.sent: list[int] = [0]
+        self.counters: dict[str, int] = {}
+
+    def look(self, telegram: Telegram, now_ns: int) -> None:
+        at_ns, speed = self.good[-1] if self.good else (0, -1)
+        margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+        too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
+        age_ms = (now_ns - at_ns) // MS
+        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast))
+
+    def count(self, cause: str) -> None:
+        self.counters[cause] = self.counters.get(cause, 0) + 1
+
+    def speed(self, speed: int, check: int, life: int, now_ns: int) -> None:
+        step = (life - self.fresh[-1]) % 16 if self.fresh else 1
+        if step == 0 or step >= 8:
+            self.count("out_of_order" if step else "duplicate")
+            return self.look(Telegram.NONE, now_ns)
+        self.fresh.append(life)
+        if step > 1:
+            self.count("gap")
+        if check != 1 or speed < 0 or speed > 1_500_000:
+            self.count("out_of_range" if check == 1 else "check_variable")
+            return self.look(Telegram.BAD, now_ns)
+        self.good.append((now_ns, speed))
+        return self.look(Telegram.GOOD, now_ns)
+
+    def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
+        self.look(Telegram.NONE, now_ns)
+        elapsed_ms = (now_ns - self.sent[-1]) // MS
+        self.sent.append(now_ns)
+        self.state, code, emergency = command(self.ladder, self.state, law_code, elapsed_ms)
+        return code, emergency
+
+
+def sweep_guard_random(module: ModuleType) -> None:
+    """Seeded traffic with every fault at once, against the plain guard after every step."""
+    for seed in range(30):
+        draw = random.Random(seed)
+        subject, model = module.Guard(SCENARIO), PlainGuard()
+        now_ns, life = 0, 0
+        speeds = [0, 0, 1, 100_000, 150_000, 1_499_999, 1_500_000, 1_500_001, -1]
+        for _ in range(300):
+            now_ns += draw.choice([0, 10, 10, 10, 10, 16, 21, 65, 257, 1001]) * MS if draw.random() < 0.4 else 10 * MS
+            kind = draw.random()
+            if kind < 0.75:
+                life += draw.choice([1] * 14 + [0, 2, 7, 8, 15])
+                check = draw.choice([1] * 12 + [0, 2, 3])
+                speed = draw.choice(speeds) if draw.random() < 0.2 else 90_000
+                subject.speed(TrnSpeed(speed, check=check, life=life % 16), now_ns)
+                model.speed(speed, check, life % 16, now_ns)
+            elif kind < 0.78:
+                limit = draw.choice([1402, 1403, 2000, 3400, 60_000])
+                check = draw.randrange(4)
+                subject.limit(TrkInfo(speed_limit_4mmps=limit, limit_check=check))
+                if check == 1:
+                    model.limits.append(limit)
+            else:
+                law = draw.choice([1792, 500, 0, -500, -1792])
+                assert subject.notch(law, now_ns) == model.notch(law, now_ns)
+            assert subject.level == model.state.level
+            assert subject.counters == model.counters
+            assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
+
+
+def sweep_guard_boundaries(module: ModuleType) -> None:
+    """Speed range, overspeed and age at their exact limits."""
+    assert module.SPEED_MAX_01MMPS == 1_500_000
+    for speed in (-1, 0, 1, 1_499_999, 1_500_000, 1_500_001):
+        subject = module.Guard(SCENARIO)
+        subject.speed(TrnSpeed(speed), 0)
+        assert subject.speed_01mmps == (speed if 0 <= speed <= 1_500_000 else None)
+        assert subject.level is (Level.NORMAL if 0 <= speed <= 1_500_000 else Level.HOLD)
+    limit = 5000
+    edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+    for speed in range(edge - 3, edge + 4):
+        subject = module.Guard(SCENARIO)
+        subject.limit(TrkInfo(speed_limit_4mmps=limit))
+        subject.speed(TrnSpeed(speed), 0)
+        assert (subject.level is Level.EMERGENCY) == (speed > edge)
+    for age_ms in range(1100):
+        for extra_ns in (0, MS - 1):
+            subject = module.Guard(SCENARIO)
+            subject.speed(TrnSpeed(100_000), 7 * MS)
+            subject.notch(500, (7 + age_ms) * MS + extra_ns)
+            expected = sum(age_ms > edge_ms for edge_ms in (20, 64, 256, 1000))
+            assert subject.level == expected
+    # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
+    for age_ms in (20, 21, *range(300, 304)):
+        level = (Level.NORMAL, Level.HOLD, Level.SERVICE_BRAKE)[(age_ms > 20) + (age_ms > 256)]
+        subject = module.Guard(SCENARIO)
+        code = -command_ramp(age_ms) if level is Level.SERVICE_BRAKE else 0
+        assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
+        assert subject.level is level
+    # A limit that comes after the speed of the same tick counts in that tick.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(edge + 1), 0)
+    subject.limit(TrkInfo(speed_limit_4mmps=limit))
+    assert subject.notch(500, 0)[1]
+    # An hour without a telegram at standstill is no emergency, and time 0 is a time like any other.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(0), 0)
+    assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
+    assert subject.level is Level.SERVICE_BRAKE
+
+
+def sweep_guard_position(module: ModuleType) -> None:
+    """A position that is needed and does not come brakes the train; every good speed goes into what is reckoned."""
+    for needed in (False, True):
+        counter, odometer = BitCounter(500_000), Odometer(SCENARIO, needed=needed)
+        subject = module.Guard(SCENARIO, counter, odometer)
+        for tick in range(120):
+            now_ns = 10 * tick * MS
+            # Each was received one tick before it is read.
+            subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
+            assert subject.level is (Level.SERVICE_BRAKE if needed and tick > 100 else Level.NORMAL)
+        # From 0 to 1.18 s at the speed in the middle, and one tick on at the last speed; 0.1 mm.
+        assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
+
+
+def command_ramp(elapsed_ms: int) -> int:
+    """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
+    ladder = Ladder.of(SCENARIO)
+    return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
+
+
+SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
+    gate: (sweep_gate,),
+    guard: (sweep_guard_boundaries, sweep_guard_position, sweep_guard_random),
+}
+
+
+@pytest.mark.parametrize(
+    ("module", "sweep"),
+    [(module, sweep) for module, sweeps in SWEEPS.items() for sweep in sweeps],
+    ids=lambda item: item.__name__,
+)
+def test_sweep(module: ModuleType, sweep: Any) -> None:
+    sweep(module)

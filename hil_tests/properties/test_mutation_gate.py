@@ -1,0 +1,67 @@
+"""Is the safety gate tested to its last comparison? Each mutant of it must be noticed by the sweeps."""
+
+from __future__ import annotations
+
+import inspect
+from types import ModuleType
+
+import pytest
+
+from hil_tests.properties.test_gate_sweeps import SWEEPS
+from hil_tests.support.mutation import mutants, survivors
+from hil_tests.unit.bus.test_gate_store import STORE_SWEEPS
+from railhil.bus import lifesign, store
+from railhil.controller_node import guard
+from railhil.plant_sim import gate
+
+ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
+#: Mutants whose change nobody can see, by module: (source line, change) and why.
+EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
+    lifesign: {
+        ("self._last = -1", "1 -> 2"): "any negative number says 'none yet'",
+    },
+    store: {
+        ("self.committed_ns = -1", "1 -> 2"): "any negative number says 'never'",
+        # The CAN FD length of F4, the only one that needs padding.
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",
+    },
+    gate: {},
+    guard: {},
+}
+
+
+@pytest.mark.parametrize("module", ALL_SWEEPS, ids=lambda module: module.__name__)
+def test_every_mutant_is_noticed(module: ModuleType) -> None:
+    lines = inspect.getsource(module).splitlines()
+    count, alive = survivors(module, ALL_SWEEPS[module])
+    found = {(lines[mutant.line - 1].strip(), mutant.text) for mutant in alive}
+    # Equal in both directions: a stale entry of the list hides a mutant that is noticed by now.
+    assert found == set(EQUIVALENT[module])
+    assert count >= 20
+
+
+def test_the_mutator_itself() -> None:
+    source = '"""Doc."""\n\ndef f(a: int = 1) -> bool:\n    """Doc."""\n    b = not a\n    return a < 2 and b or True\n'
+    texts = [mutant.text for mutant in mutants(source)]
+    assert sorted(texts) == sorted(
+        [
+            "1 -> 2",
+            "1 -> 0",
+            "b = not a -> pass",
+            "not a -> a",
+            "a < 2 -> a <= 2",
+            "a < 2 -> a >= 2",
+            "2 -> 3",
+            "2 -> 1",
+            "a < 2 and b -> a < 2 or b",
+            "a < 2 and b or True -> (a < 2 and b) and True",
+            "True -> False",
+        ]
+    )
+
+
+def test_a_check_that_sees_nothing_leaves_mutants_alive() -> None:
+    count, alive = survivors(lifesign, [lambda module: None])
+    # Those that do not even load (the enum's own machinery) are the only ones noticed.
+    assert len(alive) >= count - 3

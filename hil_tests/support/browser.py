@@ -1,0 +1,53 @@
+"""Opening a page in Chromium without a screen, as a reader of the report does, and asking it what it shows."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from railhil.machines.debian import BROWSERS, find_command
+
+_TIMEOUT_S = 90
+_MARK = "railhil-found"
+#: Forbids every fetch, and notes what the page would have fetched in ``window.fetched``.
+_WATCH = """<meta http-equiv="Content-Security-Policy"
+content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'">
+<script>window.fetched = [];
+document.addEventListener("securitypolicyviolation", event => window.fetched.push(event.blockedURI));</script>"""
+
+
+def browser() -> str | None:
+    """Path of Chromium, None when this machine has none."""
+    return next((path for name in BROWSERS if (path := find_command(name))), None)
+
+
+def asked(page: Path, expression: str, width_px: int = 1100) -> Any:
+    """Value of a JavaScript expression on a page that has been loaded.
+
+    A copy of the page with the question at its end is opened; the answer comes back in the dumped document. The
+    expression finds addresses that the page wanted to load from in ``window.fetched``.
+    """
+    program = browser()
+    assert program is not None
+    script = (
+        f'<script>window.addEventListener("load", () => {{ const found = document.createElement("pre"); '
+        f'found.id = "{_MARK}"; found.textContent = JSON.stringify({expression}); '
+        f"document.body.appendChild(found); }});</script></body>"
+    )
+    text = page.read_text(encoding="utf-8")
+    assert text.count("<head>") == text.count("</body>") == 1
+    text = text.replace("<head>", f"<head>{_WATCH}")
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        copy = Path(folder) / "page.html"
+        copy.write_text(text.replace("</body>", script), encoding="utf-8")
+        command = [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
+        command += [f"--user-data-dir={folder}/profile", f"--window-size={width_px},1000", "--dump-dom", copy.as_uri()]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S, check=True)
+    answer = re.search(rf'<pre id="{_MARK}">(.*?)</pre>', done.stdout, re.DOTALL)
+    assert answer is not None, done.stderr[-500:]
+    return json.loads(html.unescape(answer[1]))

@@ -1,0 +1,90 @@
+"""Running the ``railhil`` command as a user does."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import psutil
+
+#: Start-up and a run at a tenth of the usual speed fit into this.
+TIMEOUT_S = 110
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """A finished command."""
+
+    exit_code: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> Any:
+        """Standard output as JSON."""
+        return json.loads(self.out)
+
+    def one_line(self) -> str:
+        """The complaint: what was written to standard error, which must be a single line and no traceback."""
+        lines = [line for line in self.err.splitlines() if line.strip() and not line.startswith("bus: ")]
+        assert len(lines) == 1, self.err
+        assert "Traceback" not in self.err
+        return lines[0]
+
+
+def command(*arguments: str | Path) -> list[str]:
+    """Command line of ``railhil`` with this Python."""
+    return [sys.executable, "-m", "railhil.cli", *map(str, arguments)]
+
+
+def railhil(*arguments: str | Path, cwd: Path | None = None, text: str | None = None) -> Done:
+    """Run a command to its end."""
+    done = subprocess.run(
+        command(*arguments), capture_output=True, text=True, timeout=TIMEOUT_S, cwd=cwd, input=text, check=False
+    )
+    return Done(done.returncode, done.stdout, done.stderr)
+
+
+class Started:
+    """A command that goes on while the test does something to it."""
+
+    def __init__(self, *arguments: str | Path) -> None:
+        self.process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def child(self, module: str) -> psutil.Process:
+        """The child process that runs a module; waits for it."""
+
+        def find() -> psutil.Process | None:
+            for child in psutil.Process(self.process.pid).children():
+                if module in child.cmdline():
+                    return child
+            return None
+
+        found: psutil.Process = wait_for(find)
+        return found
+
+    def finish(self) -> tuple[Done, float]:
+        """Wait for the end; also the seconds that it took."""
+        start_s = time.monotonic()
+        out, err = self.process.communicate(timeout=TIMEOUT_S)
+        return Done(self.process.returncode, out, err), time.monotonic() - start_s
+
+
+def wait_for(look: Callable[[], Any], timeout_s: float = 30.0) -> Any:
+    """Poll until ``look`` gives something true."""
+    deadline_s = time.monotonic() + timeout_s
+    while time.monotonic() < deadline_s:
+        try:
+            found = look()
+        except (psutil.NoSuchProcess, FileNotFoundError):
+            found = None
+        if found:
+            return found
+        time.sleep(0.02)
+    raise AssertionError("did not happen in time")

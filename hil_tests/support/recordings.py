@@ -1,0 +1,39 @@
+"""Run folders without sockets and processes, as ``railhil run`` leaves them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from railhil.bench import local_run
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.documents import read_certificate
+from railhil.supervisor.folder import write_folder, write_json
+from railhil.supervisor.jitter import lockstep_timing
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.telemetry import read_origin, read_summary
+
+
+def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
+    """One run in this process, its folder written as the command writes it."""
+    folder.mkdir()
+    run = local_run(scenario, folder, seed=seed, arithmetic=arithmetic)
+    write_json(folder / "telemetry.json", run.telemetry)
+    result = RunResult(
+        score=run.score,
+        exit_code={"PASS": 0, "FAIL": 1}[run.score.verdict],
+        line="; ".join(run.score.failures),
+        frames=1,
+        frames_sha256=run.frames_sha256,
+        wall_time_s=float(seed) + 1.25,
+        sim_time_s=9.0,
+        first_frame_s=0.5,
+        transport=f"railhil:{folder}/hub.sock",
+        telemetry=read_summary(folder),
+        origin=read_origin(folder),
+        timing=lockstep_timing(run.trace),
+    )
+    options = RunOptions(scenario.name, arithmetic=arithmetic, seed=seed)
+    write_folder(folder, scenario, options, result, run.trace, [])
+    return recorded_run(folder, read_certificate(folder) or {}, scenario, run.trace, run.score)

@@ -1,0 +1,130 @@
+"""`docker compose up` on a fresh copy of the project: verdict, results, privileges, and nothing left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from hil_tests.transport.compose.engine import PROJECT, SERVICES, Up, compose, containers, docker, traces_on_host, up
+from railhil.bench import local_run
+from railhil.scenarios.load import load
+from railhil.supervisor.framelog import sha256_of
+
+pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
+
+_ROOT = Path(__file__).parents[2]
+_NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "docker")
+_FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
+          "README.md", "LICENSE")  # fmt: skip
+_SEED = 3
+#: The image is Python, NumPy, SciPy and Matplotlib without their tests; a compiler alone would be 200 MB more.
+_IMAGE_MAX_BYTES = 430_000_000
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory) -> Iterator[Path]:
+    """A fresh copy of the project, as after a clone: without ``./runs``; its image is built."""
+    folder = tmp_path_factory.mktemp("compose") / "project"
+    for name in _NEEDED:
+        shutil.copytree(_ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in _FILES:
+        shutil.copy(_ROOT / name, folder / name)
+    built = compose(folder, "build")
+    assert built.returncode == 0, built.stdout[-2000:] + built.stderr[-2000:]
+    before = traces_on_host()
+    yield folder
+    assert traces_on_host() == before
+    assert containers() == []
+    assert PROJECT not in docker("volume", "ls", "-q")
+    assert PROJECT not in docker("network", "ls", "--format", "{{.Name}}")
+
+
+@pytest.fixture(scope="module")
+def bench(project) -> Up:
+    """The bench, run with the defaults but for the seed."""
+    owner = {} if os.getuid() == 0 else {"RAILHIL_UID": str(os.getuid()), "RAILHIL_GID": str(os.getgid())}
+    return up(project, SEED=str(_SEED), **owner)
+
+
+def test_exit_code_is_the_verdict(bench):
+    verdict = json.loads((bench.run_folder / "score.json").read_text())["verdict"]
+    assert bench.exit_code == {"PASS": 0, "FAIL": 1}[verdict], bench.out
+    assert bench.containers["supervisor"]["State"]["ExitCode"] == bench.exit_code
+
+
+def test_results_are_those_of_the_bench_without_containers(bench, tmp_path):
+    names = {path.name for path in bench.run_folder.iterdir()}
+    expected_names = {"frames.log", "frames.blf", "signals.csv", "score.json", "certificate.json", "junit.xml"}
+    assert expected_names | {"report.html"} <= names
+    expected = local_run(load("lvshun_tieshan"), tmp_path, seed=_SEED).frames_sha256
+    assert sha256_of(bench.run_folder / "frames.log") == expected
+    assert json.loads((bench.run_folder / "certificate.json").read_text())["frames_sha256"] == expected
+
+
+def test_bus_says_which_transport_it_is(bench):
+    transport = json.loads((bench.run_folder / "score.json").read_text())["run"]["transport"]
+    (line,) = (line for line in bench.out.splitlines() if " bus: " in line and "supervisor" not in line)
+    assert transport in line
+    assert ("no vcan0: " in line) == (transport == "railhil:/bus/hub.sock")
+
+
+def test_privileges(bench):
+    assert set(bench.containers) == SERVICES
+    bench.assert_confined({"bus": ["NET_ADMIN"]})
+    assert bench.network_modes() == {"none", f"container:{bench.containers['bus']['Id']}"}
+
+
+def test_image_is_small_and_has_no_build_tools(bench):
+    (image,) = json.loads(docker("image", "inspect", "railhil-bench"))
+    assert image["Size"] < _IMAGE_MAX_BYTES
+    assert image["Config"]["User"] == "1000:1000"
+    look = "for tool in cc gcc g++ make pip pip3 git; do command -v $tool; done; true"
+    assert docker("run", "--rm", "--network", "none", "--entrypoint", "sh", "railhil-bench", "-c", look) == ""
+
+
+def test_realtime_run_keeps_its_pace_and_says_what_it_was_granted(project):
+    shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
+    earlier = {path.name for path in (project / "runs").iterdir()} if (project / "runs").exists() else set()
+    done = up(project, SCENARIO="/scenarios/short_move.toml", PACE="realtime", RATE="8")
+    # Invalid when this machine was too busy to keep the time, which is what the verdict is for.
+    assert done.exit_code in (0, 3), done.out
+    for node in ("plant", "controller"):
+        assert len([line for line in done.out.splitlines() if f"{node}: scheduling: " in line]) == 1, done.out
+    (folder,) = (path for path in (project / "runs").iterdir() if path.name not in earlier)
+    run = json.loads((folder / "score.json").read_text())["run"]
+    # Never faster; slower is a matter of the machine.
+    assert run["speed_factor"] < 8.2
+    assert (folder / "wall.csv").is_file()
+
+
+def told(done: Up, *words: str) -> str:
+    """The one line in which the supervisor names ``words``."""
+    assert done.exit_code == 2, done.out
+    assert "Traceback" not in done.out
+    lines = [line for line in done.out.splitlines() if "supervisor" in line and all(word in line for word in words)]
+    assert len(lines) == 1, done.out
+    return lines[0]
+
+
+def test_unknown_scenario_is_one_clear_line_and_exit_code_2(project):
+    told(up(project, SCENARIO="no_such_line"), "no_such_line")
+
+
+@pytest.mark.parametrize(
+    ("channel", "words"),
+    [
+        ("can_none", ("no such interface", "ip link set can_none type can bitrate 500000", "txqueuelen 1000 up")),
+        ("lo", ("is no CAN interface", "CAN_CHANNEL")),
+    ],
+)
+def test_interface_of_the_host_that_cannot_be_the_bus_is_one_clear_line(project, channel, words):
+    done = up(project, "docker-compose.hardware.yml", CAN_CHANNEL=channel)
+    told(done, channel, *words)
+    assert len([line for line in done.out.splitlines() if channel in line]) == 1, done.out
+    assert set(done.containers) == SERVICES - {"bus"} | {"adapter"}
+    done.assert_confined({})

@@ -1,0 +1,113 @@
+"""Clients that misbehave: the hub cuts them off with one line and goes on carrying the others' frames."""
+
+from __future__ import annotations
+
+import contextlib
+import resource
+import socket
+
+import pytest
+
+from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from railhil.bus.frame import Frame
+from railhil.bus.hub.link import HubLost
+from railhil.bus.hub.wire import encode_hello, pack_frame
+
+
+def _raw_client(channel: str, *packets: bytes) -> socket.socket:
+    sock = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    sock.settimeout(PATIENCE_S)
+    sock.connect(channel)
+    for packet in packets:
+        sock.send(packet)
+    return sock
+
+
+_GOOD = pack_frame(Frame(0x100, b"12345678"))
+
+
+@pytest.mark.parametrize(
+    ("packets", "words"),
+    [
+        ((b"hello",), "no hello as first packet"),
+        ((_GOOD,), "no hello as first packet"),
+        ((b'{"railhil_hub": 7}',), "found 7, allowed: 1"),
+        ((encode_hello(name="bad"), _GOOD[:15]), "'bad' is disconnected: malformed packet: packet of 15 bytes"),
+        ((encode_hello(name="bad"), _GOOD * 257), "packet of more than 4096 bytes"),
+        ((encode_hello(name="bad"), _GOOD, _GOOD[:4] + b"\x09" + _GOOD[5:]), "payload length 9"),
+        ((encode_hello(name="bad"), _GOOD[:4] + b"\x0a" + bytes(67)), "payload length 10"),
+        ((encode_hello(name="bad"), encode_hello(name="twice")), "malformed packet"),
+    ],
+)
+def test_a_malformed_packet_costs_one_client_its_port_and_nobody_else(packets: tuple[bytes, ...], words: str) -> None:
+    with running_hub() as hub, hub.bus() as one, hub.bus() as other:
+        with _raw_client(hub.channel, *packets) as bad:
+            answers = 0
+            while bad.recv(4096):
+                answers += 1
+            # Either the hub's properties or the reason of the refusal, never silence.
+            assert answers == 1
+        one.send_frames([Frame(0x200, b"alive")])
+        received = other.recv_frames(PATIENCE_S)
+        assert received in ([Frame(0x200, b"alive")], [Frame(0x100, b"12345678")])
+        assert words in hub.stderr()
+        assert hub.stderr().count("\n") == 1
+
+
+def test_a_foreign_protocol_on_the_tcp_port_is_cut_off() -> None:
+    with running_hub(channel="tcp://127.0.0.1:0") as hub, hub.bus() as one, hub.bus() as other:
+        port = int(hub.channel.rpartition(":")[2])
+        with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S) as web:
+            web.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+            with contextlib.suppress(ConnectionResetError):
+                while web.recv(4096):
+                    continue
+        one.send_frames([Frame(0x200, b"alive")])
+        assert other.recv_frames(PATIENCE_S) == [Frame(0x200, b"alive")]
+        assert hub.stderr().count("disconnected") == 1
+        assert "found b'GET / HTTP/1.1" in hub.stderr()
+
+
+def test_a_hub_out_of_descriptors_says_so_once_and_recovers() -> None:
+    with running_hub() as hub:
+        resource.prlimit(hub.process.pid, resource.RLIMIT_NOFILE, (16, 16))
+        crowd = [_raw_client(hub.channel, encode_hello(name=str(number))) for number in range(20)]
+        first_answer = crowd[0].recv(4096)
+        assert b"bitrate_model" in first_answer
+        hub.wait_for_stderr("too many open files")
+        for guest in crowd[:15]:
+            guest.close()
+        # The last of the crowd was waiting outside and is let in now.
+        assert crowd[-1].recv(4096) == first_answer
+        for guest in crowd[15:]:
+            guest.close()
+        with hub.bus() as one, hub.bus() as other:
+            one.send_frames([Frame(1, b"")])
+            assert other.recv_frames(PATIENCE_S) == [Frame(1, b"")]
+        assert hub.stderr().count("too many open files") == hub.stderr().count("\n")
+        assert 1 <= hub.stderr().count("\n") <= 20
+
+
+def test_a_client_far_behind_is_cut_off_with_one_line_and_nobody_waits_for_it() -> None:
+    with running_hub("--queue-limit", "200000") as hub, hub.bus(name="sleeper") as sleeper:
+        with hub.bus() as writer, hub.bus() as reader:
+            sent = 0
+            while "disconnected" not in hub.stderr():
+                assert sent < 1_000_000, "the hub lets a client fall behind without bound"
+                batch = [Frame(0x300, (sent + k).to_bytes(4, "big")) for k in range(250)]
+                writer.send_frames(batch)
+                assert reader.recv_frames(PATIENCE_S) == batch
+                sent += 250
+        line = hub.stderr()
+        assert line.count("\n") == 1
+        assert "'sleeper' is disconnected: it has fallen behind by more than 200000 bytes" in line
+        received: list[Frame] = []
+
+        def read_to_the_end() -> None:
+            while frames := sleeper.recv_frames(PATIENCE_S):
+                received.extend(frames)
+
+        with pytest.raises(HubLost):
+            read_to_the_end()
+        assert 0 < len(received) < sent
+        assert [int.from_bytes(frame.data, "big") for frame in received] == list(range(len(received)))

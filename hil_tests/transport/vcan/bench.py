@@ -1,0 +1,185 @@
+"""One run of three processes on a real bus, with the nodes forked instead of started as commands.
+
+In the virtual machine that gives the kernel (:mod:`railhil.machines.vcan_vm`) it takes ten seconds and more to
+import the nodes once; a fork has them already. Everything else is as with ``railhil run --attach``.
+"""
+
+from __future__ import annotations
+
+import json
+import multiprocessing
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+import railhil.plant_sim.node
+from railhil.bus.administrator import REPLY_NS, Administrator
+from railhil.bus.link import open_link
+from railhil.bus.select import BusChoice
+from railhil.common.exit_codes import guarded
+from railhil.common.scheduling import cycle
+from railhil.controller_node.node import ControllerNode, ControllerOptions, run_controller
+from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.run import Run
+
+#: A node that has not ended this long after the record is killed.
+_NODE_END_S = 20.0
+#: Counters that say nothing of a fault.
+_HEALTHY = ("sent", "received", "send_retries", "accepted", "polls", "unknown_id", "no_mailbox")
+
+
+def socketcan(channel: str = "vcan0") -> dict[str, Any]:
+    """Arguments of ``can.Bus`` for a kernel interface."""
+    return {"interface": "socketcan", "channel": channel}
+
+
+def run_on(
+    config: Mapping[str, Any],
+    scenario: Scenario,
+    folder: Path,
+    *,
+    seed: int = 1,
+    pace: str = "lockstep",
+    rate: float = 1.0,
+    controller: str = "ipfc",
+    arithmetic: str = "iq",
+    controller_config: Mapping[str, Any] | None = None,
+    controller_command: Sequence[str] | None = None,
+    on_progress: Callable[[float], None] | None = None,
+    appear_s: float = 25.0,
+    reply_ns: int = REPLY_NS,
+) -> tuple[RunResult, list[int | None]]:
+    """One run: plant and controller in processes of their own, the supervisor in this one.
+
+    What the nodes say is in ``folder/plant.txt`` and ``controller.txt`` afterwards, what they counted comes from
+    :func:`counters_of`.
+
+    :param config: arguments of ``can.Bus`` for plant and supervisor.
+    :param folder: existing run folder.
+    :param rate: simulated seconds per wall second; only with ``pace="realtime"``.
+    :param controller_config: bus of the controller, when it is another one (gateway, adapter).
+    :param controller_command: a program to start in place of our controller node; it finds the bus by itself.
+    :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
+        the place to disturb the bus from.
+    :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
+    :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
+    """
+    plant_options = PlantOptions(seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s)
+
+    def run_the_controller() -> int:
+        node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
+        link = open_link(dict(config if controller_config is None else controller_config), "controller")
+        try:
+            return run_controller(node, link)
+        finally:
+            _write_counters(folder, "controller", {**link.counters, **node.counters})
+
+    def run_the_plant() -> int:
+        # Of this fork only.
+        railhil.plant_sim.node.Administrator = partial(Administrator, reply_ns=reply_ns)
+        link = open_link(dict(config), "plant")
+        node = PlantNode(scenario, plant_options, link)
+        try:
+            node.run()
+        finally:
+            link.close()
+            _write_counters(folder, "plant", {**link.counters, **node.counters, **node.gate.counters})
+        return 0
+
+    nodes: list[_Forked | _Program] = []
+    try:
+        if controller_command is None:
+            nodes.append(_Forked("controller", run_the_controller, folder))
+        else:
+            nodes.append(_Program("controller", controller_command, folder))
+        nodes.append(_Forked("plant", run_the_plant, folder))
+        options = RunOptions(
+            scenario.name,
+            controller=controller,
+            arithmetic=arithmetic,
+            pace=pace,
+            rate=rate,
+            seed=seed,
+            attach=True,
+            appear_s=appear_s,
+        )
+        result = Run(scenario, options, BusChoice(dict(config), "the test's"), folder, on_progress).execute()
+        return result, [node.exit_code(_NODE_END_S) for node in nodes]
+    finally:
+        for node in nodes:
+            node.kill()
+
+
+def counters_of(folder: Path, role: str) -> dict[str, int]:
+    """What the node ``role`` of a run in ``folder`` has counted, its link's counters among it."""
+    document: dict[str, int] = json.loads((folder / f"{role}_counters.json").read_text())
+    return document
+
+
+def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
+    """The counters that are empty on a healthy bus."""
+    return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
+
+
+def say_into(file: Path) -> None:
+    """Send what this process says, also through pytest's own streams, into a file."""
+    output = file.open("w", buffering=1)
+    os.dup2(output.fileno(), 1)
+    os.dup2(output.fileno(), 2)
+    sys.stdout = sys.stderr = output
+
+
+def _write_counters(folder: Path, role: str, counters: Mapping[str, int]) -> None:
+    (folder / f"{role}_counters.json").write_text(json.dumps(counters))
+
+
+class _Forked:
+    """A node in a fork of this process, as its command would run it."""
+
+    def __init__(self, role: str, main: Callable[[], int], folder: Path) -> None:
+        def process() -> None:
+            say_into(folder / f"{role}.txt")
+            # As the supervisor places the nodes that it starts itself (Nodes.keep_together).
+            os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+            with cycle(role, 0):
+                code = guarded(role, main)
+            raise SystemExit(code)
+
+        self._process: BaseProcess = multiprocessing.get_context("fork").Process(target=process, name=role)
+        self._process.start()
+
+    def exit_code(self, timeout_s: float) -> int | None:
+        self._process.join(timeout_s)
+        return self._process.exitcode
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.join()
+
+
+class _Program:
+    """A program in place of a node."""
+
+    def __init__(self, role: str, command: Sequence[str], folder: Path) -> None:
+        with (folder / f"{role}.txt").open("wb") as output:
+            self._process = subprocess.Popen(
+                list(command), stdin=subprocess.DEVNULL, stdout=output, stderr=subprocess.STDOUT
+            )
+
+    def exit_code(self, timeout_s: float) -> int | None:
+        try:
+            return self._process.wait(timeout_s)
+        except subprocess.TimeoutExpired:
+            return None
+
+    def kill(self) -> None:
+        self._process.kill()
+        self._process.wait()

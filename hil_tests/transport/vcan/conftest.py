@@ -1,0 +1,71 @@
+"""Fixtures of the tests on kernel SocketCAN: short runs, the bytes that they give everywhere else, and can-utils."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+from railhil.bench import BenchRun, local_run
+from railhil.scenarios.model import Scenario, TargetCurve
+from railhil.scenarios.target import Target
+
+_TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
+#: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; it departs and it stops.
+_MOVE = TargetCurve(((0.0, 0.0), (2.0, 0.8), (6.0, 0.8), (8.0, 0.0), (10.0, 0.0), (12.0, -0.8)))
+#: A hop of 8.5 s and 12 m, for tests in which it only matters that a run goes on.
+_HOP = TargetCurve(((0.0, 0.0), (1.0, 0.8), (3.0, 0.8), (4.0, 0.0), (5.0, 0.0), (6.0, -0.8)))
+
+
+def _planned(lvshun: Scenario, curve: TargetCurve, stop_error_max_m: float) -> Scenario:
+    target = Target(curve)
+    plan = dataclasses.replace(
+        lvshun.plan,
+        distance_m=target.stop_position_m,
+        running_time_s=target.stop_time_s,
+        stop_error_max_m=stop_error_max_m,
+    )
+    return dataclasses.replace(lvshun, target=curve, plan=plan)
+
+
+@pytest.fixture(scope="session")
+def move(lvshun: Scenario) -> Scenario:
+    """The short move with the published train."""
+    return _planned(lvshun, _MOVE, 2.0)
+
+
+@pytest.fixture(scope="session")
+def hop(lvshun: Scenario) -> Scenario:
+    """The hop with the published train, which cannot stop well after so little."""
+    return _planned(lvshun, _HOP, 5.0)
+
+
+@pytest.fixture(scope="session")
+def reference(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """The short move with seed 1, without a bus: log, hash and notches that every transport must give."""
+    return local_run(move, tmp_path_factory.mktemp("reference"), seed=1)
+
+
+@pytest.fixture(scope="session")
+def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """The hop with seed 1, without a bus."""
+    return local_run(hop, tmp_path_factory.mktemp("hop"), seed=1)
+
+
+@pytest.fixture(scope="session")
+def can_utils() -> None:
+    """Skip without can-utils; where nothing may be skipped their absence is a failure of the test."""
+    missing = [name for name in _TOOLS if shutil.which(name) is None]
+    if missing and not os.environ.get("RAILHIL_REQUIRE_ALL"):
+        pytest.skip(f"MISSING CAPABILITY {', '.join(missing)} (make test-vcan installs them as root)")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Run folder."""
+    path = tmp_path / "run"
+    path.mkdir()
+    return path

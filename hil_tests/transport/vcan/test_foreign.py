@@ -1,0 +1,89 @@
+"""The exported controller in C on kernel SocketCAN, as a process of its own beside our plant and recorder."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.foreign import build_node, export_node, without_status
+from hil_tests.transport.vcan.bench import counters_of, disturbed, run_on, socketcan
+from railhil.bench import BenchRun
+from railhil.bus.ident import Role
+from railhil.bus.link import Link, open_link
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+
+pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
+
+
+@pytest.fixture(scope="module")
+def program(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """IPFC for the short move; not optimised, because the machine is slow."""
+    export = tmp_path_factory.mktemp("export")
+    export_node(move, export)
+    return build_node(export, flags=("-std=c99", "-O0"))
+
+
+def test_foreign_controller_sends_the_same_frames_on_vcan(
+    program: Path, move: Scenario, reference: BenchRun, folder: Path
+) -> None:
+    """Every frame of the record but CTL_STAT is that of our node; nothing is lost or refused."""
+    command = [str(program), "can", "vcan0"]
+    result, exit_codes = run_on(socketcan(), move, folder, controller_command=command)
+    said = (folder / "controller.txt").read_text()
+    assert (result.line, exit_codes) == ("", [0, 0]), said
+    assert result.score.verdict == "PASS"
+    assert disturbed(result.counters) == disturbed(counters_of(folder, "plant")) == {}
+    assert said.strip().endswith("control periods, run event 4"), said
+    assert reference.log is not None
+    assert without_status(folder / "frames.log") == without_status(reference.log)
+    assert len(set(reference.notches)) > 10
+
+
+def test_interface_that_is_not_there_is_one_line(program: Path) -> None:
+    done = subprocess.run([program, "can", "vcan9"], capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "ipfc_node: vcan9: cannot be opened: No such device\n"
+
+
+def make_vcan5() -> Link:
+    """A new vcan5, and a link on it."""
+    subprocess.run(["ip", "link", "add", "dev", "vcan5", "type", "vcan"], check=True)
+    subprocess.run(["ip", "link", "set", "vcan5", "up"], check=True)
+    return open_link(socketcan("vcan5"))
+
+
+def answers_as_controller(link: Link) -> bool:
+    """Whether the controller answers a device status poll soon."""
+    link.send([master_frame(F_DEVICE_STATUS, Role.CONTROLLER)])
+    return any(frame.can_id == wire_contract().device_status_id for frame in link.receive(0.2))
+
+
+def eventually(condition: Callable[[], bool]) -> None:
+    """Wait until it holds."""
+    assert any(condition() for _ in range(100))
+
+
+def test_interface_that_is_plugged_in_again_is_joined_again(program: Path, tmp_path: Path) -> None:
+    """Its second life has another index: the socket of the first hears nothing any more."""
+    link = make_vcan5()
+    said = tmp_path / "said.txt"
+    with said.open("wb") as stream, subprocess.Popen([program, "can", "vcan5"], stderr=stream) as node:
+        try:
+            eventually(lambda: answers_as_controller(link))
+            link.close()
+            subprocess.run(["ip", "link", "del", "vcan5"], check=True)
+            link = make_vcan5()
+            eventually(lambda: answers_as_controller(link))
+        finally:
+            node.kill()
+            link.close()
+            subprocess.run(["ip", "link", "del", "vcan5"], check=True)
+    assert [line.split(" (")[0] for line in said.read_text().splitlines()] == [
+        "ipfc_node: vcan5 is down",
+        "ipfc_node: vcan5 is back",
+    ]

@@ -1,0 +1,248 @@
+"""Simulation time from the bus: the clock frames, the polls behind them, TIME_SYNC, and pacing."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railhil.bus import clock as clock_module
+from railhil.bus.clock import BusClock, Pacer, from_time_sync, to_time_sync
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
+from railhil.bus.mvb import TelegramSource
+from railhil.bus.telegrams import NotchCmd, TrnSpeed
+
+TICK_NS = 10_000_000
+POLL_TICKS = 2
+
+
+def frame_of(tick: int, *, fd: bool = False) -> Frame:
+    return TelegramSource(TrnSpeed.port(), fd).frames(TrnSpeed(123, life=tick % 16).encode())[0]
+
+
+FRAMES = [frame_of(life) for life in range(16)]
+
+
+def started(tick: int = 0, base_tick_ns: int = TICK_NS) -> BusClock:
+    clock = BusClock(base_tick_ns)
+    assert not clock.running
+    for item in range(tick + 1):
+        assert clock.feed(FRAMES[item % 16])
+    assert (clock.running, clock.tick, clock.now_ns) == (True, tick, tick * base_tick_ns)
+    return clock
+
+
+@pytest.mark.parametrize("fd", [False, True])
+def test_every_clock_frame_is_one_tick(fd: bool) -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(100):
+        assert clock.feed(frame_of(tick, fd=fd))
+        assert clock.tick == tick
+
+
+@pytest.mark.parametrize("start", [0, 7, 8, 15])
+@pytest.mark.parametrize("lost", range(1, 14))
+def test_lost_ticks_are_bridged_by_the_life_sign(start: int, lost: int) -> None:
+    """Without any poll: up to six at once, more as soon as a second frame confirms that the first was no old one."""
+    clock = started(start)
+    first = start + lost + 1
+    assert clock.feed(FRAMES[first % 16]) == (lost <= 6)
+    clock.feed(FRAMES[(first + 1) % 16])
+    assert clock.tick == first + 1
+    assert clock.feed(FRAMES[(first + 2) % 16])
+    assert clock.tick == first + 2
+
+
+def run(clock: BusClock, ticks: range, lost: range) -> list[int]:
+    """Frames (but the lost ones) and a poll every second tick; the clock's tick after each tick."""
+    seen = []
+    for tick in ticks:
+        if tick not in lost:
+            clock.feed(FRAMES[tick % 16])
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS)
+        seen.append(clock.tick)
+    return seen
+
+
+@pytest.mark.parametrize("start", [10, 11, 24, 25])
+@pytest.mark.parametrize("lost", [*range(1, 40), 127, 1000])
+def test_polls_carry_time_through_any_loss_of_the_clock_port(start: int, lost: int) -> None:
+    clock = BusClock(TICK_NS)
+    end = start + lost
+    seen = run(clock, range(end + 4), range(start, end))
+    assert seen[:start] == list(range(start))
+    # While frames are missing the clock stands at the last poll, never ahead.
+    assert seen[start:end] == [tick - tick % POLL_TICKS for tick in range(start, end)]
+    # Fifteen lost frames (modulo sixteen) look like a repeated one; the second frame is enough.
+    assert seen[end + 1 :] == list(range(end + 1, end + 4))
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+def test_repeated_polls_never_run_away(copies: int) -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(400):
+        clock.feed(FRAMES[tick % 16])
+        if tick % POLL_TICKS == 0:
+            for _ in range(1 + copies):
+                clock.polled(POLL_TICKS)
+        assert tick <= clock.tick <= tick + copies * POLL_TICKS
+
+
+def test_polls_before_the_first_frame_are_no_time() -> None:
+    clock = BusClock(TICK_NS)
+    for _ in range(10):
+        clock.polled(POLL_TICKS)
+    assert (clock.running, clock.tick) == (False, 0)
+
+
+@pytest.mark.parametrize("back", range(1, 8))
+def test_repeated_and_old_frames_open_no_tick(back: int) -> None:
+    clock = started(40)
+    assert not clock.feed(FRAMES[40 % 16])
+    assert not clock.feed(FRAMES[(40 - back) % 16])
+    assert clock.tick == 40
+    assert clock.feed(FRAMES[41 % 16])
+    assert clock.tick == 41
+
+
+def test_stuck_clock_frames_do_not_stop_time() -> None:
+    clock = started(40)
+    for tick in range(40, 200):
+        clock.feed(FRAMES[40 % 16])
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS)
+    assert clock.tick == 198
+
+
+def changed(frame: Frame, byte: int, mask: int = 1) -> Frame:
+    data = bytearray(frame.data)
+    data[byte] ^= mask
+    return frame._replace(data=bytes(data))
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [
+        *[changed(frame_of(1), byte, 1 << bit) for byte in range(8) for bit in range(8)],
+        frame_of(1)._replace(data=frame_of(1).data[:7]),
+        frame_of(1)._replace(data=frame_of(1).data + b"\0"),
+        *[frame_of(1)._replace(flags=flags) for flags in (ERROR, REMOTE, EXTENDED, FD, BRS)],
+        *[frame_of(1, fd=True)._replace(flags=flags) for flags in (0, FD | EXTENDED, FD | ERROR)],
+        # A right telegram of another port under the clock's identifier.
+        TelegramSource(NotchCmd.port()).frames(NotchCmd(life=1).encode())[0]._replace(can_id=TrnSpeed.port().address),
+        frame_of(1)._replace(can_id=0x110),
+    ],
+)
+def test_frames_that_fail_a_check_are_no_time(frame: Frame) -> None:
+    clock = started()
+    assert not clock.feed(frame)
+    assert clock.tick == 0
+    fresh = BusClock(TICK_NS)
+    fresh.feed(frame)
+    assert not fresh.running
+
+
+# -- TIME_SYNC --------------------------------------------------------------------------------------------------------
+
+
+@given(
+    st.sampled_from([1_000_000, 2_000_000, 5_000_000, 10_000_000, 16_000_000, 20_000_000, 33_333_333, 500_000_000]),
+    st.integers(0, 3_600_000),
+)
+def test_time_sync_round_trip_for_an_hour(base_tick_ns: int, tick: int) -> None:
+    tick = min(tick, 3_600_000_000_000 // base_tick_ns)
+    telegram = to_time_sync(tick, base_tick_ns, life=tick & 15)
+    assert from_time_sync(type(telegram).decode(telegram.encode()), base_tick_ns) == tick
+    stated_s = telegram.seconds_s + telegram.fraction_65536th_s / 65536
+    assert stated_s == pytest.approx(tick * base_tick_ns / 1e9, abs=0.5 / 65536 + 1e-9)
+
+
+@pytest.mark.parametrize("base_tick_ns", [10_000_000, 16_000_000])
+@pytest.mark.parametrize("target", [0, 1, 39, 41, 128, 359_999])
+def test_resynchronisation(base_tick_ns: int, target: int) -> None:
+    clock = started(40, base_tick_ns)
+    clock.synchronise(to_time_sync(target, base_tick_ns))
+    assert clock.now_ns == target * base_tick_ns
+    # The frame of that tick may have been lost or not: the next one is one tick later in both cases.
+    assert clock.feed(FRAMES[41 % 16])
+    assert clock.tick == target + 1
+
+
+@pytest.mark.parametrize("lost", [[], [128], [127, 128], [126, 127, 128], [0], [0, 128]])
+def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(300):
+        if tick not in lost:
+            clock.feed(FRAMES[tick % 16])
+        if tick % 128 == 0:
+            clock.synchronise(to_time_sync(tick, TICK_NS))
+        if tick not in lost:
+            assert clock.tick == tick
+
+
+@pytest.mark.parametrize("first", [110, 111, 118, 127])
+@pytest.mark.parametrize("count", [2, 4, 5, 20, 33])
+def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(300):
+        lost = first <= tick < first + count
+        if not lost:
+            clock.feed(FRAMES[tick % 16])
+        if tick % 128 == 0:
+            clock.synchronise(to_time_sync(tick, TICK_NS))
+        if tick % POLL_TICKS == 0:
+            clock.polled(POLL_TICKS)
+            assert clock.tick == tick
+        if tick > first + count + 1:
+            assert clock.tick == tick
+
+
+def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
+    clock = BusClock(TICK_NS)
+    for tick in range(1000, 1200):
+        clock.feed(FRAMES[tick % 16])
+        if tick % 128 == 0:
+            clock.synchronise(to_time_sync(tick, TICK_NS))
+        if tick >= 1024:
+            assert clock.tick == tick
+
+
+# -- pacing -----------------------------------------------------------------------------------------------------------
+
+
+class FakeTime:
+    """Monotonic clock that only sleeping and explicit work move; sleeping oversleeps a little."""
+
+    def __init__(self, oversleep_ns: int) -> None:
+        self.now_ns = 5_000
+        self.oversleep_ns = oversleep_ns
+
+    def monotonic_ns(self) -> int:
+        return self.now_ns
+
+    def sleep(self, duration_s: float) -> None:
+        self.now_ns += round(duration_s * 1e9) + self.oversleep_ns
+
+
+@pytest.mark.parametrize("rate", [0.5, 1.0, 10.0])
+def test_pacer_deadlines_are_absolute(monkeypatch: pytest.MonkeyPatch, rate: float) -> None:
+    wall = FakeTime(oversleep_ns=70_000)
+    monkeypatch.setattr(clock_module, "time", wall)
+    pacer = Pacer(rate)
+    pacer.start()
+    late_ns = []
+    for tick in range(200):
+        late_ns.append(pacer.wait(tick * TICK_NS))
+        # Work that takes a third of a tick, and once far longer than one.
+        wall.now_ns += int(TICK_NS / rate / 3) if tick != 50 else int(4.5 * TICK_NS / rate)
+    # Nothing accumulates: the deadlines are those of the start, whatever the sleeps did.
+    assert late_ns[:51] == [0, *[70_000] * 50]
+    assert late_ns[51] == pytest.approx(3.5 * TICK_NS / rate + 70_000, abs=2)
+    assert late_ns[60:] == [70_000] * 140
+    assert pacer.deadline_ns(199 * TICK_NS) == 5_000 + int(199 * TICK_NS / rate)
+
+
+def test_pacer_in_lockstep_never_looks_at_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock_module, "time", None)
+    assert Pacer().wait(10**12) == 0

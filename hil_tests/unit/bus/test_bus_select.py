@@ -1,0 +1,141 @@
+"""Which bus is taken: flags, then python-can's configuration, then vcan0, then the hub; and how others get the same."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+from can.cli import add_bus_arguments
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railhil.bus import select as select_module
+from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
+
+
+def parsed(*arguments: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    add_bus_arguments(parser)
+    return parser.parse_args(arguments)
+
+
+@pytest.fixture(autouse=True)
+def _clean(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No configuration of this machine, and no vcan0 unless a test says so."""
+    monkeypatch.setattr(can.util, "CONFIG_FILES", [str(tmp_path / "can.rc")])
+    for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": False)
+
+
+def with_everything(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": True)
+    (tmp_path / "can.rc").write_text("[default]\ninterface = virtual\nchannel = from_file\nbitrate = 125000\n")
+
+
+def test_flags_come_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    with_everything(monkeypatch, tmp_path)
+    choice = choose_bus(parsed("-i", "virtual", "-c", "mine"), tmp_path / "hub")
+    assert choice.config == {"interface": "virtual", "channel": "mine"}
+    assert (choice.reason, choice.needs_hub, choice.transport) == ("given on the command line", False, "virtual:mine")
+
+
+def test_configuration_file_comes_second(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    with_everything(monkeypatch, tmp_path)
+    choice = choose_bus(parsed(), tmp_path / "hub")
+    assert choice.config == {"interface": "virtual", "channel": "from_file", "bitrate": 125000}
+    assert choice.reason == "from python-can's configuration"
+    assert not choice.needs_hub
+
+
+def test_environment_is_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CAN_INTERFACE", "virtual")
+    monkeypatch.setenv("CAN_CHANNEL", "from_environment")
+    assert choose_bus(parsed()).transport == "virtual:from_environment"
+
+
+def test_a_channel_alone_takes_its_interface_from_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Else nobody knows which bus it is: report, limits and record would stand for another one."""
+    monkeypatch.setenv("CAN_INTERFACE", "railhil")
+    choice = choose_bus(parsed("-c", "mine"))
+    assert choice.transport == "railhil:mine"
+    assert choice.arguments == ["-i", "railhil", "-c", "mine"]
+    assert "configuration" in choice.reason
+
+
+def test_a_configured_interface_without_channel_has_no_channel_called_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CAN_INTERFACE", "railhil")
+    monkeypatch.delenv("CAN_CHANNEL", raising=False)
+    assert choose_bus(parsed()).arguments == ["-i", "railhil"]
+
+
+def test_an_interface_that_does_not_exist_is_no_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert choose_bus(parsed()).config["interface"] == "railhil"
+
+
+def test_vcan0_comes_third_and_the_hub_last(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    hub = choose_bus(parsed(), tmp_path / "hub")
+    assert hub.config["interface"] == "railhil"
+    assert hub.config["channel"] == str(tmp_path / "hub")
+    assert hub.needs_hub
+    assert "user-space hub" in hub.reason
+    assert not choose_bus(parsed()).needs_hub
+    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": True)
+    vcan = choose_bus(parsed(), tmp_path / "hub")
+    assert (vcan.transport, vcan.reason, vcan.needs_hub) == ("socketcan:vcan0", "the kernel has vcan0", False)
+
+
+@pytest.mark.parametrize("arguments", [(), ("--fd",)])
+def test_fd_is_what_the_configuration_says(arguments: tuple[str, ...]) -> None:
+    assert choose_bus(parsed("-i", "virtual", *arguments)).fd == bool(arguments)
+
+
+def round_trip(config: dict[str, Any]) -> dict[str, Any]:
+    return config_from_namespace(parsed(*arguments_from_config(config)))
+
+
+_WORD = st.from_regex(r"[A-Za-z/._][A-Za-z0-9/._:\-]{0,20}", fullmatch=True)
+_EXTRA = st.dictionaries(
+    st.from_regex(r"[a-z]{3}_[a-z]{3,8}", fullmatch=True),
+    st.one_of(_WORD.filter(lambda text: isinstance(can.util.cast_from_string(text), str)), st.integers(0, 10**6)),
+    max_size=3,
+)
+
+
+@given(
+    st.fixed_dictionaries(
+        {"interface": st.sampled_from(["virtual", "socketcan", "railhil"]), "channel": _WORD},
+        optional={
+            "bitrate": st.integers(1, 10**6),
+            "data_bitrate": st.integers(1, 10**7),
+            "fd": st.just(True),
+        },
+    ),
+    _EXTRA,
+)
+def test_flags_give_another_process_the_same_bus(config: dict[str, Any], extra: dict[str, Any]) -> None:
+    assert round_trip({**config, **extra}) == {**config, **extra}
+
+
+@pytest.mark.parametrize("value", [True, False, 1.5, "text", 12])
+def test_bus_arguments_keep_their_type(value: object) -> None:
+    assert round_trip({"interface": "virtual", "option": value})["option"] == value
+    assert type(round_trip({"interface": "virtual", "option": value})["option"]) is type(value)
+
+
+@pytest.mark.parametrize("hub", [None, Path("/tmp/private/hub.sock")])
+def test_the_choice_itself_can_be_handed_on(hub: Path | None) -> None:
+    choice = choose_bus(parsed(), hub)
+    again = config_from_namespace(parsed(*choice.arguments))
+    assert {key: str(value) for key, value in again.items()} == choice.config
+
+
+def test_hub_without_channel_is_a_hub_of_the_run_s_own(tmp_path: Path) -> None:
+    choice = choose_bus(parsed("-i", "railhil"), tmp_path / "hub.sock")
+    assert choice.needs_hub
+    assert choice.config["channel"] == str(tmp_path / "hub.sock")
+    # Without a place for one of its own, python-can's plugin takes the user's default hub.
+    assert not choose_bus(parsed("-i", "railhil")).needs_hub

@@ -1,0 +1,295 @@
+"""What a node asks of the kernel: granted or refused, said, limited, and given back."""
+
+from __future__ import annotations
+
+import ast
+import ctypes
+import gc
+import itertools
+import os
+import re
+import resource
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from railhil.bus.local import LocalBus
+from railhil.common import scheduling as realtime
+from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.session import Session
+
+ROOT = Path(realtime.__file__).resolve().parent.parent
+PERMITTED = permitted_priority()[0] == NODE_PRIORITY
+GET_TIMERSLACK = 30
+SHORT_TOML = """\
+extends = "lvshun_tieshan"
+name = "short"
+[target]
+nodes_s_mps2 = [[0, 0.5], [1.9, 0.5], [2.1, -0.5], [4, -0.5]]
+[plan]
+distance_m = 1.9983
+running_time_s = 4
+overtime_max_s = 1
+"""
+
+
+def slack_ns() -> int:
+    return int(ctypes.CDLL(None).prctl(GET_TIMERSLACK, 0, 0, 0, 0))
+
+
+def policy() -> int:
+    """Of this process; the flag that stays when SCHED_FIFO was given back is of no account."""
+    return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Scenario:
+    """2 m in 4 s."""
+    path = tmp_path / "short.toml"
+    path.write_text(SHORT_TOML, encoding="utf-8")
+    return load(str(path))
+
+
+@dataclass
+class Kernel:
+    """One that knows no CAP_SYS_NICE: its rtprio limit, and the priorities it was asked for."""
+
+    limit: int = 33
+    asked: list[int] = field(default_factory=list)
+
+
+@pytest.fixture
+def kernel(monkeypatch: pytest.MonkeyPatch) -> Kernel:
+    found = Kernel()
+    before = resource.getrlimit
+
+    def set_scheduler(_: int, policy: int, parameter: os.sched_param) -> None:
+        if policy & ~os.SCHED_RESET_ON_FORK == os.SCHED_OTHER:
+            return
+        found.asked.append(parameter.sched_priority)
+        if parameter.sched_priority > found.limit:
+            raise PermissionError(1, "Operation not permitted")
+
+    def get_limit(which: int) -> tuple[int, int]:
+        return (found.limit, found.limit) if which == resource.RLIMIT_RTPRIO else before(which)
+
+    monkeypatch.setattr(os, "sched_setscheduler", set_scheduler)
+    monkeypatch.setattr(resource, "getrlimit", get_limit)
+    return found
+
+
+def test_the_hub_comes_first_and_the_recorder_last_below_the_interrupt_threads() -> None:
+    assert 50 > HUB_PRIORITY > NODE_PRIORITY > RECORDER_PRIORITY > 0
+
+
+def test_a_cycle_without_a_priority_says_nothing_and_keeps_collector_and_slack_away(capfd) -> None:
+    before = slack_ns()
+    assert gc.isenabled()
+    with cycle("plant", 0) as scheduling:
+        assert (gc.isenabled(), slack_ns(), policy()) == (False, 1, os.SCHED_OTHER)
+        assert scheduling.sentence == "normal scheduling"
+    assert (gc.isenabled(), slack_ns()) == (True, before)
+    assert capfd.readouterr().err == ""
+
+
+def test_what_is_granted_is_said_and_given_back(capfd) -> None:
+    with cycle("plant", NODE_PRIORITY) as scheduling:
+        granted = policy(), os.sched_getparam(0).sched_priority
+        soft_us, hard_us = resource.getrlimit(resource.RLIMIT_RTTIME)
+    assert granted == ((os.SCHED_FIFO, NODE_PRIORITY) if PERMITTED else (os.SCHED_OTHER, 0))
+    assert 0 < soft_us <= 500_000
+    assert 0 < hard_us <= 2_000_000
+    assert policy() == os.SCHED_OTHER
+    assert scheduling.priority == 0
+    said = capfd.readouterr().err
+    assert said == f"plant: scheduling: {scheduling.sentence}\n"
+    assert said_in(f"plant: hub (given)\n{said}plant: later\n", "plant") == scheduling.sentence
+    begin = rf"SCHED_FIFO {NODE_PRIORITY}, " if PERMITTED else r"not permitted \(.+\); normal scheduling, "
+    assert re.match(rf"{begin}memory (locked|not locked \(.+ KiB\))", scheduling.sentence)
+
+
+def test_a_node_that_was_not_asked_is_scheduled_normally() -> None:
+    assert said_in("hub ready\nplant: scheduling: SCHED_FIFO 40, memory locked\n", "hub") == "normal scheduling"
+
+
+def test_the_supervisor_does_not_say_it_on_the_users_terminal(capfd) -> None:
+    with cycle("supervisor", RECORDER_PRIORITY, aloud=False) as scheduling:
+        pass
+    assert scheduling.sentence
+    assert capfd.readouterr().err == ""
+
+
+def test_a_lower_limit_is_used_as_far_as_it_goes(kernel: Kernel) -> None:
+    with cycle("plant", NODE_PRIORITY, aloud=False) as scheduling:
+        assert scheduling.priority == 33
+    assert scheduling.sentence.startswith("SCHED_FIFO 33, ")
+    assert kernel.asked == [NODE_PRIORITY, 33]
+
+
+def test_a_refusal_says_why(kernel: Kernel) -> None:
+    kernel.limit = 0
+    with cycle("plant", NODE_PRIORITY, aloud=False) as scheduling:
+        assert scheduling.priority == 0
+    assert scheduling.sentence.startswith("not permitted (no CAP_SYS_NICE, rtprio limit 0); normal scheduling, memory ")
+    assert kernel.asked == [NODE_PRIORITY]
+
+
+def test_another_thread_is_refused_because_nobody_could_stop_it() -> None:
+    sentences: list[str] = []
+
+    def work() -> None:
+        with cycle("plant", NODE_PRIORITY, aloud=False) as scheduling:
+            sentences.append(scheduling.sentence)
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert sentences == ["not permitted (not the main thread of its process); normal scheduling"]
+
+
+@pytest.mark.parametrize(
+    ("limit", "locked", "result", "flags", "said"),
+    [
+        (-1, 0, 0, [1, 3], "memory locked"),
+        # More is locked than the limit allows: it does not hold for this process.
+        (8 << 20, 90 << 20, 0, [1, 3], "memory locked"),
+        # An allocation beyond the limit would fail, so only what there is.
+        (256 << 20, 90 << 20, 0, [1], "memory locked as far as it was in use at the start"),
+        (8 << 20, 0, -1, [1], "memory not locked (cannot allocate memory, memlock limit 8192 KiB)"),
+    ],
+)
+def test_memory_is_locked_as_far_as_is_safe(
+    monkeypatch: pytest.MonkeyPatch, limit: int, locked: int, result: int, flags: list[int], said: str
+) -> None:
+    asked: list[int] = []
+    libc = SimpleNamespace(mlockall=lambda which: asked.append(which) or result)
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (limit, limit))
+    monkeypatch.setattr(realtime, "_locked_bytes", lambda: locked)
+    monkeypatch.setattr(ctypes, "get_errno", lambda: 12)
+    assert realtime._lock_memory(libc) == said
+    assert asked == flags
+
+
+_RUNAWAY = """
+import os, time
+from railhil.common.scheduling import cycle
+with cycle("plant", 40) as scheduling:
+    started = time.process_time()
+    while os.sched_getscheduler(0) & os.SCHED_FIFO and time.process_time() - started < 1.8:
+        pass
+    print(scheduling.sentence)
+"""
+
+
+def test_a_runaway_gives_realtime_up() -> None:
+    done = subprocess.run([sys.executable, "-c", _RUNAWAY], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stderr
+    if PERMITTED:
+        given_up = "SCHED_FIFO 40 given up: it computed for 0.5 s without a pause; normal scheduling"
+        assert done.stdout.strip() == given_up
+        assert said_in(done.stderr, "plant") == given_up
+    else:
+        assert done.stdout.startswith("not permitted")
+
+
+_UNPRIVILEGED = """
+import os, signal, sys
+from railhil.common import scheduling as realtime
+
+def drop():
+    # A user with an rtprio limit has SCHED_FIFO and no CAP_SYS_NICE: so it is once this process is nobody's.
+    os.setresgid(65534, 65534, 65534)
+    os.setresuid(65534, 65534, 65534)
+
+if sys.argv[1] == "permitted_priority":
+    ask = realtime._ask
+    realtime._ask = lambda priority: (ask(priority), drop())[0]
+    granted = realtime.permitted_priority()[0]
+else:
+    with realtime.cycle("plant", 40, aloud=False) as scheduling:
+        granted = scheduling.priority
+        drop()
+        if sys.argv[1] == "runaway":
+            signal.raise_signal(signal.SIGXCPU)
+print(granted, os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK == os.SCHED_OTHER)
+"""
+
+
+@pytest.mark.skipif(
+    os.geteuid() != 0 or not PERMITTED,
+    reason="MISSING CAPABILITY root with SCHED_FIFO, to give it back",
+)
+@pytest.mark.parametrize("what", ["cycle", "runaway", "permitted_priority"])
+def test_a_user_with_a_limit_can_give_scheduling_back(what: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _UNPRIVILEGED, what], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "40 True\n"
+
+
+# -- K1: a step of the wall clock -------------------------------------------------------------------------------------
+
+#: Who may look at the wall clock: the name of a run's folder, and the stamps of messages for tools of python-can.
+_MAY_LOOK = {"railhil/supervisor/folder.py": {"gmtime"}, "bus/hub/client.py": {"time"}}
+_WALL = {"time", "time_ns", "gmtime", "localtime", "ctime", "now", "utcnow", "today", "CLOCK_REALTIME"}
+
+
+def wall_clock_uses(path: Path) -> set[str]:
+    """Names of wall-clock functions of time and datetime that a module uses."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            if node.value.id in ("time", "datetime", "date") and node.attr in _WALL:
+                found.add(node.attr)
+        elif isinstance(node, ast.ImportFrom) and node.module in ("time", "datetime"):
+            found |= {alias.name for alias in node.names} & (_WALL | {"datetime", "date"})
+    return found
+
+
+def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
+    packages = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
+    paths = sorted(path for package in packages for path in (ROOT / package).rglob("*.py"))
+    uses = {str(path.relative_to(ROOT)): wall_clock_uses(path) for path in paths}
+    assert len(uses) > 100
+    assert {name: found for name, found in uses.items() if found} == _MAY_LOOK
+
+
+def realtime_record(scenario: Scenario) -> list[str]:
+    """Lines of the record of a realtime run in this process."""
+    lines: list[str] = []
+    session = Session(
+        scenario,
+        lines.append,
+        seed=0,
+        perturbed=False,
+        controller="ipfc",
+        arithmetic="iq",
+        indexing="time",
+        pace="realtime",
+    )
+    node = ControllerNode(scenario, ControllerOptions())
+    plant = PlantNode(scenario, PlantOptions(rate=100.0), LocalBus([node.handle, session.handle]))
+    assert plant.run().ends_run
+    assert plant.administrator.counters["missed_polls"] == 0
+    return lines
+
+
+def test_a_step_of_the_wall_clock_changes_nothing(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The wall clock jumps by two hours at each look."""
+    steady = realtime_record(short)
+    looks = itertools.count()
+    monkeypatch.setattr(time, "time", lambda: 1e9 + (-1) ** next(looks) * 3600.0)
+    monkeypatch.setattr(time, "time_ns", lambda: int(time.time() * 1e9))
+    assert realtime_record(short) == steady
+    assert len(steady) > 1500

@@ -1,0 +1,229 @@
+"""IQ fixed point against vectors made with TI's IQmath library: both profiles, one by one and as arrays."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support import iq_vectors
+from hil_tests.support.iq_vectors import FUNCTIONS, PROFILES, TOLERANCES, as_arrays, check, judge, one_by_one, read_rows
+from hil_tests.support.paths import TEST_DATA
+
+DATA = TEST_DATA / "iq"
+ROWS = read_rows(DATA)
+#: Functions of the vectors that no profile has.
+NOT_OFFERED = {"asin", "acos", "atan2", "atan2PU"}
+#: Rows that a profile is not judged by: text functions of the C28x, faults of the portable library.
+UNJUDGED = {"c28": {"atoIQ": 242, "toa": 200}, "portable": {"toF": 7, "div": 6}}
+#: Rows per function; a folder that lost some would otherwise pass.
+COUNTS = """
+mpy 1204, rmpy 1171, rsmpy 1204, mpyIQX 599, mpyI32 461, mpyI32int 454, mpyI32frac 421, div 1461,
+add 332, sub 315, sadd 342, ssub 313, sat 437, abs 298, shr 285, shl 289, int 298, frac 289,
+sqrt 991, isqrt 585, mag 545, exp 639, log 975, sin 822, cos 880, sinPU 423, cosPU 429,
+toF 610, IQf 503, IQd 462, atoIQ 242, toa 200
+"""
+
+
+def test_all_vectors_are_there() -> None:
+    assert set(ROWS) - set(FUNCTIONS) == NOT_OFFERED
+    expected = {name: int(count) for name, count in map(str.split, COUNTS.split(","))}
+    assert {function: len(ROWS[function]) for function in FUNCTIONS} == expected
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_every_vector_is_met(profile: str, function: str) -> None:
+    report = check(profile, function, ROWS[function])
+    assert report.wrong == report.worst_lsb == 0
+    assert report.unjudged == UNJUDGED[profile].get(function, 0)
+
+
+@pytest.mark.parametrize("profile", PROFILES)
+@pytest.mark.parametrize("function", FUNCTIONS)
+def test_arrays_give_the_same_results_and_counts(profile: str, function: str) -> None:
+    one, many = (make() for make in PROFILES[profile])
+    results = as_arrays(many, function, ROWS[function])
+    assert results == one_by_one(one, function, ROWS[function])
+    assert judge(profile, function, ROWS[function], results).wrong == 0
+    assert one.counters == many.counters
+
+
+def test_the_profiles_differ_where_the_libraries_do() -> None:
+    different = {
+        function for function in FUNCTIONS if check("portable", function, ROWS[function], PROFILES["c28"][0]()).wrong
+    }
+    assert different == {
+        *("div", "sqrt", "isqrt", "mag", "int", "frac", "mpyI32int", "mpyI32frac", "toF", "exp", "log"),
+        *("sin", "cos", "sinPU", "cosPU", "atoIQ", "toa"),
+    }
+
+
+class _Off:
+    """The C28x profile with one function off by some LSB."""
+
+    def __init__(self, method: str, lsb: int) -> None:
+        self._exact = getattr(PROFILES["c28"][0](), method)
+        self._lsb = lsb
+        setattr(self, method, self._off)
+
+    def _off(self, *arguments: int) -> int:
+        return int(self._exact(*arguments)) + self._lsb
+
+
+@pytest.mark.parametrize("function", TOLERANCES)
+def test_a_difference_inside_the_librarys_own_accuracy_is_told_from_one_outside(function: str) -> None:
+    rows = [row for row in ROWS[function] if "c" not in row and 0 < row["r"] < 2**30 and row["q"] == 24]
+    assert len(rows) > 20
+    allowed = {iq_vectors.tolerance(function, row) for row in rows}
+    method = FUNCTIONS[function].method
+    inside = check("c28", function, rows, _Off(method, -min(allowed)))
+    assert (inside.mismatches, inside.unrounded) == (0, len(rows))
+    outside = check("c28", function, rows, _Off(method, -max(allowed) - 1))
+    assert (outside.mismatches, outside.unrounded) == (len(rows), 0)
+
+
+def test_exp_is_judged_by_r_inside_its_range_only() -> None:
+    smallest, largest = iq_vectors.exp_range(1)
+    assert (smallest, largest) == (-1, 41)
+
+    def expected(argument: int, r: int, profile: str = "c28", **other: Any) -> Any:
+        return iq_vectors.expected(profile, {"f": "exp", "q": 1, "i": [argument], "r": r, "o": 7} | other)
+
+    # 2 e^20.5, and 2 e^-0.5 = 1.2.
+    assert expected(42, 2**31 - 1) == expected(2**31 - 1, 2**31 - 1) == 1599804355
+    assert expected(-2, 1) == expected(-(2**31), 0) == 1
+    assert expected(largest, 5) == expected(smallest, 5) == 5
+    assert expected(42, 3, c=4) == 4
+    assert expected(42, 3, f="log") == 3
+    assert expected(42, 3, "portable") == 7
+
+
+def test_exp_that_limits_its_result_is_reported() -> None:
+    def of(outside: Any) -> Any:
+        model = PROFILES["c28"][0]()
+        return type("Mutant", (), {"exp": lambda self, a, q: outside(a, q, *iq_vectors.exp_range(q), model.exp(a, q))})
+
+    no_lower = of(lambda a, q, smallest, largest, right: 0 if a < smallest else right)
+    no_upper = of(lambda a, q, smallest, largest, right: 2**31 - 1 if a > largest else right)
+    assert check("c28", "exp", ROWS["exp"], no_lower()).wrong == 79
+    assert check("c28", "exp", ROWS["exp"], no_upper()).wrong == 66
+
+
+def test_command_prints_and_fails_with_a_mismatch(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copy(DATA / "div.jsonl.gz", tmp_path)
+    for profile in PROFILES:
+        assert iq_vectors.main([str(tmp_path), "--profile", profile]) == 0
+        assert iq_vectors.main([str(tmp_path), "--profile", profile, "--arrays"]) == 0
+    assert capsys.readouterr().out.splitlines()[1].split() == ["div", "1461", "0", "0", "0", "0"]
+    (tmp_path / "more.jsonl").write_text(
+        '{"f":"mpy","q":24,"i":[3,5],"o":1,"c":1}\n{"f":"asin","q":24,"i":[0],"o":0}\n'
+    )
+    assert iq_vectors.main([str(tmp_path)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[2].split() == ["mpy", "1", "1", "0", "1", "0"]
+    assert lines[3].split() == ["asin", "1", "not", "offered"]
+
+
+def one_line(folder: Path, capsys: pytest.CaptureFixture[str], *options: str) -> str:
+    """The error of the command, which is one line and exit code 2."""
+    assert iq_vectors.main([str(folder), *options]) == 2
+    message = capsys.readouterr().err
+    assert message.count("\n") == 1
+    return message.removeprefix(f"{folder}").strip()
+
+
+def test_a_damaged_folder_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert one_line(tmp_path, capsys).startswith(": folder: found no rows")
+    assert "no rows" in one_line(tmp_path / "missing", capsys)
+    with gzip.open(tmp_path / "x.jsonl.gz", "wt") as lines:
+        lines.write(json.dumps({"f": "mpy", "q": 24, "i": [1, 2], "o": 0}) + '\n{"f":"mpy","q":"24"}\n')
+    assert one_line(tmp_path, capsys) == "/x.jsonl.gz: line 2: q: found '24', allowed 1 to 30 for mpy"
+    whole = (tmp_path / "x.jsonl.gz").read_bytes()
+    for damaged in (b'{"f":"mpy","q":24,"i":[1,2],"o":0}', whole[:-9], whole[:12] + b"\xff" * 20):
+        (tmp_path / "x.jsonl.gz").write_bytes(damaged)
+        assert one_line(tmp_path, capsys).startswith("/x.jsonl.gz: file: found ")
+    (tmp_path / "x.jsonl.gz").unlink()
+    (tmp_path / "y.jsonl").write_bytes(b"\xff\xfe")
+    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: found ")
+    (tmp_path / "y.jsonl").unlink()
+    (tmp_path / "y.jsonl").mkdir()
+    assert one_line(tmp_path, capsys).startswith("/y.jsonl: file: found ")
+
+
+@pytest.mark.parametrize(
+    ("row", "words"),
+    [
+        ("", "line 2: found '', allowed a row with f, q and i"),
+        ("[" * 100_000, "line 2: found '[[["),
+        ("7", "line 2: f: found 7, allowed a row with f, q and i"),
+        ('{"f":"a b","q":24,"i":[1]}', "line 2: f: found {"),
+        ('{"q":24,"i":[1]}', "line 2: f: found {"),
+        ('{"f":"mpy","q":40,"i":[1,2],"o":0,"c":0}', "line 2: q: found 40, allowed 1 to 30 for mpy"),
+        ('{"f":"mpy","q":0,"i":[1,2],"o":0,"c":0}', "line 2: q: found 0, allowed 1 to 30 for mpy"),
+        ('{"f":"mpy","q":true,"i":[1,2],"o":0,"c":0}', "line 2: q: found True, allowed 1 to 30 for mpy"),
+        ('{"f":"asin","q":31,"i":[1],"o":0}', "line 2: q: found 31, allowed 1 to 30 for asin"),
+        ('{"f":"sin","q":30,"i":[1],"o":0,"r":0}', "line 2: q: found 30, allowed 1 to 29 for sin"),
+        ('{"f":"cos","q":30,"i":[1],"o":0,"r":0}', "line 2: q: found 30, allowed 1 to 29 for cos"),
+        ('{"f":"mpy","q":24,"i":[1],"o":0,"c":0}', "line 2: i: found [1], allowed 2 inputs of mpy"),
+        ('{"f":"abs","q":24,"i":[1,2],"o":0,"c":0}', "line 2: i: found [1, 2], allowed 1 inputs of abs"),
+        ('{"f":"abs","q":24,"o":0,"c":0}', "line 2: i: found None, allowed 1 inputs of abs"),
+        ('{"f":"mpy","q":24,"i":[1,"2"],"o":0,"c":0}', "line 2: i[1]: found '2', allowed -2147483648 to 2147483647"),
+        ('{"f":"mpy","q":24,"i":[1.0,2],"o":0,"c":0}', "line 2: i[0]: found 1.0, allowed -2147483648 to 2147483647"),
+        ('{"f":"abs","q":24,"i":[2147483648],"o":0,"c":0}', "line 2: i[0]: found 2147483648, allowed -2147483648 to"),
+        ('{"f":"abs","q":24,"i":[-2147483649],"o":0,"c":0}', "line 2: i[0]: found -2147483649, allowed -2147483648"),
+        ('{"f":"shl","q":24,"i":[1,32],"o":0,"c":0}', "line 2: i[1]: found 32, allowed 0 to 31"),
+        ('{"f":"mpyIQX","q":24,"i":[1,31,1,4],"o":0,"c":0}', "line 2: i[1]: found 31, allowed 1 to 30"),
+        ('{"f":"atoIQ","q":24,"i":[1],"o":0,"c":0}', "line 2: i[0]: found 1, allowed a text"),
+        (
+            '{"f":"IQd","q":24,"i":[18446744073709551616],"o":0,"c":0}',
+            "line 2: i[0]: found 18446744073709551616, allow",
+        ),
+        ('{"f":"IQd","q":30,"i":[4611686018427387904],"o":0,"c":0}', "line 2: i[0]: found 2.0, allowed a value inside"),
+        (
+            '{"f":"IQd","q":30,"i":[9218868437227405311],"o":0,"c":0}',
+            "line 2: i[0]: found 1.7976931348623157e+308, all",
+        ),
+        ('{"f":"IQf","q":24,"i":[2143289344],"o":0,"c":0}', "line 2: i[0]: found nan, allowed a value inside int32"),
+        ('{"f":"mpy","q":24,"i":[1,2],"o":"0","c":0}', "line 2: o: found '0', allowed a whole number"),
+        ('{"f":"mpy","q":24,"i":[1,2],"o":0,"c":null}', "line 2: c: found None, allowed a whole number"),
+        ('{"f":"div","q":24,"i":[1,2],"o":0,"r":0.5}', "line 2: r: found 0.5, allowed a whole number"),
+        ('{"f":"toa","q":24,"i":["%2.2f",2],"o":0}', "line 2: o: found 0, allowed [error, text]"),
+    ],
+)
+def test_a_row_that_cannot_be_run_is_one_line(
+    row: str, words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "x.jsonl").write_text('{"f":"mpy","q":24,"i":[3,5],"o":0,"c":0}\n' + row + "\n")
+    for profile in PROFILES:
+        assert one_line(tmp_path, capsys, "--profile", profile).startswith(f"/x.jsonl: {words}")
+
+
+def test_a_row_without_the_portable_result_is_for_the_c28_only(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "x.jsonl").write_text('{"f":"mpy","q":24,"i":[3,5],"c":0}\n')
+    assert iq_vectors.main([str(tmp_path), "--profile", "c28"]) == 0
+    message = one_line(tmp_path, capsys, "--profile", "portable")
+    assert message == "/x.jsonl: line 1: o: found nothing, allowed the portable library's result"
+
+
+@pytest.mark.parametrize(
+    ("profile", "row"),
+    [
+        ("c28", '{"f":"asin","q":24,"i":[0],"o":0}'),
+        ("c28", '{"f":"atoIQ","q":24,"i":["1.5"],"o":25165824}'),
+        ("c28", '{"f":"mpy","q":24,"i":[3,5],"o":0}'),
+        ("portable", '{"f":"div","q":24,"i":[-2147483648,3],"o":0,"t":"u"}'),
+    ],
+)
+def test_a_folder_that_says_nothing_about_a_profile_does_not_pass(
+    profile: str, row: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "x.jsonl").write_text(row + "\n")
+    words = f": folder: found no row that the profile {profile} is judged by"
+    assert one_line(tmp_path, capsys, "--profile", profile).startswith(words)

@@ -1,0 +1,106 @@
+"""Rules of the house that a machine can check: imports, module size, swallowed exceptions, drawn telegrams."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+from railhil.bus import ident, telegrams
+from railhil.bus.layout import Telegram
+
+PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "hil_tests", "benchmarks")
+MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+#: Top-level packages that each package may import, besides itself.
+MAY_IMPORT = {
+    "dbc": set(),
+    "bus": {"dbc"},
+    "scenarios": set(),
+    "plant_sim": {"bus", "dbc", "scenarios"},
+    "controller_node": {"bus", "dbc", "scenarios"},
+    "supervisor": {"bus", "dbc", "scenarios"},
+    "hil_tests": set(PACKAGES),
+    "benchmarks": set(PACKAGES),
+}
+
+
+def test_import_contracts_of_the_project_file() -> None:
+    """The contracts in pyproject.toml, as import-linter sees them (indirect imports included)."""
+    program = "from importlinter.cli import lint_imports_command; lint_imports_command()"
+    done = subprocess.run(
+        [sys.executable, "-c", program, "--no-cache"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 broken" in done.stdout
+
+
+def imported(path: Path) -> set[str]:
+    """Top-level names that a module imports anywhere, also inside functions."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            names.add(str(node.module).split(".")[0])
+    return names
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_each_package_imports_only_what_it_may(package: str) -> None:
+    for path in (ROOT / package).rglob("*.py"):
+        ours = imported(path) & set(PACKAGES)
+        assert ours <= MAY_IMPORT[package] | {package}, path.relative_to(ROOT)
+
+
+def test_no_module_is_longer_than_one_sitting() -> None:
+    lengths = {str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines()) for path in MODULES}
+    assert len(lengths) > 100
+    assert {name: length for name, length in lengths.items() if length > 400} == {}
+
+
+def test_no_exception_is_swallowed_in_silence() -> None:
+    silent = []
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ExceptHandler):
+                bare = node.type is None or getattr(node.type, "id", "") in ("Exception", "BaseException")
+                empty = all(isinstance(item, (ast.Pass, ast.Constant)) for item in node.body)
+                if node.type is None or (bare and empty):
+                    silent.append(f"{path.relative_to(ROOT)}:{node.lineno}")
+    assert silent == []
+
+
+def telegram_classes() -> list[type[Telegram]]:
+    found = [
+        item
+        for module in (telegrams, ident)
+        for item in vars(module).values()
+        if isinstance(item, type) and issubclass(item, Telegram) and item is not Telegram
+    ]
+    return sorted(found, key=lambda item: item.__name__)
+
+
+@pytest.mark.parametrize("telegram", telegram_classes(), ids=lambda item: item.__name__)
+def test_every_telegram_draws_its_layout(telegram: type[Telegram]) -> None:
+    text = telegram.__doc__ or ""
+    if "see :class:`Ident`" in text:
+        text = ident.Ident.__doc__ or ""
+    _, mark, drawing = text.partition("::\n")
+    assert mark, telegram.__name__
+    assert drawing.count("+-") >= 2
+    assert drawing.count("|") >= 2
+
+
+def test_there_are_telegrams_for_all_ports() -> None:
+    from railhil.dbc import wire_contract
+
+    assert {item.PORT for item in telegram_classes()} == {port.name for port in wire_contract().ports}

@@ -1,0 +1,295 @@
+"""The audit finds what is wrong with an arithmetic: every bar can be missed, every figure is what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from io import StringIO
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from railhil.audit.bounds import bounds_of
+from railhil.audit.document import document
+from railhil.audit.effect import ScoreEffect, effect
+from railhil.audit.floor import floored
+from railhil.audit.result import Options, audit, bars
+from railhil.audit.shadow import QuantityError, ShadowRun, compare_codes, errors, shadow_run
+from railhil.audit.standstill import standstill
+from railhil.audit.tables import show
+from railhil.batch.perturbed_runs import Outcomes
+from railhil.cli.output import Output
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.program.model import Quantity, Value
+from railhil.controller_node.program.record import record
+from railhil.scenarios.load import load
+
+FULL = load("lvshun_tieshan")
+IQ: Any = type(make("iq"))
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    """8 m in 8 s: 16 and some control periods."""
+    path = tmp_path_factory.mktemp("audit") / "short.toml"
+    path.write_text(QUICK_TOML)
+    return load(str(path))
+
+
+def shadowed(arithmetic: Arithmetic[Any], others: Sequence[Arithmetic[Any]] = (), scenario=FULL) -> ShadowRun:
+    return shadow_run(scenario, "ipfc", arithmetic, record(scenario, "ipfc").quantities, others=others)
+
+
+@pytest.fixture(scope="module")
+def sound() -> ShadowRun:
+    """The shipped fixed point with its floored twin along."""
+    return shadowed(make("iq"), [floored(make("iq"))])
+
+
+def missed(shadow: ShadowRun, arithmetic: Any = None) -> set[str]:
+    """Names of the bars that are missed."""
+    kind = arithmetic or type(make("iq"))
+    still = standstill(FULL, "ipfc", kind(), kind())
+    price = cost_of(record(FULL, "ipfc"), kind(), FULL.timing.control_period_ns)
+    return {bar.name for bar in bars(shadow, still, price) if not bar.met}
+
+
+def test_the_shipped_arithmetic_meets_every_bar(sound):
+    assert missed(sound) == set()
+    assert sound.run.score.stop_error_m is not None
+
+
+def test_figures_of_the_shipped_arithmetic(sound):
+    found = {error.name: error for error in errors(sound.quantities, sound.audited, sound.reference)}
+    assert list(found) == [quantity.name for quantity in sound.quantities]
+    # A rounded table entry is off by half a bit at most, a floored product by one.
+    assert 0.4 < found["set_point"].lsb(found["set_point"].maximum) <= 0.5
+    assert -0.6 < found["speed"].lsb(found["speed"].bias) < -0.4
+    assert 0.9 < found["speed"].lsb(found["speed"].maximum) < 1.01
+    assert found["notch"].maximum <= 1 / 256
+    assert found["notch_raw"].lsb(found["notch_raw"].maximum) < 50
+    # "Never closing" is beyond the format in float64: no error of the arithmetic.
+    assert found["t_s"].outside > 100
+    assert {name for name, error in found.items() if error.outside} == {"t_s"}
+
+
+def test_the_run_stays_inside_its_bounds(sound):
+    bounds = bounds_of(record(FULL, "ipfc"), sound.audited.loop.law)
+    found = {bound.name: bound for bound in bounds.quantities}
+    for row in sound.audited.telemetry.rows:
+        bound = found[row.name]
+        assert bound.minimum <= row.minimum, row.name
+        assert row.maximum <= bound.maximum, row.name
+        assert bound.headroom_bits <= row.headroom_bits, row.name
+    # 7 notches are 1792 = 11 bits.
+    assert (found["notch"].minimum, found["notch"].maximum, found["notch"].headroom_bits) == (-7.0, 7.0, 20)
+
+
+def test_float64_has_no_error_against_itself():
+    shadow = shadowed(make("float64"))
+    for error in errors(shadow.quantities, shadow.audited, shadow.reference):
+        assert (error.rms, error.maximum, error.bias, error.outside) == (0.0, 0.0, 0.0, 0), error.name
+    assert compare_codes(shadow.audited, shadow.reference).equal_share == 1.0
+
+
+class OffByOne(IQ):
+    """Every sum of products shifted by one bit too many."""
+
+    def dot(self, coefficients: Sequence[int], values: Sequence[int], q: int) -> int:
+        return super().dot(coefficients, values, q + 1)
+
+
+class FlooredQuantiser(IQ):
+    """The notch truncated instead of rounded."""
+
+    def quantise(self, a: int, q_from: int, q_to: int) -> int:
+        return a >> (q_from - q_to)
+
+
+class Narrow(IQ):
+    """Speeds a million times too large for their format: the first reading wraps."""
+
+    def const(self, constant: Constant) -> int:
+        return super().const(constant) << (20 if constant.name == "kmh_per_01mmps" else 0)
+
+
+class Creeping(IQ):
+    """A bit too much in every sum of products: the model moves by itself."""
+
+    def dot(self, coefficients: Sequence[int], values: Sequence[int], q: int) -> int:
+        return super().dot(coefficients, values, q) + 4096
+
+
+EQUAL, LARGEST = "notch codes equal to float64's", "largest difference of a code"
+AT_REST, KICKED = "changes of the notch in 60 s at rest", "held train after one reading of 1 mm/s: difference"
+
+
+@pytest.mark.parametrize(
+    ("broken", "expected"),
+    [
+        (OffByOne, {EQUAL, LARGEST, KICKED}),
+        (FlooredQuantiser, {EQUAL}),
+        (Narrow, {"wraps in the run", EQUAL, LARGEST}),
+        (Creeping, {EQUAL, LARGEST, AT_REST, KICKED}),
+    ],
+)
+def test_a_broken_arithmetic_misses_its_bars(broken, expected):
+    assert missed(shadowed(broken()), broken) == expected
+
+
+def test_shadows_are_told_the_notch_really_sent():
+    """Codes that are one off do not drive the states apart: the model of float64 runs on the same notches."""
+    shadow = shadowed(FlooredQuantiser())
+    assert compare_codes(shadow.audited, shadow.reference).equal_share < 0.7
+    model = next(error for error in errors(shadow.quantities, shadow.audited, shadow.reference) if "y_m" in error.name)
+    assert 0 < model.maximum < 5e-5
+
+
+def test_floor_shows_as_bias_of_the_products(sound):
+    rounded, twin = (
+        {error.name: error for error in errors(sound.quantities, watched, sound.reference)}
+        for watched in (sound.audited, sound.others[0])
+    )
+    # Sums of 9 and 7 products: half a bit each below.
+    for name, products in (("c[0]", 9), ("e[0]", 7)):
+        assert abs(rounded[name].lsb(rounded[name].bias)) < 0.5
+        assert twin[name].lsb(twin[name].bias) < -products / 4
+        assert twin[name].rms > rounded[name].rms
+    # What no rounded product takes part in stays as it is.
+    for name in ("speed", "set_point", "tracking_error"):
+        assert twin[name].bias == rounded[name].bias
+
+
+def test_floored_products_and_a_rounded_quantiser():
+    rounded, twin = make("iq"), floored(make("iq"))
+    assert (rounded.rmpy(3, 1, 1), twin.rmpy(3, 1, 1), twin.rmpy(-3, 1, 1)) == (2, 1, -2)
+    assert (rounded.dot([1, 1], [3, 3], 1), twin.dot([1, 1], [3, 3], 1)) == (4, 2)
+    assert twin.quantise(3, 1, 0) == rounded.quantise(3, 1, 0) == 2
+    assert twin.dot([2**30], [8], 1) == 0
+    assert twin.counters.wraps == 1
+
+
+def test_error_figures_by_hand():
+    """Two periods of three quantities: an error of +1 and -3 bits, one value outside, all outside."""
+    quantities = [Quantity(name, q, "m", Value(0, q)) for name, q in (("a", 1), ("b", 30), ("c", 30))]
+    reference = SimpleNamespace(rows=[[10.0, 1.0, 2.0], [10.0, 2.0, -2.0]])
+    audited = SimpleNamespace(rows=[[10.5, 1.25, 0.0], [8.5, 0.0, 0.0]], arithmetic=SimpleNamespace(wide=False))
+    a, b, c = errors(quantities, audited, reference)
+    assert (a.rms, a.maximum, a.bias, a.worst_step, a.outside) == (pytest.approx(1.25**0.5), 1.5, -0.5, 1, 0)
+    assert (a.lsb(a.maximum), a.lsb(a.bias)) == (3.0, -1.0)
+    assert (b.rms, b.maximum, b.bias, b.worst_step, b.outside) == (0.25, 0.25, 0.25, 0, 1)
+    assert c == QuantityError("c", 30, "m", None, None, None, None, 2)
+    audited.arithmetic.wide = True
+    audited.rows[0][2] = float("inf")
+    assert [error.outside for error in errors(quantities, audited, reference)] == [0, 0, 1]
+
+
+def test_an_infinite_value_misses_a_bar_and_leaves_the_result_readable(short):
+    class Endless(type(make("float32"))):
+        def note(self, name, a, q, unit=""):
+            super().note(name, type(a)("inf") if name == "alpha" else a, q, unit)
+            return a
+
+    shadow = shadowed(Endless(), scenario=short)
+    assert shadow.audited.not_finite == len(shadow.audited.rows)
+    assert "infinite values" in missed(shadow, type(make("float32")))
+    result = audit(short, Options(arithmetic="float32", runs=0))
+    rows = tuple(shadow.audited.telemetry.rows)
+    found = {row["name"]: row for row in document(replace(result, ranges=rows))["ranges"]}
+    assert found["alpha"]["maximum"] is None
+    assert 0 < found["notch"]["maximum"] <= 7
+
+
+def test_code_figures_by_hand():
+    found = compare_codes(SimpleNamespace(codes=[1, 2, 3, -4]), SimpleNamespace(codes=[1, 2, 1, -5]))
+    assert (found.steps, found.equal, found.largest, found.equal_share) == (4, 2, 2, 0.5)
+
+
+def test_effect_bars():
+    near = ScoreEffect("stop_error_m", "m", 0.31, 0.3, 0.0101, 0.1, 0)
+    assert near.met
+    assert near.difference == pytest.approx(0.01)
+    assert not replace(near, audited=0.2).met
+    assert not replace(near, audited=0.311).met
+    # A train that stops in one arithmetic only is a difference that no median shows.
+    assert not replace(near, missing=1).met
+    assert replace(near, audited=None, reference=None).met
+
+
+def test_effect_runs_the_same_draws_in_both(short):
+    found = effect(short, 2, controller="ipfc", arithmetic="float64", indexing="time")
+    assert found.counters == Counters()
+    assert [one.score for one in found.scores] == ["itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"]
+    for one in found.scores:
+        assert (one.difference, one.largest_single, one.missing) == (0.0, 0.0, 0)
+        assert one.met
+    allowed = {one.score: one.allowed for one in found.scores}
+    assert allowed["stop_error_m"] == allowed["punctuality_s"] == 0.01
+    assert allowed["itae"] == pytest.approx(0.01 * found.scores[0].reference)
+
+
+def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
+    """Fixed point: ITAE 12, 11, 10, no stop in the last; float64: 10, 10, 10."""
+
+    def made(scenario, runs, *, controller, arithmetic, indexing):
+        fixed = arithmetic == "iq"
+        scores = [
+            replace(
+                sound.run.score,
+                itae=12.0 - i if fixed else 10.0,
+                stop_error_m=None if fixed and i == 2 else 0.1,
+            )
+            for i in range(runs)
+        ]
+        return Outcomes(scores, Counters(3, 30, 300) if fixed else Counters(7, 7, 7))
+
+    monkeypatch.setattr("railhil.audit.effect.outcomes", made)
+    over_runs = effect(short, 3, controller="ipfc", arithmetic="iq", indexing="time")
+    assert over_runs.counters == Counters(3, 30, 300)
+    found = {one.score: one for one in over_runs.scores}
+    itae = found["itae"]
+    assert (itae.audited, itae.reference, itae.difference, itae.largest_single) == (11.0, 10.0, 1.0, 2.0)
+    assert not itae.met
+    assert (found["stop_error_m"].missing, found["stop_error_m"].difference) == (1, 0.0)
+    assert found["energy_kj"].met
+
+
+def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(monkeypatch, short, sound):
+    def made(scenario, runs, **case):
+        return Outcomes([sound.run.score] * runs, Counters(1, 10, 2))
+
+    monkeypatch.setattr("railhil.audit.effect.outcomes", made)
+    result = audit(short, Options(runs=2))
+    found = {bar.name: (bar.found, bar.met) for bar in result.bars}
+    assert found["wraps in the run"] == ("0", True)
+    assert found["wraps in the perturbed runs"] == ("1", False)
+    assert found["divisions by zero in the perturbed runs"] == ("2", False)
+    assert not result.met
+    assert document(result)["effect_counters"] == {"wraps": 1, "saturations": 10, "zero_divisions": 2}
+    out = StringIO()
+    monkeypatch.setattr("sys.stdout", out)
+    show(Output(), result)
+    assert "iq in all of them: 1 wraps, 10 saturations, 2 divisions by zero" in out.getvalue()
+
+
+@pytest.mark.parametrize("indexing", ["time", "distance"])
+def test_an_audit_is_deterministic_and_whole(short, indexing):
+    found = [document(audit(short, Options(runs=0, indexing=indexing))) for _ in range(2)]
+    assert found[0] == found[1]
+    names = [quantity.name for quantity in record(short, "ipfc", indexing).quantities]
+    assert [row["name"] for row in found[0]["ranges"]] == names
+    assert [error["name"] for error in found[0]["errors"]] == names
+    assert [error["name"] for error in found[0]["floor"]["errors"]] == names
+    assert found[0]["met"] == all(bar["met"] for bar in found[0]["bars"])
+    assert found[0]["cost"]["flash_us"] == pytest.approx(2 * found[0]["cost"]["cycles"] / 150)
+
+
+def test_an_arithmetic_without_formats_has_no_floor(short):
+    result = audit(short, Options(arithmetic="float32", runs=0))
+    assert result.floor is None
+    fixed_point = cost_of(record(short, "ipfc"), make("iq"), short.timing.control_period_ns)
+    assert 0 < result.cost.cycles < fixed_point.cycles / 2

@@ -1,0 +1,190 @@
+"""Every benchmark runs and gives figures with units; how fast it is, is not asserted."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+
+from benchmarks import arithmetic
+from benchmarks.__main__ import NAMES, run
+from benchmarks.figures import Figure, MeasurementError, Setting
+from benchmarks.machine import Machine, cpu_model
+from benchmarks.memory import peak_mb
+from benchmarks.native import compiler
+from benchmarks.processes import RunCommand
+from railhil.bus.select import vcan_available
+from railhil.controller_node.arithmetic import make
+
+UNITS = {"us", "ns", "s", "frames/s", "sim s/s", "runs/s", "Mops/s", "%", "cycles", "MB", "km/h s2", "m", "m/s2/km"}
+
+
+def fifo_permitted() -> bool:
+    """Whether this user may have SCHED_FIFO."""
+    before = os.sched_getscheduler(0)
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    except PermissionError:
+        return False
+    os.sched_setscheduler(0, before, os.sched_param(0))
+    return True
+
+
+#: Socket pair, hub on a Unix socket and on TCP, gateway; and kernel CAN where there is one.
+WAYS = 4 + vcan_available()
+LANGUAGES = 2 if compiler() else 1
+SCHEDULINGS = 2 if fifo_permitted() else 1
+#: A figure that must be there, and the number of figures, so that none is dropped without notice.
+EXPECTED = {
+    "lockstep": (6, "iq: command to first frame, median"),
+    "transports": (WAYS * 3 * LANGUAGES + 1 + WAYS - 1, "hub, gateway, hub: round trip, one CPU, Python"),
+    "jitter": ((WAYS - 1) * 2 * SCHEDULINGS * LANGUAGES, "hub, TCP loopback: busy, normal, Python"),
+    "arithmetic": (58, "rsmpy, 100,000 at once: apytypes"),
+    "controller_step": (20, "float32: step of 1000 trains, per train, median"),
+    "plant": (4, "direct run with iq, per core"),
+    "batch": (8, "float64: runs of one core"),
+    "campaign": (9, "joblib: 2 processes"),
+    "codec": (14, "SIM_TRUTH (3 frames): receive, all checks and decode"),
+    "predictive_peer": (10, "do-mpc: step, median"),
+    "memory": (4, "controller: peak resident set"),
+}
+
+
+def benchmarks(*arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """``python -m benchmarks`` to its end."""
+    return subprocess.run(
+        [sys.executable, "-m", "benchmarks", *arguments],
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+@pytest.mark.loop
+@pytest.mark.parametrize("name", NAMES)
+def test_benchmark_gives_figures_with_units(name):
+    before = os.sched_getaffinity(0)
+    result = run(name, quick=True)
+    figures = result["figures"]
+    count, known = EXPECTED[name]
+    names = [figure["name"] for figure in figures]
+    assert len(set(names)) == len(names) == count
+    assert known in names
+    for figure in figures:
+        assert figure["unit"] in UNITS, figure
+        assert math.isfinite(figure["value"]), figure
+        assert figure["value"] > 0, figure
+        assert (figure["ratio"] is None) == (figure["against"] == ""), figure
+        assert figure["ratio"] is None or figure["ratio"] > 0, figure
+        assert all(math.isfinite(value) for value in figure["spread"].values()), figure
+    assert all(missing["name"] and missing["why"] for missing in result["missing"])
+    assert result["title"]
+    assert result["method"]
+    assert os.sched_getaffinity(0) == before
+
+
+def test_every_benchmark_has_an_expectation():
+    assert set(EXPECTED) == set(NAMES)
+
+
+def test_json_holds_machine_and_figures():
+    done = benchmarks("--json", "--quick", "--only", "codec")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert list(document["benchmarks"]) == ["codec"]
+    assert document["quick"] is True
+    machine = document["machine"]
+    assert machine["cores"] >= 1
+    assert machine["libraries"]["python-can"].startswith("4.")
+    assert machine["busy"] == bool(machine["warning"])
+
+
+def test_table_names_every_figure_and_its_unit():
+    done = benchmarks("--quick", "--only", "controller_step", COLUMNS="200")
+    assert done.returncode == 0, done.stderr
+    assert "not a measurement" in done.stdout
+    assert "load average" in done.stdout
+    row = next(line for line in done.stdout.splitlines() if "estimated C28x cycles" in line)
+    assert "cycles" in row.split("│")[3]
+
+
+def test_a_wrong_product_is_no_measurement(monkeypatch, tmp_path):
+    class Floored(type(make("iq", batch=True))):
+        def rmpy(self, a, b, q):
+            return self.mpy(a, b, q)
+
+    monkeypatch.setattr(arithmetic, "make", lambda name, batch=False: Floored() if batch else make(name))
+    with pytest.raises(MeasurementError, match="rmpy does not give"):
+        arithmetic.measure(Setting.make(True, tmp_path))
+
+
+def test_operations_wrap_and_saturate_as_the_chip_does():
+    wanted = {operation.name: operation.wanted(2**30, -(2**30) - 1) for operation in arithmetic.OPERATIONS}
+    assert wanted == {"mpy": -64, "rmpy": -64, "rsmpy": -(2**31), "div": -(2**24), "add": -1}
+    half = {operation.name: operation.wanted(-1, 1 << 23) for operation in arithmetic.OPERATIONS}
+    assert half == {"mpy": -1, "rmpy": 0, "rsmpy": 0, "div": -2, "add": (1 << 23) - 1}
+
+
+def test_unknown_benchmark_is_one_line():
+    done = benchmarks("--only", "lokstep")
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.splitlines() == [
+        f"benchmarks: command line: --only: found 'lokstep', allowed {', '.join(NAMES)}"
+    ]
+
+
+def test_a_run_that_does_not_start_is_no_measurement(socket_folder):
+    setting = Setting(True, str(socket_folder / "missing.toml"), socket_folder)
+    running = RunCommand(setting, "iq", socket_folder / "out")
+    with running, pytest.raises(MeasurementError, match=r"exit code 2: .*missing\.toml"):
+        running.finish()
+    assert running.process.returncode == 2
+
+
+def machine(load_1min: float, cpu_used: float) -> Machine:
+    return Machine("cpu", 2, 8.0, "Linux", "CPython", {}, load_1min, cpu_used)
+
+
+@pytest.mark.parametrize(("load_1min", "cpu_used", "busy"), [(0.1, 0.05, False), (1.2, 0.05, True), (0.1, 0.6, True)])
+def test_busy_machine_is_said(load_1min, cpu_used, busy):
+    found = machine(load_1min, cpu_used)
+    assert found.busy is busy
+    assert bool(found.warning) is busy
+
+
+def test_cpu_model_is_the_kernel_s_word(tmp_path):
+    cpuinfo = tmp_path / "cpuinfo"
+    cpuinfo.write_text("processor\t: 0\nmodel name\t: Test CPU 3000\n\nprocessor\t: 1\nmodel name\t: Other\n")
+    assert cpu_model(cpuinfo) == "Test CPU 3000"
+    assert cpu_model(tmp_path / "missing")
+
+
+def test_peak_outlives_the_memory_that_made_it():
+    resident_mb = psutil.Process().memory_info().rss / 1e6
+    block = bytearray(b"\1") * 60_000_000
+    assert len(block) == 60_000_000
+    del block
+    # The kernel's counters are exact to some hundred kB only.
+    assert peak_mb(os.getpid()) > resident_mb + 55
+    assert peak_mb(2**31 - 2) == 0.0
+
+
+def test_quick_scenario_is_a_short_run(tmp_path):
+    scenario = Setting.make(True, tmp_path).scenario
+    assert scenario.plan.running_time_s == 8
+    assert scenario.timing == Setting.make(False, Path("unused")).scenario.timing
+
+
+def test_a_figure_without_comparison_has_no_ratio():
+    figure = Figure("name", 1.0, "us")
+    assert figure.ratio is None
+    assert figure.against == ""

@@ -1,0 +1,210 @@
+"""``railhil campaign`` in this process: results, going on, the bench as the judge."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.campaign_command import Campaign, campaign_here
+from hil_tests.support.cli import railhil
+from railhil.batch.perturbed_runs import SCORES
+from railhil.bench import direct_run
+from railhil.scenarios.load import load
+
+#: Of every campaign here that is to give the same results.
+SAME = ("--runs", "24", "--first-seed", "50")
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+@pytest.fixture
+def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
+    """The command, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return campaign_here(monkeypatch, capsys)
+
+
+@pytest.fixture(scope="module")
+def finished(short, tmp_path_factory):
+    """An undisturbed campaign."""
+    folder = tmp_path_factory.mktemp("campaign") / "finished"
+    done = railhil("campaign", short, *SAME, "--chunk", "24", "--out", folder)
+    assert done.exit_code == 0, done.err
+    return folder
+
+
+def same_results(folder: Path, finished: Path) -> bool:
+    return all(
+        (folder / name).read_bytes() == (finished / name).read_bytes() for name in ("results.parquet", "summary.json")
+    )
+
+
+def test_results_are_those_of_the_bench(finished, short):
+    rows = pq.read_table(finished / "results.parquet").to_pylist()
+    assert [(row["law"], row["seed"]) for row in rows] == [("ipfc", seed) for seed in range(50, 74)]
+    for row in rows[::8]:
+        score = direct_run(load(short), seed=row["seed"], drawn=True, arithmetic="float64").score
+        assert {name: row[name] for name in SCORES} == {name: getattr(score, name) for name in SCORES}
+        assert (row["verdict"], tuple(row["failures"])) == (score.verdict, score.failures)
+
+
+def test_manifest_and_summary(finished, short):
+    manifest = json.loads((finished / "campaign.json").read_text())
+    scenario = load(short)
+    assert manifest["campaign"]["scenario_sha256"] == scenario.sha256
+    assert manifest["scenario"]["plan"]["distance_m"] == scenario.plan.distance_m
+    assert (manifest["campaign"]["runs"], manifest["campaign"]["first_seed"]) == (24, 50)
+    summary = json.loads((finished / "summary.json").read_text())
+    assert (summary["runs"], summary["first_seed"], summary["last_seed"]) == (24, 50, 73)
+    assert summary["laws"]["ipfc"]["scores"].keys() == SCORES.keys()
+    assert summary["warnings"] == []
+
+
+def test_chunks_do_not_change_results(campaign, finished, short):
+    done = campaign(short, *SAME, "--chunk", "7", "--out", "mine", "--json", "again.json")
+    assert (done.exit_code, done.err) == (0, "")
+    assert [path.name for path in sorted(Path("mine/parts").iterdir())] == [f"ipfc-0000{i}.parquet" for i in range(4)]
+    assert same_results(Path("mine"), finished)
+    assert Path("again.json").read_bytes() == (finished / "summary.json").read_bytes()
+    assert sorted(path.name for path in Path("mine").iterdir()) == [
+        "campaign.json",
+        "parts",
+        "results.parquet",
+        "summary.json",
+    ]
+    assert max(map(len, done.out.split("Worst runs")[0].splitlines())) <= 100
+
+
+def test_it_goes_on_with_what_is_missing(campaign, finished, short):
+    same = (short, *SAME, "--chunk", "5", "--out", "mine")
+    assert campaign(*same).exit_code == 0
+    parts = [Path("mine/parts") / f"ipfc-0000{i}.parquet" for i in range(5)]
+    times_ns = [part.stat().st_mtime_ns for part in parts]
+    parts[1].unlink()
+    parts[2].write_bytes(parts[2].read_bytes()[:1000])
+    parts[3].write_bytes(parts[0].read_bytes())
+    Path("mine/parts/.part-abc.parquet").touch()
+    Path("mine/results.parquet").unlink()
+    done = campaign("--resume", "mine")
+    assert done.exit_code == 0
+    assert done.err.splitlines() == [
+        "mine/parts/ipfc-00002.parquet is torn or damaged: its 5 runs are made again",
+        "mine/parts/ipfc-00003.parquet is of other runs: its 5 runs are made again",
+        "mine: 9 of 24 runs are there already",
+    ]
+    assert same_results(Path("mine"), finished)
+    again_ns = [part.stat().st_mtime_ns for part in parts]
+    assert [a == b for a, b in zip(times_ns, again_ns, strict=True)] == [True, False, False, False, True]
+    # The same command on the same folder goes on too, here with nothing to do.
+    assert campaign(*same).err.splitlines() == ["mine: 24 of 24 runs are there already"]
+    assert [part.stat().st_mtime_ns for part in parts] == again_ns
+    assert not list(Path("mine/parts").glob(".part-*"))
+
+
+def test_a_manifest_that_was_never_finished_begins_anew(campaign, short):
+    Path("mine").mkdir()
+    Path("mine/campaign.json").write_text('{"format": 1, "camp')
+    assert campaign(short, "--runs", "2", "--out", "mine").exit_code == 0
+    assert json.loads(Path("mine/campaign.json").read_text())["campaign"]["runs"] == 2
+
+
+def test_a_default_folder(campaign, short):
+    done = campaign(short, "--runs", "1")
+    (folder,) = Path("runs").iterdir()
+    assert folder.name.endswith("-benchmark_quick-campaign")
+    assert done.out.rstrip().endswith(f"campaign folder {folder}")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--runs", "25"), "campaign.runs: found 24, allowed 25 to go on with it; another --out begins a new campaign"),
+        (("--first-seed", "51"), "campaign.first_seed: found 50, allowed 51"),
+        (("--arithmetic", "iq"), 'campaign.arithmetic: found "float64", allowed "iq"'),
+        (("--indexing", "distance"), 'campaign.indexing: found "time", allowed "distance"'),
+        (("--chunk", "3"), "campaign.chunk: found 24, allowed 3"),
+        (("lvshun_tieshan",), 'campaign.scenario: found "benchmark_quick", allowed "lvshun_tieshan"'),
+    ],
+)
+def test_another_campaign_in_the_folder_is_refused(campaign, finished, arguments, words):
+    before = {path: path.read_bytes() for path in finished.rglob("*.*")}
+    done = campaign("--resume", finished, *arguments)
+    assert done.exit_code == 2
+    assert words in done.one_line()
+    assert {path: path.read_bytes() for path in finished.rglob("*.*")} == before
+
+
+def test_other_code_and_another_scenario_are_refused(campaign, tmp_path, monkeypatch):
+    own = tmp_path / "own.toml"
+    own.write_text(QUICK_TOML)
+    assert campaign(own, "--runs", "1", "--out", "mine").exit_code == 0
+    own.write_text(QUICK_TOML.replace("overtime_max_s = 1", "overtime_max_s = 2"))
+    assert "campaign.scenario_sha256: found " in campaign("--resume", "mine").one_line()
+    own.write_text(QUICK_TOML)
+    monkeypatch.setattr("railhil.campaign.plan.bench_sha256", lambda: "0" * 64)
+    assert 'campaign.code_sha256: found "' in campaign("--resume", "mine").one_line()
+
+
+def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
+    tuned = tmp_path / "tuned.toml"
+    tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1001]\n')
+    refused = campaign(short, "--runs", "3", "--parameters", tuned, "--out", "mine")
+    assert refused.exit_code == 2
+    assert "tuned.toml: training.seeds: found seed 1001" in refused.one_line()
+    assert not Path("mine").exists()
+    same = (short, "--runs", "3", "--parameters", tuned, "--both", "--out", "mine")
+    done = campaign(*same, "--allow-training-seeds")
+    assert done.exit_code == 0
+    assert done.out.count("NOT AN EVALUATION") == 3
+    rows = pq.read_table("mine/results.parquet").to_pylist()
+    labels = [row["law"] for row in rows]
+    assert labels[:3] == ["ipfc"] * 3
+    assert labels[3].startswith("ipfc+")
+    assert [row["training"] for row in rows] == [False] * 4 + [True, False]
+    # No parameter differs from the law's own, so no run does.
+    summary = json.loads(Path("mine/summary.json").read_text())
+    assert summary["against_baseline"][labels[3]]["itae"]["equal_runs"] == 3
+    tuned.write_text('law = "ipfc"\n[parameters]\n[training]\nscenario = "benchmark_quick"\nseeds = [1002]\n')
+    assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
+
+
+@pytest.mark.loop
+def test_the_bench_verifies(campaign, finished):
+    done = campaign("--verify", finished, "--runs", "1")
+    assert (done.exit_code, done.err) == (0, "")
+    assert done.out.rstrip().endswith("1 of 1 runs are the same on the bench")
+
+
+@pytest.mark.loop
+def test_the_bench_finds_a_forged_figure(campaign, short):
+    assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0
+    table = pq.read_table("mine/results.parquet")
+    forged = table.to_pylist()
+    forged[0] |= {"itae": forged[0]["itae"] + 1e-9, "notch_digest": "0" * 16}
+    pq.write_table(table.from_pylist(forged, schema=table.schema), "mine/results.parquet")
+    done = campaign("--verify", "mine")
+    assert done.exit_code == 1
+    assert "seed 1000: itae " in done.out
+    assert f"seed 1000: notch_digest {'0' * 16} in the campaign" in done.out
+    assert "0 of 1 runs are the same" in done.out
+
+
+def test_an_unfinished_campaign_cannot_be_verified(campaign, short):
+    assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0
+    Path("mine/results.parquet").unlink()
+    assert "mine: found no results.parquet, allowed a finished campaign" in campaign("--verify", "mine").one_line()
+
+
+def test_help_in_the_list_of_commands():
+    done = railhil("campaign", "--help")
+    assert done.exit_code == 0
+    assert "every run was made (whatever its verdict)" in done.out

@@ -1,0 +1,199 @@
+"""What ``railhil campaign`` refuses, in one line: options, folders, manifests, seeds of training, a full disk."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.campaign_command import Campaign, campaign_here
+from railhil.campaign import extras
+from railhil.campaign.manifest import manifest, read_manifest
+from railhil.campaign.plan import Request, make_plan
+from railhil.campaign.summary import training_sentence
+from railhil.campaign.work import task_of
+from railhil.controller_node.laws import names
+from railhil.supervisor.law_order import in_order
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory):
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+@pytest.fixture
+def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
+    """The command, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return campaign_here(monkeypatch, capsys)
+
+
+def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
+    same = ("--runs", "3", "--first-seed", "198", "--laws", "ipfc,ipfc_plus", "--out", "mine")
+    refused = campaign(*same)
+    assert refused.exit_code == 2
+    assert "--first-seed: found seed 198, on which ipfc_plus's own parameters were chosen" in refused.one_line()
+    assert "--allow-training-seeds, which every table then says" in refused.one_line()
+    assert not Path("mine").exists()
+    request = Request(first_seed=198, runs=3, laws=("ipfc", "ipfc_plus"))
+    plan = make_plan(replace(request, allow_training_seeds=True))
+    assert [plan.training(entry) for entry in plan.entries] == [[], [198, 199]]
+    assert [task_of(plan, chunk).training for chunk in plan.chunks()] == [(), (198, 199)]
+    assert training_sentence(plan) == (
+        "NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign (ipfc_plus on 2 of 3 runs)"
+    )
+    # On another scenario it was not designed, and from 200 on it has seen nothing.
+    assert make_plan(replace(request, scenario=str(short)))
+    assert make_plan(replace(request, first_seed=200))
+
+
+def test_all_laws_stand_in_the_order_of_every_table():
+    plan = make_plan(Request(laws=("all",)))
+    assert [entry.law for entry in plan.entries] == in_order(names())
+    assert plan.entries[0].law == "ipfc"
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("laws", 5, "request.laws: found 5, allowed an array"),
+        ("laws", ["nix"], "request.laws[0]: found 'nix', allowed one of ipfc, "),
+        ("parameters", [7], "request.parameters[0]: found 7, allowed a text"),
+        ("runs", "24", "request.runs: found '24', allowed a whole number"),
+        ("chunk", 0, "request.chunk: found 0, allowed at least 1"),
+        ("both", 1, "request.both: found 1, allowed true or false"),
+        ("arithmetic", "nix", "request.arithmetic: found 'nix', allowed one of "),
+        ("indexing", "nix", "request.indexing: found 'nix', allowed one of time, distance"),
+        ("run", 1, "request.run: found the unknown key run, allowed only "),
+    ],
+)
+def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, words):
+    document = manifest(make_plan(Request(scenario=str(short))))
+    document["request"][key] = value
+    Path("mine/parts").mkdir(parents=True)
+    Path("mine/campaign.json").write_text(json.dumps(document))
+    for option in ("--resume", "--verify"):
+        done = campaign(option, "mine")
+        assert done.exit_code == 2
+        assert f"mine/campaign.json: {words}" in done.one_line()
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"\xff\xfe", "campaign.json: found no JSON"),
+        (b'{"format": 1, "campaign": [], "request": {}}', "campaign.json: campaign: found [], allowed a table"),
+        (b'{"format": 1, "campaign": {}}', "campaign.json: request: found nothing, allowed a value"),
+        (b'{"format": 1, "campaign": {}, "request": {}}', "campaign.json: request.scenario: found nothing, allowed a"),
+    ],
+)
+def test_what_is_no_manifest_is_refused(campaign, short, content, words):
+    Path("mine/parts").mkdir(parents=True)
+    Path("mine/campaign.json").write_bytes(content)
+    for arguments in (("--resume", "mine"), ("--verify", "mine"), (short, "--runs", "1", "--out", "mine")):
+        done = campaign(*arguments)
+        assert done.exit_code == 2
+        assert words in done.one_line()
+
+
+def test_the_request_comes_back_from_the_manifest(tmp_path):
+    request = Request(runs=7, laws=("ipfc", "tpfc1"), both=True, arithmetic="iq", indexing="distance", chunk=3)
+    path = tmp_path / "campaign.json"
+    path.write_text(json.dumps(manifest(make_plan(request))))
+    assert read_manifest(tmp_path).request == request
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "nowhere"),
+        (["--laws", "ipfc,ipcf"], "--laws: found 'ipcf', allowed all, or some of "),
+        (["--laws", "ipfc,ipfc"], "found ipfc twice"),
+        (["--runs", "0"], "found 0, allowed 1..10000000"),
+        (["--first-seed", "4294967290"], "found last seed 4294968289, allowed at most 4294967295"),
+        (["--arithmetic", "nix"], "--arithmetic: invalid choice: 'nix'"),
+        (["--engine", "nix"], "--engine: invalid choice: 'nix'"),
+        (["--jobs", "2"], "--jobs: found 2, allowed only with --engine joblib"),
+        (["--engine", "dask"], "--scheduler: found nothing, allowed tcp://HOST:PORT"),
+        (["--scheduler", "tcp://127.0.0.1:9"], "--scheduler: found 'tcp://127.0.0.1:9', allowed only with"),
+        (["--parameters", "none.toml"], "none.toml: found No such file"),
+        (["--resume", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--resume", "a", "--out", "b"], "--out: found 'b', allowed one of --out and --resume"),
+        (["--verify", "nowhere"], "nowhere/campaign.json: found no such file or directory"),
+        (["--verify", "x", "--out", "y"], "--verify: found '--out', allowed beside it only --runs and --draw"),
+        (["--json", "/nowhere/a.json"], "--json: found '/nowhere/a.json', allowed a file that can be written"),
+        (["--out", "/proc/nothing"], "--out: found '/proc/nothing'"),
+    ],
+)
+def test_bad_input_is_one_line(campaign, tmp_path, arguments, words):
+    done = campaign(*arguments)
+    assert done.exit_code == 2, done.err
+    assert done.out == ""
+    assert words in done.one_line()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_with_something_else_is_refused(campaign, short):
+    Path("mine").mkdir()
+    Path("mine/notes.txt").touch()
+    assert "--out: found 'mine', allowed an empty or new folder" in campaign(short, "--out", "mine").one_line()
+    Path("mine/campaign.json").write_text("[]")
+    assert "campaign.json: format: found something else" in campaign("--resume", "mine").one_line()
+
+
+@pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])
+def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, module):
+    real = extras.importlib.import_module
+
+    def without(name: str):
+        if name == module:
+            raise ModuleNotFoundError(f"No module named {name!r}")
+        return real(name)
+
+    monkeypatch.setattr(extras.importlib, "import_module", without)
+    done = campaign(short, "--engine", "joblib", "--out", "mine")
+    assert done.exit_code == 2
+    assert f"module {module}: found not installed" in done.one_line()
+    assert "pip install 'railhil[campaign]'" in done.one_line()
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_disk_that_fails_is_one_line_and_keeps_what_is_there(campaign, short, monkeypatch):
+    def full(descriptor: int) -> None:
+        if written.append(descriptor) or len(written) > 5:
+            raise OSError(28, "No space left on device")
+
+    written: list[int] = []
+    monkeypatch.setattr("os.fsync", full)
+    done = campaign(short, "--runs", "6", "--chunk", "1", "--out", "mine")
+    assert done.exit_code == 4
+    assert done.one_line().endswith(
+        "mine/parts/ipfc-00002.parquet cannot be written: no space left on device; "
+        "2 of 6 runs are kept; railhil campaign --resume mine goes on"
+    )
+    # One synchronisation for the manifest, two for each part.
+    assert [path.name for path in sorted(Path("mine/parts").iterdir())] == ["ipfc-00000.parquet", "ipfc-00001.parquet"]
+
+
+def test_a_disk_that_is_full_from_the_beginning_is_no_bad_input(campaign, short, monkeypatch):
+    def full(descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.fsync", full)
+    done = campaign(short, "--runs", "1", "--out", "mine")
+    assert done.exit_code == 4
+    assert done.one_line().endswith("mine cannot be written: no space left on device")
+
+
+@pytest.mark.parametrize("address", ["nowhere", "", "foo://x:1", "tcp://x", "tcp://:1", "tcp://x:0", "tcp://x:65536"])
+def test_what_is_no_address_of_a_scheduler_is_one_line(campaign, address):
+    done = campaign("--engine", "dask", "--scheduler", address, "--out", "mine")
+    assert done.exit_code == 2
+    assert done.one_line().endswith(
+        f"--scheduler: found {address!r}, allowed tcp://HOST:PORT of a running dask scheduler"
+    )

@@ -1,0 +1,189 @@
+"""``railhil tune`` as a command: evaluation, refusals, Ctrl-C, shipped files."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.cli import railhil
+from railhil.batch import Case, run_batch
+from railhil.common.errors import InputError
+from railhil.controller_node import laws
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.tuning import __main__ as tool
+from railhil.tuning.command import seed_list
+from railhil.tuning.evaluation import evaluate, quantiles
+from railhil.tuning.shipped import shipped
+from railhil.tuning.trials import Trials
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of 8 m."""
+    path = tmp_path_factory.mktemp("quick") / "quick.toml"
+    path.write_text(QUICK_TOML, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def short(quick: Path) -> Scenario:
+    """That run, loaded."""
+    return load(str(quick))
+
+
+def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
+    case = Case(short, "ipfc")
+    given = ParameterSet("ipfc", {"model_gain_mps": 0.08}, Path("tuned.toml"), short.name, frozenset({0, 1}))
+    with pytest.raises(InputError, match="found seed 1, on which these parameters were tuned"):
+        evaluate(case, given, range(1, 5))
+    allowed = evaluate(case, given, range(1, 4), allow_training_seeds=True)
+    assert allowed.seen == (1,)
+    other = evaluate(case, given, range(2, 4))
+    assert other.seen == ()
+    assert other.tuned.scores == run_batch(replace(case, parameters=given), (2, 3)).scores
+    assert other.default.scores == run_batch(case, (2, 3)).scores
+
+
+def test_a_run_that_does_not_stop_is_infinitely_bad(short: Scenario) -> None:
+    result = run_batch(Case(short, "ipfc"), (2, 3, 4))
+    stop = result.stop_error_m.copy()
+    stop[1] = np.nan
+    spoiled = replace(result, stop_error_m=stop)
+    assert quantiles(spoiled, "stop_error_m") == [max(stop[0], stop[2]), math.inf]
+    assert quantiles(spoiled, "itae") == quantiles(result, "itae")
+
+
+def test_seed_list() -> None:
+    assert seed_list("0-3") == (0, 1, 2, 3)
+    assert seed_list("9,3, 5-6,3") == (3, 5, 6, 9)
+    for bad in ("", "a", "3-1", "0-", "-1", "0-20000", "4294967296", "٣"):
+        with pytest.raises(Exception, match="allowed seeds and ranges"):
+            seed_list(bad)
+
+
+@pytest.mark.loop
+def test_tune_as_a_user_runs_it(
+    quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    done = railhil("tune", "fuzzy_pid", quick, "--budget", "10", "--seeds", "3,5", "--runs", "4", cwd=tmp_path)
+    assert done.exit_code == 0, done.err
+    assert done.err == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["fuzzy_pid_benchmark_quick.toml"]
+    file = tmp_path / "fuzzy_pid_benchmark_quick.toml"
+    given = load_parameters(file)
+    assert (given.law, given.training_seeds) == ("fuzzy_pid", {3, 5})
+    assert "4 perturbed runs, seeds 1000 to 1003, float64" in done.out
+    assert "TRAINING" not in done.out
+
+    # The evaluation alone says the same; with a training seed it says nothing, or that it is none.
+    def evaluated(*more: str) -> str:
+        monkeypatch.setattr(
+            "sys.argv", ["tune", "--evaluate", str(file), "fuzzy_pid", str(quick), "--runs", "4", *more]
+        )
+        assert tool.main() == 0
+        return capsys.readouterr().out
+
+    assert done.out.endswith(evaluated())
+    with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
+        evaluated("--first-seed", "2")
+    assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")
+
+
+def test_ctrl_c_writes_the_best_so_far(
+    quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "best.toml"
+    judge, judged = Trials.of, []
+
+    def pressed(self: Trials, candidates: list[dict[str, float]]) -> list[float | None]:
+        if judged:
+            raise KeyboardInterrupt
+        judged.append(judge(self, candidates))
+        return judged[0]
+
+    monkeypatch.setattr(Trials, "of", pressed)
+    monkeypatch.setattr("sys.argv", ["tune", "tdmc", str(quick), "--budget", "60", "--seeds", "0", "--out", str(file)])
+    assert tool.main() == 130
+    assert "stopped before the budget was used up" in capsys.readouterr().out
+    assert load_parameters(file).law == "tdmc"
+    notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
+    assert (notes["complete"], notes["evaluations"]) == (False, 10)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "LAW: found None, allowed one of"),
+        (["ipcf"], "did you mean ipfc?"),
+        (["ipfc", "nowhere"], "nowhere"),
+        (["ipfc", "--budget", "9"], "found 9, allowed 10..1000000"),
+        (["ipfc", "--seeds", "7-0"], "found 7-0, allowed seeds and ranges"),
+        (["ipfc", "--first-seed", "5"], "found seed 5, which is a training seed"),
+        (["ipfc", "--first-seed", "4294967295"], "a last seed of at most 4294967295"),
+        (["ipfc", "--out", "."], "--out: found '.', allowed a file that can be written (is a directory)"),
+        (["ipfc", "--indexing", "sideways"], "--indexing"),
+        (["--evaluate", "none.toml"], "No such file"),
+        (["--evaluate", "none.toml", "--out", "x"], "no file to write beside --evaluate"),
+        (["--evaluate", "none.toml", "--runs", "0"], "at least 1 beside --evaluate"),
+        (["--evaluate", "none.toml", "--list"], "not allowed with"),
+        (["ipfc", "--list"], "no law beside it"),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: list[str],
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["tune", *arguments])
+    with pytest.raises((InputError, SystemExit)) as caught:
+        tool.main()
+    said = capsys.readouterr()
+    if isinstance(caught.value, InputError):
+        line, code = str(caught.value), caught.value.exit_code
+    else:
+        line, code = said.err.rstrip("\n"), caught.value.code
+    assert code == 2
+    assert words in line
+    assert "\n" not in line
+    assert said.out == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
+    """Made by ``make tuned``; after a change of a law, the plant or the protocol they are to be made again."""
+    files = shipped()
+    # Laws that somebody plugs in have no file here.
+    own = {law for law in laws.names() if laws.load(law).__module__.startswith("controller_node.")}
+    assert {given.law for given in files} == own
+    for given in files:
+        content = tomllib.loads(given.source.read_text(encoding="utf-8"))
+        notes = content["training"]["notes"]
+        assert (given.source.stem, given.source.parent.name) == (given.law, given.training_scenario)
+        assert (notes["budget"], notes["complete"], notes["objective_version"]) == (800, True, 1)
+        seeds = content["training"]["seeds"]
+        assert seeds == list(range(8))
+        trials = Trials(load(given.training_scenario), given.law, notes["indexing"], seeds)
+        default, (tuned,) = trials.of_defaults(), trials.of([given.values])
+        assert tuned is not None
+        assert tuned <= default
+        # Another mathematical library may move single runs by a last bit, and so by centimetres.
+        assert default == pytest.approx(notes["objective_default"], rel=0.05), given.law
+        assert tuned == pytest.approx(notes["objective_tuned"], rel=0.05), given.law
+
+
+def test_list_names_every_shipped_file(tmp_path: Path) -> None:
+    done = railhil("tune", "--list", cwd=tmp_path)
+    assert done.exit_code == 0
+    assert done.out.splitlines() == [f"{one.law}  {one.training_scenario}  {one.source}" for one in shipped()]
+    assert done.out

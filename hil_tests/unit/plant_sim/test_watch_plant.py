@@ -1,0 +1,210 @@
+"""The ladder of the train's own watch: levels by age, leave rules, and a reference that keeps the whole history."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+
+from railhil.plant_sim.watch import (
+    INITIAL,
+    Level,
+    WatchState,
+    WatchTicks,
+    operator_reset,
+    watch_step,
+    watch_ticks,
+)
+from railhil.scenarios.model import WatchLimits
+
+TICK_NS = 10_000_000
+LIMITS = WatchLimits()
+TICKS = watch_ticks(LIMITS, TICK_NS)
+GOOD = WatchState(Level.NORMAL, 0, 10)
+
+
+def after(
+    state: WatchState,
+    pattern: str,
+    *,
+    limits: WatchTicks = TICKS,
+    moving: bool = True,
+    below_limit: bool = True,
+    emergency: bool = False,
+) -> WatchState:
+    """State after one tick per character: ``c`` an accepted command, ``.`` none."""
+    for mark in pattern:
+        state = watch_step(
+            limits, state, accepted=mark == "c", moving=moving, below_limit=below_limit, emergency=emergency
+        )
+    return state
+
+
+def at_level(level: Level) -> WatchState:
+    return WatchState(level, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("silent_ticks", "level"),
+    [
+        (1, Level.NORMAL),
+        (2, Level.NORMAL),
+        (3, Level.HOLD),
+        (6, Level.HOLD),
+        (7, Level.TRACTION_CUT),
+        (25, Level.TRACTION_CUT),
+        (26, Level.SERVICE_BRAKE),
+        (100, Level.SERVICE_BRAKE),
+        (101, Level.EMERGENCY),
+        (5000, Level.EMERGENCY),
+    ],
+)
+def test_level_by_silence(silent_ticks: int, level: Level) -> None:
+    # 20, 64, 256 and 1000 ms: traction cut within 70 ms, service brake within 270 ms, emergency within 1.02 s.
+    assert after(GOOD, "." * silent_ticks).level is level
+
+
+@pytest.mark.parametrize("base_tick_ns", [1_000_000, 7_000_000, 16_000_000, 20_000_000])
+@pytest.mark.parametrize("name", ["hold", "traction_cut", "service_brake", "emergency"])
+def test_limits_are_times_whatever_the_tick(base_tick_ns: int, name: str) -> None:
+    ticks = getattr(watch_ticks(LIMITS, base_tick_ns), name)
+    limit_ns = getattr(LIMITS, f"{name}_ms") * 1_000_000
+    assert ticks * base_tick_ns <= limit_ns < (ticks + 1) * base_tick_ns
+
+
+def test_limits_are_scenario_data() -> None:
+    ticks = watch_ticks(WatchLimits(hold_ms=50, traction_cut_ms=60, service_brake_ms=70, emergency_ms=80), TICK_NS)
+    levels = [after(GOOD, "." * silent, limits=ticks).level for silent in range(4, 10)]
+    assert levels == [0, 0, 1, 2, 3, 4]
+
+
+def test_a_standing_train_needs_no_emergency() -> None:
+    assert after(GOOD, "." * 5000, moving=False).level is Level.SERVICE_BRAKE
+
+
+@pytest.mark.parametrize("pattern", ["c." * 200, "c" * 50])
+def test_polled_commands_keep_it_normal(pattern: str) -> None:
+    state = GOOD
+    for mark in pattern:
+        state = after(state, mark)
+        assert state.level is Level.NORMAL
+
+
+@pytest.mark.parametrize(
+    ("level", "pattern", "moving", "below_limit", "expected"),
+    [
+        (Level.HOLD, "c", True, False, Level.NORMAL),
+        (Level.TRACTION_CUT, "c.c.c.c.", True, True, Level.TRACTION_CUT),
+        (Level.TRACTION_CUT, "c.c.c.c.c", True, False, Level.NORMAL),
+        # A gap of 30 ms starts the count again.
+        (Level.TRACTION_CUT, "c.c.c.c..c", True, True, Level.TRACTION_CUT),
+        (Level.TRACTION_CUT, "c.c.c.c..c.c.c.c", True, True, Level.TRACTION_CUT),
+        (Level.TRACTION_CUT, "c.c.c.c..c.c.c.c.c", True, True, Level.NORMAL),
+        (Level.SERVICE_BRAKE, "c." * 9, True, True, Level.SERVICE_BRAKE),
+        (Level.SERVICE_BRAKE, "c." * 9 + "c", True, True, Level.NORMAL),
+        (Level.SERVICE_BRAKE, "c." * 50, True, False, Level.SERVICE_BRAKE),
+        (Level.SERVICE_BRAKE, "c", False, False, Level.NORMAL),
+        (Level.SERVICE_BRAKE, "." * 50, False, True, Level.SERVICE_BRAKE),
+        (Level.EMERGENCY, "c." * 50, True, True, Level.EMERGENCY),
+        (Level.EMERGENCY, "c." * 50, False, True, Level.EMERGENCY),
+    ],
+)
+def test_leave_rules(level: Level, pattern: str, moving: bool, below_limit: bool, expected: Level) -> None:
+    assert after(at_level(level), pattern, moving=moving, below_limit=below_limit).level is expected
+
+
+@pytest.mark.parametrize("level", list(Level))
+def test_an_emergency_demand_wins_over_every_level(level: Level) -> None:
+    assert after(at_level(level), "c", emergency=True).level is Level.EMERGENCY
+
+
+@pytest.mark.parametrize(("moving", "level"), [(True, Level.EMERGENCY), (False, Level.SERVICE_BRAKE)])
+def test_operator_reset_only_at_standstill(moving: bool, level: Level) -> None:
+    assert operator_reset(at_level(Level.EMERGENCY), moving=moving).level is level
+
+
+def test_a_reset_train_waits_for_a_new_command() -> None:
+    state = operator_reset(after(at_level(Level.EMERGENCY), "c" * 20, moving=False), moving=False)
+    assert after(state, "..", moving=False).level is Level.SERVICE_BRAKE
+    assert after(state, "..c", moving=False).level is Level.NORMAL
+
+
+@pytest.mark.parametrize("level", [Level.NORMAL, Level.HOLD, Level.TRACTION_CUT, Level.SERVICE_BRAKE])
+def test_operator_reset_changes_nothing_else(level: Level) -> None:
+    assert operator_reset(at_level(level), moving=False) == at_level(level)
+
+
+class LadderAgainstHistory(RuleBasedStateMachine):
+    """The ladder against a reference that keeps the whole history of accepted commands instead of counters."""
+
+    @initialize()
+    def start(self) -> None:
+        self.state = INITIAL
+        self.now_ms = 0
+        self.accepted_ms: list[int] = []
+        self.level = 3
+        self.moving = False
+
+    @rule(
+        pattern=st.sampled_from([".", "c", "c.", ".c", "c." * 4, "c." * 10, "." * 4, "." * 7, "." * 26, "." * 101]),
+        moving=st.booleans(),
+        below_limit=st.booleans(),
+    )
+    def pass_time(self, pattern: str, moving: bool, below_limit: bool) -> None:
+        self.moving = moving
+        for mark in pattern:
+            self.state = after(self.state, mark, moving=moving, below_limit=below_limit)
+            self.now_ms += 10
+            if mark == "c":
+                self.accepted_ms.append(self.now_ms)
+            self._reference(moving, below_limit, demanded=False)
+            assert self.state.level == self.level
+
+    @rule()
+    def emergency(self) -> None:
+        self.state = after(self.state, ".", moving=self.moving, emergency=True)
+        self.now_ms += 10
+        self._reference(self.moving, True, demanded=True)
+
+    @rule()
+    def reset(self) -> None:
+        self.state = operator_reset(self.state, moving=self.moving)
+        if self.level == 4 and not self.moving:
+            self.level = 3
+            # What was good before the reset does not count.
+            self.accepted_ms = self.accepted_ms[-1:]
+            self.forgotten_ms = self.accepted_ms[-1] if self.accepted_ms else -1
+
+    forgotten_ms = -1
+
+    def _in_a_row(self) -> int:
+        row, later = 0, self.now_ms
+        for when in reversed(self.accepted_ms):
+            if later - when > 20 or when <= self.forgotten_ms:
+                break
+            row, later = row + 1, when
+        return row
+
+    def _reference(self, moving: bool, below_limit: bool, demanded: bool) -> None:
+        row = self._in_a_row()
+        age_ms = self.now_ms - (self.accepted_ms[-1] if self.accepted_ms else 0)
+        left = {
+            0: True,
+            1: row >= 1,
+            2: row >= 5,
+            3: (row >= 1 and not moving) or (row >= 10 and below_limit),
+            4: False,
+        }[self.level]
+        by_age = sum(age_ms > limit for limit in (20, 64, 256)) + (age_ms > 1000 and moving)
+        self.level = 4 if demanded else max(by_age, 0 if left else self.level)
+
+    @invariant()
+    def same_level(self) -> None:
+        assert self.state.level == self.level
+
+
+TestLadderAgainstHistory = LadderAgainstHistory.TestCase
+TestLadderAgainstHistory.settings = settings(
+    max_examples=80, stateful_step_count=25, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)

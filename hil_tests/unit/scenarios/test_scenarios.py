@@ -1,0 +1,285 @@
+"""Scenario files: what is shipped, how files refer to each other, what the hash covers, perturbed runs."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import hashlib
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hil_tests.support.paths import ROOT
+from railhil.scenarios import streams
+from railhil.scenarios.canonical import canonical_json, scenario_sha256
+from railhil.scenarios.json_schema import scenario_json_schema
+from railhil.scenarios.layers import DATA
+from railhil.scenarios.load import load, names
+from railhil.scenarios.model import Line, Perturbations, Scenario, Uniform, profile_value
+from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.profiles import MeanGrade, front_speed_limit
+
+YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
+
+
+def write(folder: Path, text: str, name: str = "mine.toml") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_shipped_scenario_loads_and_says_what_is_assumed(name: str) -> None:
+    scenario = load(name)
+    assert scenario.name == name
+    assert len(scenario.sha256) == 64
+    assert scenario.assumptions
+    assert scenario.plan.stop_error_max_m > 0
+
+
+def test_names_are_the_two_lvshun_and_thirteen_yizhuang_runs() -> None:
+    assert names() == sorted(names())
+    assert [name.split("_")[0] for name in names()] == ["lvshun"] * 2 + ["yizhuang"] * 13
+
+
+def test_lvshun_has_the_numbers_of_table_1() -> None:
+    scenario = load("lvshun_tieshan")
+    assert scenario.train.mass_kg == 211_000
+    assert scenario.train.inertial_mass_kg == pytest.approx(223_660)
+    assert scenario.train.force_per_notch_n / scenario.train.inertial_mass_kg == pytest.approx(0.2088, abs=1e-5)
+    assert scenario.line.speed_limit_mps[0][1] * 3.6 == pytest.approx(78)
+    assert (scenario.plan.distance_m, scenario.plan.running_time_s) == (2940, 195)
+    assert (scenario.plan.stop_error_max_m, scenario.plan.time_error_max_s) == (0.2, 0.3)
+    assert scenario.sensors.speed_noise_sigma_mps * 3.6 == pytest.approx(0.01)
+    assert [balise.surveyed_m for balise in scenario.line.balises] == [0, 600, 1500, 2400, 2800, 2915]
+    assert [row.controller for row in scenario.published] == ["ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid"]
+    assert scenario.published[0].energy_kj == 74075
+    assert scenario.perturbations.wheel_factor is None
+
+
+def test_worn_wheels_change_only_the_wheel_distribution() -> None:
+    plain, worn = load("lvshun_tieshan"), load("lvshun_tieshan_worn_wheels")
+    assert worn.perturbations.wheel_factor == Uniform(0.995, 1.005)
+    same = dataclasses.replace(worn.perturbations, wheel_factor=None)
+    changed = dataclasses.replace(worn, perturbations=same, name=plain.name, title=plain.title, sha256=plain.sha256)
+    assert changed == plain
+
+
+def test_yizhuang_line_is_the_source_with_stop_5_corrected() -> None:
+    with (YIZHUANG_DATA / "stations.csv").open(encoding="utf-8") as file:
+        stations = list(csv.DictReader(file))
+    positions = [float(row["position_m"]) for row in stations]
+    assert positions[5] == 9247
+    runs = [load(name) for name in names() if name.startswith("yizhuang_")]
+    assert [run.plan.distance_m for run in runs] == list(np.diff(positions))
+    for column, key, scale in (("gradient_permil", "grade_permil", 1.0), ("speed_kmh", "speed_limit_mps", 3.6)):
+        file_name = "gradients.csv" if scale == 1.0 else "speed_limits.csv"
+        with (YIZHUANG_DATA / file_name).open(encoding="utf-8") as file:
+            rows = tuple((float(row["from_m"]), float(row[column])) for row in csv.DictReader(file))
+        for run, start_m in zip(runs, positions, strict=False):
+            for x in np.arange(0.5, run.plan.distance_m, 10.0).tolist():
+                assert profile_value(getattr(run.line, key), x) * scale == pytest.approx(
+                    profile_value(rows, start_m + x)
+                ), f"{run.name} {key} at {x} m"
+
+
+def test_yizhuang_profiles_reach_under_the_standing_train() -> None:
+    """At Xiaocun the platform section begins 130 m before the stop and the train is 118 m long."""
+    run = load("yizhuang_02_xiaocun_xiaohongmen")
+    assert run.line.speed_limit_mps[0][0] == 2501 - 2631
+    assert profile_value(run.line.grade_permil, -118.0) == -2.0
+
+
+def test_yizhuang_has_five_balises_before_the_stop_and_one_under_the_train() -> None:
+    run = load("yizhuang_02_xiaocun_xiaohongmen")
+    assert [1275 - balise.surveyed_m for balise in run.line.balises] == [1275, 180, 90, 40, 10, 0]
+    assert [balise.number for balise in run.line.balises] == [15, 21, 22, 23, 24, 25]
+
+
+def test_shipped_sources_are_byte_for_byte() -> None:
+    digest = hashlib.sha256((YIZHUANG_DATA / "CN_Songjiazhuang_Yizhuang.json").read_bytes()).hexdigest()
+    assert digest == "e891bf74a32013a996a93c6df94a01f173c6a12bc171ce33edb24619a70b092d"
+    assert "Redistribution and use" in (YIZHUANG_DATA / "LICENSE.TTOBench.BSD-2-Clause.txt").read_text("utf-8")
+    assert "MIT License" in (YIZHUANG_DATA / "SOURCE.md").read_text("utf-8")
+
+
+# --- files that refer to files -------------------------------------------------------------------------------
+
+
+def test_a_scenario_of_ones_own_extends_a_shipped_one(tmp_path: Path) -> None:
+    path = write(tmp_path, 'extends = "lvshun_tieshan"\nname = "heavy"\ntitle = "t"\n[train]\nmass_t = 230\n')
+    scenario = load(path)
+    assert scenario.train.mass_kg == 230_000
+    assert scenario.train.inertial_mass_kg == pytest.approx(230_000 * 1.06)
+    assert scenario.line == load("lvshun_tieshan").line
+    assert load(str(path)) == scenario
+
+
+def test_nested_tables_are_merged_key_by_key(tmp_path: Path) -> None:
+    path = write(tmp_path, 'extends = "lvshun_tieshan"\nname = "n"\ntitle = "t"\n[train.davis]\na_n_per_kn = 3\n')
+    train = load(path).train
+    assert (train.davis_a_n_per_kn, train.davis_b_n_per_kn_kmh) == (3, 0.008)
+    assert load("lvshun_tieshan").train.davis_a_n_per_kn == 2.0
+
+
+def test_a_file_given_above_replaces_the_whole_section_below(tmp_path: Path) -> None:
+    write(tmp_path, 'extends = "lvshun_tieshan"\nname = "a"\ntitle = "t"\n[train]\nmass_t = 230\n', "a.toml")
+    path = write(tmp_path, 'extends = "a.toml"\nname = "b"\ntitle = "t"\n[train]\nfile = "yizhuang_b6"\n', "b.toml")
+    assert load(path).train == load("yizhuang_01_songjiazhuang_xiaocun").train
+
+
+def test_generate_above_makes_the_curve_below_anew(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        'extends = "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"\nname = "slow"\ntitle = "t"\n'
+        "[plan]\nrunning_time_s = 120\n[target.generate]\njerk_max_mps3 = 0.4\n",
+    )
+    scenario = load(path)
+    assert scenario.plan.running_time_s == 120
+    assert scenario.target.nodes[-1][0] == pytest.approx(120)
+
+
+def test_a_reserve_gives_the_running_time(tmp_path: Path) -> None:
+    text = (DATA / "runs" / "lvshun_tieshan.toml").read_text("utf-8")
+    text = text.replace('[target]\nfile = "lvshun_tieshan"', "[target.generate]")
+    text = text.replace("running_time_s = 195", "running_time_reserve_percent = 7")
+    fastest = load(write(tmp_path, text.replace("percent = 7", "percent = 0"))).plan.running_time_s
+    with_reserve = load(write(tmp_path, text)).plan.running_time_s
+    assert with_reserve == int(with_reserve)
+    assert fastest * 1.06 - 1 < with_reserve < fastest * 1.07 + 1
+
+
+def test_a_tick_of_3_2_ms_is_exact(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        'extends = "lvshun_tieshan"\nname = "n"\ntitle = "t"\n'
+        "[timing]\nbase_tick_ms = 3.2\ncontrol_period_ms = 480\n[timing.port_period_ms]\nTRN_SPEED = 16\n",
+    )
+    timing = load(path).timing
+    assert (timing.base_tick_ns, timing.control_period_ns) == (3_200_000, 480_000_000)
+    assert timing.port_period_ns == {"TRN_SPEED": 16_000_000}
+
+
+# --- the hash ------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def lvshun() -> Scenario:
+    return load("lvshun_tieshan")
+
+
+def test_the_hash_leaves_out_what_only_explains(lvshun: Scenario) -> None:
+    renamed = dataclasses.replace(lvshun, title="other", assumptions=(), published=())
+    assert scenario_sha256(renamed) == lvshun.sha256
+
+
+def test_the_hash_covers_everything_that_changes_a_run(lvshun: Scenario) -> None:
+    changed = [
+        dataclasses.replace(lvshun, train=dataclasses.replace(lvshun.train, mass_kg=211_000.0001)),
+        dataclasses.replace(lvshun, line=Line("x", lvshun.line.grade_permil, lvshun.line.speed_limit_mps)),
+        dataclasses.replace(lvshun, perturbations=Perturbations()),
+        dataclasses.replace(lvshun, watch=dataclasses.replace(lvshun.watch, hold_ms=21)),
+        dataclasses.replace(lvshun, timing=dataclasses.replace(lvshun.timing, loop_delay_s=0.05)),
+    ]
+    hashes = {scenario_sha256(scenario) for scenario in changed}
+    assert len(hashes) == len(changed)
+    assert lvshun.sha256 not in hashes
+
+
+def test_the_canonical_form_is_the_same_for_the_same_file(lvshun: Scenario) -> None:
+    assert canonical_json(load("lvshun_tieshan")) == canonical_json(lvshun)
+    assert json.loads(canonical_json(lvshun))["plan"]["distance_m"] == 2940.0
+
+
+# --- perturbed runs ------------------------------------------------------------------------------------------
+
+
+def test_a_seed_gives_the_same_run_and_another_seed_another(lvshun: Scenario) -> None:
+    assert perturbed(lvshun, 5) == perturbed(lvshun, 5)
+    assert perturbed(lvshun, 5) != perturbed(lvshun, 6)
+
+
+def test_every_quantity_is_drawn_within_its_bounds_and_reaches_both_ends() -> None:
+    nominal = load("lvshun_tieshan_worn_wheels")
+    runs = [perturbed(nominal, seed) for seed in range(300)]
+    given = nominal.perturbations
+    drawn = {
+        "mass_factor": [run.train.mass_kg / nominal.train.mass_kg for run in runs],
+        "davis_factor": [run.train.davis_c_n_per_kn_kmh2 / nominal.train.davis_c_n_per_kn_kmh2 for run in runs],
+        "actuator_pole_factor": [run.train.actuator_pole_per_s / nominal.train.actuator_pole_per_s for run in runs],
+        "force_gain_factor": [run.train.force_per_notch_n / nominal.train.force_per_notch_n for run in runs],
+        "grade_offset_permil": [run.line.grade_permil[0][1] for run in runs],
+        "grade_factor": [(run.line.grade_permil[1][1] - run.line.grade_permil[0][1]) / 4 for run in runs],
+        "speed_noise_sigma_mps": [run.sensors.speed_noise_sigma_mps for run in runs],
+        "loop_delay_s": [run.timing.loop_delay_s for run in runs],
+        "wheel_factor": [run.sensors.wheel_factor for run in runs],
+        "balise_position_error_m": [b.true_m - b.surveyed_m for run in runs for b in run.line.balises],
+    }
+    assert set(drawn) == {field.name for field in dataclasses.fields(given)}
+    for name, values in drawn.items():
+        bounds: Uniform = getattr(given, name)
+        width = bounds.high - bounds.low
+        assert bounds.low - 1e-9 <= min(values) < bounds.low + 0.05 * width, name
+        assert bounds.high - 0.05 * width < max(values) <= bounds.high + 1e-9, name
+    pairs = np.corrcoef([values for name, values in drawn.items() if name != "balise_position_error_m"])
+    assert np.abs(pairs - np.eye(len(pairs))).max() < 0.25
+
+
+def test_mass_scales_both_masses_and_the_survey_stays(lvshun: Scenario) -> None:
+    run = perturbed(lvshun, 11)
+    factor = run.train.mass_kg / lvshun.train.mass_kg
+    assert run.train.inertial_mass_kg == pytest.approx(lvshun.train.inertial_mass_kg * factor)
+    assert run.train.traction == lvshun.train.traction
+    assert [b.surveyed_m for b in run.line.balises] == [b.surveyed_m for b in lvshun.line.balises]
+    assert (run.target, run.plan, run.sha256) == (lvshun.target, lvshun.plan, lvshun.sha256)
+
+
+def test_a_draw_does_not_depend_on_what_else_is_perturbed(lvshun: Scenario) -> None:
+    only_pole = dataclasses.replace(
+        lvshun, perturbations=Perturbations(actuator_pole_factor=lvshun.perturbations.actuator_pole_factor)
+    )
+    run = perturbed(only_pole, 3)
+    assert run.train.actuator_pole_per_s == perturbed(lvshun, 3).train.actuator_pole_per_s
+    assert run.train.mass_kg == lvshun.train.mass_kg
+    assert run.timing == lvshun.timing
+
+
+def test_streams_of_one_seed_are_independent_and_repeatable() -> None:
+    first = streams.generator(1, streams.SPEED_NOISE).standard_normal(1000)
+    assert np.array_equal(first, streams.generator(1, streams.SPEED_NOISE).standard_normal(1000))
+    other = streams.generator(1, streams.BALISE).standard_normal(1000)
+    assert abs(float(np.corrcoef(first, other)[0, 1])) < 0.15
+    with pytest.raises(ValueError, match="-1"):
+        streams.generator(-1, streams.BALISE)
+
+
+# --- profiles under a train ----------------------------------------------------------------------------------
+
+
+def test_the_limit_under_the_train_falls_at_the_front_and_rises_at_the_rear(lvshun: Scenario) -> None:
+    line = Line("l", ((0.0, 0.0),), ((0.0, 20.0), (500.0, 10.0), (520.0, 15.0), (900.0, 20.0)))
+    assert front_speed_limit(line, lvshun.train) == ((0.0, 20.0), (500.0, 10.0), (600.0, 15.0), (980.0, 20.0))
+
+
+def test_grade_is_averaged_over_the_train() -> None:
+    grade = MeanGrade(((0.0, 0.0), (100.0, 10.0), (140.0, -10.0)), 80.0)
+    assert grade([100.0, 140.0, 180.0, 220.0, -50.0]) == pytest.approx([0.0, 5.0, 0.0, -10.0, 0.0])
+    assert grade.extremes(90.0, 200.0) == pytest.approx((-5.0, 5.0))
+
+
+def test_the_json_schema_knows_every_key_and_requires_none() -> None:
+    schema = scenario_json_schema()
+    text = json.dumps(schema)
+    assert '"required"' not in text
+    assert {"extends", "train", "plan", "published"} <= set(schema["properties"])
+    assert "file" in schema["$defs"]["TrainTable"]["properties"]
+    assert schema["$defs"]["TrainTable"]["additionalProperties"] is False
+
+
+def test_example_of_imported_files_replaces_train_and_line_of_what_it_extends() -> None:
+    scenario = load(str(ROOT / "docs" / "examples" / "desiro_slope.toml"))
+    assert scenario.train.name == "Regional Train"
+    assert scenario.line.grade_permil[-1][1] == 0.0
+    assert scenario.plan.distance_m == 9000

@@ -1,0 +1,159 @@
+"""The record loop when something is not as it should be: foreign frames, an outage, a node that was ended."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hil_tests.unit.common.test_realtime import SHORT_TOML
+from railhil.bus.errors import BusLost
+from railhil.bus.frame import Frame
+from railhil.bus.select import BusChoice
+from railhil.plant_sim import command as plant_program
+from railhil.scenarios.load import load
+from railhil.supervisor import run as run_module
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.processes import Node, Nodes
+from railhil.supervisor.run import Run
+from railhil.supervisor.stopping import StopSignals
+
+#: Longest that a loop of a test may take: it then fails instead of hanging.
+BOUND_S = 20.0
+
+
+class Bus:
+    """A link on which there are frames of somebody else all the time, or none; it ends after ``BOUND_S``."""
+
+    def __init__(self, frames: list[Frame], while_receiving: Callable[[], None] = lambda: None) -> None:
+        self.counters: Counter[str] = Counter()
+        self.is_down = False
+        self._frames = frames
+        self._while_receiving = while_receiving
+        self._end_s = time.monotonic() + BOUND_S
+
+    def receive(self, _timeout_s: float | None) -> list[Frame]:
+        if time.monotonic() > self._end_s:
+            raise AssertionError("the loop does not end")
+        self._while_receiving()
+        time.sleep(0.002)
+        return self._frames
+
+    def take_gap_ns(self) -> int:
+        return 0
+
+
+FOREIGN = [Frame(0x7FF, b"\0")]
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Run:
+    choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
+    return Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", pace="realtime"), choice, tmp_path)
+
+
+def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(run_module, "AFTER_LOSS_S", 0.05)
+    bus = Bus(FOREIGN)
+    assert run._drain(bus, StopSignals()) is False
+    assert run._drain(Bus([]), StopSignals()) is False
+
+
+def test_the_end_of_a_run_can_be_stopped(run: Run) -> None:
+    with StopSignals() as stop, pytest.raises(KeyboardInterrupt):
+        run._drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop)
+
+
+@pytest.mark.parametrize("is_down", [False, True])
+def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, monkeypatch: pytest.MonkeyPatch, is_down: bool) -> None:
+    """The link waits for its interface longer than the bench may be silent, and then says so itself."""
+    monkeypatch.setattr(run_module, "SILENCE_S", 0.1)
+    looks = [0]
+
+    def lost_at_last() -> None:
+        looks[0] += 1
+        if looks[0] == 200:
+            raise BusLost("can0: not back")
+
+    bus = Bus([], lost_at_last)
+    bus.is_down = is_down
+    run.session.recording = True
+    run.session.first_frame_ns = time.monotonic_ns()
+    with Nodes(run.folder) as nodes:
+        if is_down:
+            with pytest.raises(BusLost):
+                run._record(bus, nodes, StopSignals())
+            assert run._lost == ""
+        else:
+            run._record(bus, nodes, StopSignals())
+            assert run._lost == "no tick for 0.1 s of wall time: bench is deadlocked"
+
+
+# -- why a node has ended ---------------------------------------------------------------------------------------------
+
+CHATTER = (
+    "controller: socketcan:can0 (given on the command line)\n"
+    "controller: scheduling: not permitted (no CAP_SYS_NICE, rtprio limit 0); normal scheduling\n"
+    "controller: socketcan channel 'can0' is down (Network is down); nothing is sent, waiting up to 30 s\n"
+)
+TROUBLE = "controller: socketcan channel 'can0': outages 1, send_dropped 12\n"
+BACK = "controller: socketcan channel 'can0' is back after 2.03 s\n"
+
+
+def node_that(code: int | None, said: str, folder: Path, role: str = "controller") -> Node:
+    """A node that has said this and ended with this exit code."""
+    output = folder / f"{role}.txt"
+    output.write_text(said)
+    process: Any = SimpleNamespace(poll=lambda: code)
+    return Node(role, process, output)
+
+
+@pytest.mark.parametrize(
+    ("code", "said", "words"),
+    [
+        (-9, CHATTER + TROUBLE, "killed by SIGKILL"),
+        (143, CHATTER + TROUBLE, "ended by SIGTERM"),
+        (130, CHATTER, "ended by SIGINT"),
+        (3, CHATTER + BACK + "controller: no frame for 3 s\n" + TROUBLE, "controller: no frame for 3 s"),
+        (3, CHATTER + "controller: can0: not back\n" + BACK + TROUBLE, "controller: can0: not back"),
+        (3, "controller: scheduling: SCHED_FIFO 40, memory locked\n" + BACK + TROUBLE, "exit code 3"),
+        (4, "", "exit code 4"),
+    ],
+)  # fmt: skip
+def test_last_words(tmp_path: Path, code: int, said: str, words: str) -> None:
+    assert node_that(code, said, tmp_path).last_words() == words
+
+
+def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path) -> None:
+    nodes = Nodes(tmp_path)
+    assert nodes.blamed() is None
+    nodes.nodes = [
+        node_that(3, "", tmp_path, "plant"),
+        node_that(143, "", tmp_path),
+        node_that(None, "", tmp_path, "hub"),
+    ]
+    assert nodes.blamed() is nodes.nodes[1]
+    nodes.nodes.append(node_that(-9, "", tmp_path, "hub"))
+    assert nodes.blamed() is nodes.nodes[3]
+
+
+def test_the_plant_says_what_went_wrong_on_its_connection(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The last line, after the link is closed."""
+    done: list[str] = []
+    link = SimpleNamespace(
+        lossless=True, is_down=False, close=lambda: done.append("close"), tell_trouble=lambda: done.append("tell")
+    )
+    monkeypatch.setattr(plant_program, "open_link", lambda _config, _name: link)
+    monkeypatch.setattr(plant_program, "run_plant", lambda *_: done.append("run"))
+    (tmp_path / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
+    monkeypatch.setattr("sys.argv", ["plant", str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"])
+    assert plant_program.main() == 0
+    assert done == ["run", "close", "tell"]

@@ -1,0 +1,381 @@
+"""report.html: whole, self-contained, the same bytes for the same record, and what a reader must find in it."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from hil_tests.support.recordings import recorded_folder
+from railhil.bus.limits import LIMITS, limits_of
+from railhil.bus.telegrams import CtlStat, NotchCmd
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.report import panels
+from railhil.supervisor.report.deviations import deviations
+from railhil.supervisor.report.page import page
+from railhil.supervisor.report.panels import Drawn
+from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run, told_apart
+from railhil.supervisor.report.score_table import rows
+from railhil.supervisor.report.styles import Style
+from railhil.supervisor.score import score
+from railhil.supervisor.trace import Trace
+
+_VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
+_CELLS = {"td", "th", "li", "strong", "p"}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("recorded")
+
+
+@pytest.fixture(scope="module")
+def run(lvshun: Scenario, folders: Path) -> RecordedRun:
+    return recorded_folder(lvshun, folders / "one", seed=3)
+
+
+@pytest.fixture(scope="module")
+def other(lvshun: Scenario, folders: Path) -> RecordedRun:
+    return recorded_folder(lvshun, folders / "other", seed=4, arithmetic="float64")
+
+
+@pytest.fixture(scope="module")
+def single(run: RecordedRun) -> str:
+    return page([run])
+
+
+@pytest.fixture(scope="module")
+def several(run: RecordedRun, other: RecordedRun) -> str:
+    return page([run, other])
+
+
+class Reader(HTMLParser):
+    """Open elements, text, identifiers, and everything that could make a browser fetch something."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.text = ""
+        self.ids: Counter[str] = Counter()
+        self.references: list[str] = []
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        if tag not in _VOID:
+            self.open.append(tag)
+        if tag in _CELLS:
+            self.text += " "
+        self._look(attrs)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        self._look(attrs)
+
+    def _look(self, attrs: list[tuple[str, str | None]]) -> None:
+        for name, value in attrs:
+            if name == "id":
+                self.ids[value or ""] += 1
+            elif name in ("src", "href", "xlink:href", "action", "data", "poster", "srcset"):
+                self.references.append(value or "")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open[-1:] != ["style"]:
+            self.text += data
+
+
+def read(text: str) -> Reader:
+    reader = Reader()
+    reader.feed(text)
+    reader.close()
+    assert reader.open == []
+    return reader
+
+
+def words(text: str) -> str:
+    """Text of a page with single blanks."""
+    return " ".join(read(text).text.split())
+
+
+@pytest.mark.parametrize("which", ["single", "several"])
+def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.FixtureRequest) -> None:
+    text = request.getfixturevalue(which)
+    reader = read(text)
+    svgs = re.findall(r"<svg.*?</svg>", text, re.DOTALL)
+    assert len(svgs) == 7
+    for svg in svgs:
+        assert ET.fromstring(svg).tag.endswith("svg")
+    assert [name for name, count in reader.ids.items() if count > 1] == []
+    assert reader.references
+    for reference in reader.references:
+        assert reference.startswith("#")
+        assert reference[1:] in reader.ids, reference
+    assert not reader.tags & {"script", "link", "img", "iframe", "object", "embed", "base", "form"}
+    assert "@import" not in text
+    assert {target for target in re.findall(r"url\(([^)]*)\)", text) if not target.startswith("#")} == set()
+    # What is left of addresses are the names of XML vocabularies, which nobody opens.
+    assert set(re.findall(r"https?://[^\"'\s]+", text)) == {
+        "http://www.w3.org/2000/svg",
+        "http://www.w3.org/1999/xlink",
+    }
+
+
+def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: RecordedRun, single: str, folders: Path) -> None:
+    """Other folder, other wall time, other socket: the same page."""
+    again = recorded_folder(lvshun, folders / "again", seed=3)
+    slower = {**again.score_document, "run": {**again.score_document["run"], "wall_time_s": 99.0}}
+    assert page([replace(again, score_document=slower)]) == single
+    assert again.certificate["transport"] != run.certificate["transport"]
+    assert str(folders) not in single
+    assert "wall" not in words(single)
+
+
+def test_another_seed_gives_other_curves(other: RecordedRun, single: str) -> None:
+    assert re.findall(r"<svg.*?</svg>", page([other]), re.DOTALL) != re.findall(r"<svg.*?</svg>", single, re.DOTALL)
+
+
+def test_realtime_run_states_its_jitter(run: RecordedRun) -> None:
+    jitter = {"cycles": 19500, "p50_ms": 0.111, "p99_ms": 0.222, "p999_ms": 0.333, "max_ms": 4.444, "late_share": 0.0}
+    realtime = replace(
+        run,
+        certificate={**run.certificate, "pace": "realtime"},
+        score_document={**run.score_document, "jitter": jitter},
+    )
+    found = words(page([realtime]))
+    assert "lateness of 19500 cycles: p50 0.111 ms, p99 0.222 ms, p99.9 0.333 ms, max 4.444 ms" in found
+    assert "9.00 s simulated in 4.25 s of wall time" in found
+
+
+def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> None:
+    found = words(single)
+    for text in (
+        lvshun.title,
+        lvshun.sha256,
+        run.certificate["frames_sha256"],
+        run.certificate["code_sha256"],
+        wire_contract().sha256,
+        "iq (profile c28)",
+        "Pacing lockstep",
+        "Seed 3",
+        "Transport railhil:hub.sock",
+        LIMITS["railhil"],
+        "railhil run lvshun_tieshan --controller ipfc --arithmetic iq --indexing time --seed 3 --pace lockstep",
+        "least headroom 1 bit (alpha), 0 wraps, 0 saturations",
+        f"{run.score.stop_error_m:.4f} m short of the stopping point",
+        *lvshun.assumptions,
+    ):
+        assert " ".join(text.split()) in found, text
+    assert f"{run.verdict} {run.label}: {run.line}" in found
+
+
+def test_every_deviation_from_the_paper_is_listed(lvshun: Scenario, run: RecordedRun, single: str) -> None:
+    source, listed = deviations()
+    assert len(listed) >= 25
+    found = words(single)
+    assert source in found
+    for item in listed:
+        assert " ".join(f"{item.at} {item.reading} {item.other}".split()) in found
+    unpublished = replace(lvshun, published=())
+    text = words(page([replace(run, scenario=unpublished)]))
+    assert "Deviations" not in text
+    assert "published" not in text.split("Figures")[0]
+
+
+def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
+    table = rows(lvshun, [run, other])
+    assert [row.label for row in table[:2]] == [run.label, other.label]
+    assert [cell.published for cell in table[0].cells] == ["262", "74075", "0.0439", "0.0464", "20.658"]
+    assert table[0].cells[0].measured == f"{run.score.itae:.1f}"
+    assert [row.label for row in table[2:]] == ["tpfc2", "tpfc1", "tdmc", "fuzzy_pid"]
+    assert table[2].cells[4].published == "24.570"
+    for index, key in enumerate(("itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort")):
+        values = [getattr(item.score, key) for item in (run, other)]
+        best = [row.cells[index].best for row in table[:2]]
+        assert best[values.index(min(values))]
+    own = replace(run, certificate={**run.certificate, "controller": "mine"})
+    assert {cell.published for cell in rows(lvshun, [own])[0].cells} == {""}
+    assert len(rows(lvshun, [own])) == 6
+
+
+def test_runs_of_one_law_are_told_apart(run: RecordedRun, other: RecordedRun) -> None:
+    def labels(*runs: RecordedRun) -> list[str]:
+        return [item.label for item in told_apart(runs)]
+
+    seed = replace(run, certificate={**run.certificate, "seed": 9})
+    law = replace(run, label="tdmc", certificate={**run.certificate, "controller": "tdmc"})
+    assert labels(run, law) == ["ipfc", "tdmc"]
+    assert labels(run, other) == ["ipfc iq", "ipfc float64"]
+    assert labels(run, seed, law) == ["ipfc seed 3", "ipfc seed 9", "tdmc"]
+    assert labels(run, run) == ["ipfc #1", "ipfc #2"]
+
+
+@pytest.mark.parametrize(
+    ("training", "trained", "label"),
+    [
+        (None, False, "ipfc+abababab"),
+        ({"scenario": "lvshun_tieshan", "seeds": [3, 5]}, False, "ipfc+abababab tuned"),
+        ({"scenario": "lvshun_tieshan", "seeds": [3, 5]}, True, "ipfc+abababab tuned (on this seed)"),
+    ],
+)
+def test_parameters_of_a_file_are_named_and_so_is_their_training_seed(
+    run: RecordedRun, folders: Path, training: dict[str, object] | None, trained: bool, label: str
+) -> None:
+    given = {"law": "ipfc", "sha256": "ab" * 32, "values": {"softening_max": 0.8}, "training": training}
+    certificate = {**run.certificate, "parameters": given, "perturbed": trained, "seed_was_trained": trained}
+    found = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    assert found.label == label
+    text = words(page([found]))
+    tuned = ", tuned on 2 runs of lvshun_tieshan" if training else ""
+    assert f"from a file, digest abababab{tuned}; softening_max = 0.8" in text
+    sentence = "NOT AN EVALUATION: the parameters of ipfc were tuned on this very run, seed 3."
+    assert (sentence in text) == trained
+    assert found.caution == (sentence[:-1] if trained else "")
+
+
+def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, folders: Path) -> None:
+    assert "the law's own (the paper's, and ours where it prints none)" in words(single)
+    certificate = {**run.certificate, "seed_was_trained": True}
+    designed = recorded_run(folders / "one", certificate, run.scenario, run.trace, run.score)
+    assert designed.label == "ipfc (on this seed)"
+    assert "the parameters of ipfc were designed on this very run, seed 3" in words(page([designed]))
+    unknown = replace(run, certificate={**run.certificate, "own_parameters": None})
+    assert "the law's own (not recorded where they come from)" in words(page([unknown]))
+
+
+def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
+    trained = replace(run, certificate={**run.certificate, "seed_was_trained": True})
+    third = replace(other, label="third")
+    for cells in zip(*(row.cells for row in rows(lvshun, [trained, other, third])[:3]), strict=True):
+        # Two of one score are both the best; the trained run is not, whatever its score.
+        assert [cell.best for cell in cells] == [False, True, True]
+    assert not any(cell.best for row in rows(lvshun, [trained, other]) for cell in row.cells)
+    assert "of the runs that are an evaluation is bold" in words(page([trained, other]))
+
+
+def test_without_score_json_nothing_is_said_of_the_controller(run: RecordedRun) -> None:
+    assert "not recorded: score.json is missing" in words(page([replace(run, score_document={})]))
+    silent = replace(run, score_document={**run.score_document, "telemetry": None})
+    assert "the controller has said nothing about its arithmetic" in words(page([silent]))
+
+
+def kept(trace: Trace, keep: Callable[[str, int], bool]) -> Trace:
+    """The telegrams of a record for whose port and time ``keep`` is true."""
+    found = Trace()
+    for port in wire_contract().ports:
+        times_ns = (trace.times_s(port.name) * 1e9).round().astype(int).tolist()
+        data = trace._data.get(port.name, bytearray())
+        size = len(data) // max(1, len(times_ns))
+        for index, time_ns in enumerate(times_ns):
+            if keep(port.name, time_ns):
+                found.add(port.name, time_ns, bytes(data[index * size : (index + 1) * size]))
+    return found
+
+
+def without(trace: Trace, *ports: str) -> Trace:
+    """The record without the telegrams of some ports."""
+    return kept(trace, lambda port, _: port not in ports)
+
+
+def cut(trace: Trace, end_ns: int) -> Trace:
+    """The record up to some time."""
+    return kept(trace, lambda _, time_ns: time_ns <= end_ns)
+
+
+def test_laws_without_basis_and_softening_have_no_such_figure(run: RecordedRun, other: RecordedRun) -> None:
+    plain = replace(run, label="plain", trace=without(run.trace, CtlStat.PORT))
+    text = page([plain])
+    assert 'id="notch"' in text
+    assert 'id="basis"' not in text
+    assert 'id="softening"' not in text
+    svg = next(svg for svg in re.findall(r"<svg.*?</svg>", page([plain, other]), re.DOTALL) if "wavelet" in svg)
+    assert "plain" not in svg
+
+
+def test_every_set_of_basis_functions_has_a_row_and_a_name(run: RecordedRun) -> None:
+    measured = curves(run.scenario, run.trace)
+    used = np.resize([0.0, 1.0, 2.0, 3.0, 5.0, 9.0], len(measured.basis))
+    drawn = Drawn("law", Style(), replace(measured, basis=used), run.score)
+    axes = Figure().add_subplot()
+    panels.basis(axes, drawn, panels.bases([drawn]))
+    names = ["none", "step", "wavelet", "step+wavelet", "step+ramp", "step+bits 0x8"]
+    assert [label.get_text() for label in axes.get_yticklabels()] == names
+    np.testing.assert_array_equal(axes.lines[0].get_ydata()[:6], range(6))
+
+
+def test_close_views_show_where_a_run_is_off(run: RecordedRun) -> None:
+    """A bump of 5 km/h in each half is found, and a larger one at crawling speed is not."""
+    measured = curves(run.scenario, run.trace)
+    bumps = [(700.0, 5.0), (2100.0, 5.0), (2935.0, 9.0)]
+    speed_kmh = measured.speed_kmh + sum(
+        size * np.exp(-(((measured.position_m - place_m) / 2) ** 2)) for place_m, size in bumps
+    )
+    places = panels.widest_places(
+        run.scenario, [Drawn("law", Style(), replace(measured, speed_kmh=speed_kmh), run.score)]
+    )
+    assert places == pytest.approx([700.0, 2100.0], abs=4.0)
+
+
+def test_a_run_without_curves_is_reported_and_not_drawn(run: RecordedRun) -> None:
+    lost = replace(
+        run, label="lost", trace=Trace(), score=score(run.scenario, Trace()), verdict="INVALID", line="controller lost"
+    )
+    text = page([lost])
+    assert "<svg" not in text
+    assert "INVALID lost: controller lost" in words(text)
+    assert "did not stop" in words(text)
+    assert page([run, lost]).count("<svg") == 7
+
+
+def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: RecordedRun, other: RecordedRun) -> None:
+    until = cut(run.trace, 40_000_000_000)
+    lost = replace(run, label="lost", trace=until, score=score(run.scenario, until), verdict="INVALID", line="lost")
+    text = page([lost, other])
+    assert text.count("<svg") == 7
+    assert "Outside the right-hand picture: lost." in words(text)
+    assert page([replace(lost, trace=without(until, NotchCmd.PORT))]).count("<svg") == 7
+
+
+def test_a_stop_far_off_is_said_instead_of_drawn(run: RecordedRun) -> None:
+    far = replace(run, label="far", score=replace(run.score, stop_error_m=12.0, signed_stop_error_m=12.0))
+    assert "Outside the right-hand picture: far." in words(page([run, far]))
+    assert "Outside" not in words(page([run]))
+
+
+def test_names_are_text_whatever_they_hold(run: RecordedRun) -> None:
+    odd = '<b>&"$x_1^2$ </svg>'
+    text = page([replace(run, label=odd, scenario=replace(run.scenario, title=odd)), replace(run, label="b")])
+    assert words(text).count(odd) >= 4
+    assert len(re.findall(r"<svg.*?</svg>", text, re.DOTALL)) == 7
+
+
+def test_sentences_hold_no_folders(run: RecordedRun) -> None:
+    line = "plant lost: railhil:/tmp/railhil-x1/hub.sock gone, /a/b/c.toml wrong, /dev/ttyACM0, 60 km/h, tcp://host:1/x"
+    found = words(page([replace(run, verdict="INVALID", line=line)]))
+    assert "railhil:hub.sock gone, c.toml wrong, /dev/ttyACM0, 60 km/h, tcp://host:1/x" in found
+
+
+@pytest.mark.parametrize(
+    ("transport", "known"),
+    [
+        ("socketcan:vcan0", "socketcan vcan"),
+        ("socketcan:can0", "socketcan can"),
+        ("railhil:tcp://localhost:9", "railhil"),
+        ("slcan:/dev/ttyACM0", "slcan, serial adapters"),
+        ("udp_multicast:ff15::1", "udp_multicast"),
+    ],
+)
+def test_limits_of_a_transport(transport: str, known: str) -> None:
+    assert limits_of(transport) == LIMITS[known]
+    assert "does not know" in limits_of("kvaser:0")

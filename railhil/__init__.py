@@ -1,0 +1,1 @@
+"""railhil: a hardware-in-the-loop bench for train controllers."""

@@ -1,0 +1,99 @@
+"""``python -m railhil.audit`` (the same as ``railhil audit``)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from railhil.audit.document import document
+from railhil.audit.result import Options, audit
+from railhil.audit.tables import show
+from railhil.batch.perturbed_runs import FIRST_SEED
+from railhil.cli.output import Output, accept_any_text
+from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.whole_file import check_writable, whole_file
+from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import names as laws
+from railhil.controller_node.setpoint import INDEXINGS
+from railhil.scenarios.load import load
+
+_RUNS_MAX = 100_000
+_EXIT_CODES = """\
+exit codes:
+  0    all bars are met
+  1    a bar is missed; the last table says which
+  2    usage or bad input; one line says what was found and what is allowed
+  4    TOOL ERROR: a defect of the audit"""
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the audit."""
+    parser = OneLineParser(
+        prog="railhil audit",
+        description="Ranges, quantisation against float64, floor against rounding, effect on the scores, cycles.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
+    parser.add_argument(
+        "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
+    )
+    parser.add_argument("--indexing", choices=INDEXINGS, default="time", help="set-point indexing (default time)")
+    parser.add_argument(
+        "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run with the shadows (default 0)"
+    )
+    parser.add_argument(
+        "--runs",
+        type=whole_number(0, _RUNS_MAX),
+        default=200,
+        metavar="N",
+        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
+    )
+    parser.add_argument("--json", metavar="FILE", help="write the whole result there")
+    return parser
+
+
+@contextmanager
+def _complaining(path: Path) -> Iterator[None]:
+    """A file that cannot be written is bad input."""
+    try:
+        yield
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
+
+
+def main() -> int:
+    """Audit and print; exit code 1 when a bar is missed."""
+    accept_any_text()
+    namespace = parse(arguments())
+    scenario = load(namespace.scenario)
+    file = None if namespace.json is None else Path(namespace.json)
+    if file is not None:
+        # Before the work, not after it.
+        with _complaining(file):
+            check_writable(file)
+    options = Options(
+        namespace.controller,
+        namespace.arithmetic,
+        namespace.indexing,
+        namespace.seed,
+        namespace.runs,
+    )
+    result = audit(scenario, options)
+    show(Output(), result)
+    if file is not None:
+        text = json.dumps(document(result), indent=2, allow_nan=False) + "\n"
+        with _complaining(file), whole_file(file) as draft:
+            draft.write_text(text, encoding="utf-8")
+    return PASS if result.met else FAIL
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil audit", main))

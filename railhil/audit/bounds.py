@@ -1,0 +1,42 @@
+"""How large each quantity can become for any reading on the wire, from interval analysis of the recorded law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ldexp
+
+from railhil.controller_node.laws.base import Law
+from railhil.controller_node.program.model import LawProgram
+from railhil.controller_node.program.ranges import analyse_law
+from railhil.controller_node.telemetry import VALUE_BITS
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """Bounds of one quantity in its unit, and the bits of its format that are left at them."""
+
+    name: str
+    minimum: float
+    maximum: float
+    headroom_bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """Bounds of all quantities, and how many operations of a period the analysis cannot keep from wrapping."""
+
+    quantities: tuple[Bound, ...]
+    may_wrap: int
+
+
+def bounds_of(program: LawProgram, law: Law[int, object]) -> Bounds:
+    """Bounds of a law in fixed point."""
+    ranges = analyse_law(program, law.state_bounds())
+    found = []
+    for part, within in ((program.inputs, ranges.inputs), (program.step, ranges.step)):
+        for quantity in part.quantities:
+            low, high = within.of(quantity.value)
+            used_bits = min(max(abs(low), abs(high)).bit_length(), VALUE_BITS)
+            lsb = ldexp(1.0, -quantity.q)
+            found.append(Bound(quantity.name, low * lsb, high * lsb, VALUE_BITS - used_bits))
+    return Bounds(tuple(found), len(ranges.may_wrap))

@@ -1,0 +1,89 @@
+"""The whole result of an audit as JSON."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from math import isfinite
+from typing import Any
+
+from railhil.audit.result import Floor, Result
+from railhil.audit.shadow import Codes, QuantityError
+from railhil.controller_node.telemetry import QuantityTelemetry
+from railhil.supervisor.score import Score
+
+
+def _range(row: QuantityTelemetry) -> dict[str, Any]:
+    found = asdict(row)
+    # JSON has no infinity: a bar says that there was one.
+    return found | {key: found[key] if isfinite(found[key] or 0.0) else None for key in ("minimum", "maximum")}
+
+
+def _error(error: QuantityError) -> dict[str, Any]:
+    found = asdict(error)
+    for key in ("rms", "maximum", "bias"):
+        value = found[key]
+        found[f"{key}_lsb"] = None if value is None else error.lsb(value)
+    return found
+
+
+def _codes(codes: Codes) -> dict[str, Any]:
+    return asdict(codes) | {"equal_share": codes.equal_share}
+
+
+def _scores(score: Score) -> Any:
+    return score.as_json()["scores"]
+
+
+def _floor(floor: Floor | None) -> dict[str, Any] | None:
+    if floor is None:
+        return None
+    errors = [_error(error) for error in floor.errors]
+    return {"errors": errors, "notch": _codes(floor.codes), "scores": _scores(floor.score)}
+
+
+def document(result: Result) -> dict[str, Any]:
+    """What ``--json`` writes: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
+
+    Notch codes are 1/256 notch. ``effect`` is empty, ``effect_counters`` (audited arithmetic, all runs), ``bounds`` and
+    ``floor`` are null where there is nothing to look at.
+    """
+    options, cost, effect = result.options, result.cost, result.effect
+    return {
+        "scenario": result.scenario.name,
+        "scenario_sha256": result.scenario.sha256,
+        "controller": options.controller,
+        "arithmetic": options.arithmetic,
+        "indexing": options.indexing,
+        "seed": options.seed,
+        "runs": options.runs,
+        "met": result.met,
+        "bars": [asdict(bar) for bar in result.bars],
+        "ranges": [_range(row) for row in result.ranges],
+        "bounds": None if result.bounds is None else asdict(result.bounds),
+        "errors": [_error(error) for error in result.errors],
+        "notch": _codes(result.codes),
+        "floor": _floor(result.floor),
+        "scores": {options.arithmetic: _scores(result.score), "float64": _scores(result.reference_score)},
+        "effect": [asdict(one) | {"difference": one.difference, "met": one.met} for one in effect.scores]
+        if effect
+        else [],
+        "effect_counters": asdict(effect.counters) if effect else None,
+        "standstill": asdict(result.standstill),
+        "cost": asdict(cost)
+        | {
+            "cycles_flash": cost.cycles_flash,
+            "ram_us": cost.ram_us,
+            "flash_us": cost.flash_us,
+            "share_flash": cost.share,
+        },
+        "coarse_constants": [
+            {
+                "name": constant.name,
+                "q": constant.q,
+                "value": constant.value,
+                "raw": constant.raw,
+                "relative_error": constant.relative_error,
+            }
+            for constant in result.coarse_constants
+        ],
+    }

@@ -1,0 +1,74 @@
+"""Effect on the five scores: medians over perturbed runs in the audited arithmetic and in float64, same draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import median
+
+from railhil.batch.perturbed_runs import SCORES, outcomes
+from railhil.controller_node.arithmetic.base import Counters
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.score import Score
+
+#: How far a median may be from that of float64: in the unit of the score, else relative.
+_ALLOWED = {"stop_error_m": 0.01, "punctuality_s": 0.01}
+_ALLOWED_SHARE = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class ScoreEffect:
+    """Medians of one score over the runs that have it, and the largest difference of a single run (same draw).
+
+    ``audited`` or ``reference`` is None when no run has the score, ``missing`` counts the runs in which only one of
+    the two has it.
+    """
+
+    score: str
+    unit: str
+    audited: float | None
+    reference: float | None
+    allowed: float
+    largest_single: float
+    missing: int
+
+    @property
+    def difference(self) -> float | None:
+        """Median of the audited arithmetic minus that of float64."""
+        return None if self.audited is None or self.reference is None else self.audited - self.reference
+
+    @property
+    def met(self) -> bool:
+        """The medians are as near as allowed, and no train stops in one arithmetic only."""
+        return not self.missing and (self.difference is None or abs(self.difference) <= self.allowed)
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """Effect on each score, and what went wrong in the audited arithmetic, summed over its runs."""
+
+    scores: list[ScoreEffect]
+    counters: Counters
+
+
+def _effect(name: str, audited: list[Score], reference: list[Score]) -> ScoreEffect:
+    pairs = [(getattr(a, name), getattr(b, name)) for a, b in zip(audited, reference, strict=True)]
+    ours, theirs = [a for a, _ in pairs if a is not None], [b for _, b in pairs if b is not None]
+    wanted = median(theirs) if theirs else None
+    return ScoreEffect(
+        name,
+        SCORES[name],
+        median(ours) if ours else None,
+        wanted,
+        _ALLOWED[name] if name in _ALLOWED else _ALLOWED_SHARE * abs(wanted or 0.0),
+        max((abs(a - b) for a, b in pairs if a is not None and b is not None), default=0.0),
+        sum((a is None) != (b is None) for a, b in pairs),
+    )
+
+
+def effect(scenario: Scenario, runs: int, *, controller: str, arithmetic: str, indexing: str) -> Effect:
+    """Run ``runs`` draws twice and compare their scores."""
+    audited, reference = (
+        outcomes(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
+        for name in (arithmetic, "float64")
+    )
+    return Effect([_effect(name, audited.scores, reference.scores) for name in SCORES], audited.arithmetic)

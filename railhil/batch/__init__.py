@@ -1,0 +1,85 @@
+"""Thousands of runs of one scenario under one law in one process, equal to those of the bench in every bit.
+
+The plant's own functions are compiled (:mod:`railhil.batch.compiled`), the law steps on arrays; the notch codes and
+the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
+a healthy bus. A run that ends up in an emergency brake is made again through the nodes of the bench
+(:mod:`railhil.batch.replay`), which takes a second. Needs numba (``pip install 'railhil[campaign]'``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railhil.batch.case import BatchResult, Case, notch_digest, trace_digest
+from railhil.batch.replay import left_the_healthy_path, replayed
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+
+if TYPE_CHECKING:
+    from railhil.batch.engine import Chunk
+
+__all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "trace_digest"]
+
+#: Runs that go on together: their state stays in the processor's cache, and Python's part is shared by many.
+CHUNK = 2048
+#: Seeds travel as 32 bit in the handshake.
+_SEED_MAX = 2**32 - 1
+
+
+def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False) -> BatchResult:
+    """Run a case with each seed, any number of them, in chunks of :data:`CHUNK`.
+
+    :param keep_notches: keep the notch codes of each run.
+    :raises scenarios.errors.InputError: numba is missing, or law, arithmetic, indexing or parameters do not fit.
+    :raises ValueError: a seed outside 32 bit.
+    :raises plant_sim.plant.PlantError: the simulation failed.
+    """
+    # Not before: numba is an extra, and a case or a digest does not need it.
+    from railhil.batch.engine import Engine
+
+    if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
+        raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
+    engine = Engine(case)
+    chunks = [engine.run(seeds[i : i + CHUNK]) for i in range(0, len(seeds), CHUNK)]
+    return _result(case, seeds, chunks, keep_notches)
+
+
+def _result(case: Case, seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> BatchResult:
+    scores = [score for chunk in chunks for score in chunk.scores]
+    codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
+    counts = {
+        kind: np.concatenate([np.zeros(0, dtype=np.int64), *(chunk.counts[kind] for chunk in chunks)])
+        for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)
+    }
+    for run, seed in enumerate(seeds):
+        if left_the_healthy_path(scores[run]):
+            scores[run], codes[run], counted = replayed(case, int(seed))
+            for kind, count in counted.items():
+                counts[kind][run] = count
+
+    def column(name: str) -> np.ndarray:
+        values = [getattr(score, name) for score in scores]
+        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+    return BatchResult(
+        seed=np.array(seeds, dtype=np.int64),
+        scores=tuple(scores),
+        itae=column("itae"),
+        energy_kj=column("energy_kj"),
+        punctuality_s=column("punctuality_s"),
+        stop_error_m=column("stop_error_m"),
+        comfort=column("comfort"),
+        signed_time_error_s=column("signed_time_error_s"),
+        signed_stop_error_m=column("signed_stop_error_m"),
+        overspeed_mps=column("overspeed_mps"),
+        passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
+        ended=tuple(score.ended for score in scores),
+        failures=tuple(score.failures for score in scores),
+        wraps=counts[WRAP],
+        saturations=counts[SATURATION],
+        zero_divisions=counts[DIVISION_BY_ZERO],
+        notch_digest=tuple(notch_digest(run) for run in codes),
+        notch_codes=tuple(codes) if keep_notches else None,
+    )

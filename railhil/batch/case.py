@@ -1,0 +1,83 @@
+"""What a batch runs, and what it gives."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from railhil.bus.telegrams import NotchCmd
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import Trace
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Hexadecimal digits of a digest.
+_DIGITS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """What is run: scenario, law, arithmetic, indexing and parameters as the controller takes them.
+
+    ``perturbed``: each seed draws the scenario's perturbations; else only the noise of the sensors differs.
+    """
+
+    scenario: Scenario
+    law: str = "ipfc"
+    arithmetic: str = "float64"
+    indexing: str = "time"
+    parameters: ParameterSet | None = None
+    perturbed: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class BatchResult:
+    """What N runs give, arrays of shape (N,), in the order of the seeds.
+
+    Scores in the units of :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``, ``saturations`` and
+    ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16) only when asked
+    for: one array for each run, one code for each control period.
+    """
+
+    seed: Ints
+    scores: tuple[Score, ...]
+    itae: Floats
+    energy_kj: Floats
+    punctuality_s: Floats
+    stop_error_m: Floats
+    comfort: Floats
+    signed_time_error_s: Floats
+    signed_stop_error_m: Floats
+    overspeed_mps: Floats
+    passed: NDArray[np.bool_]
+    ended: tuple[str, ...]
+    failures: tuple[tuple[str, ...], ...]
+    wraps: Ints
+    saturations: Ints
+    zero_divisions: Ints
+    notch_digest: tuple[str, ...]
+    notch_codes: tuple[NDArray[np.int16], ...] | None = None
+
+
+def notch_digest(codes: ArrayLike) -> str:
+    """First 16 hexadecimal digits of the SHA-256 of notch codes (1/256, one for each control period) as int16."""
+    return hashlib.sha256(np.asarray(codes, dtype="<i2").tobytes()).hexdigest()[:_DIGITS]
+
+
+def control_codes(scenario: Scenario, trace: Trace) -> Ints:
+    """Notch codes of a recorded run: that of the first poll in each control period."""
+    codes = trace.raw(NotchCmd.PORT, "NotchCmd")
+    times_ns = np.rint(trace.times_s(NotchCmd.PORT) * 1e9).astype(np.int64)
+    first = np.diff(times_ns // scenario.timing.control_period_ns, prepend=-1) > 0
+    return np.asarray(codes[first])
+
+
+def trace_digest(scenario: Scenario, trace: Trace) -> str:
+    """:func:`notch_digest` of a recorded run."""
+    return notch_digest(control_codes(scenario, trace))

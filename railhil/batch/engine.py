@@ -1,0 +1,160 @@
+"""Runs of one case by the chunk: the law on arrays, the plant compiled, then the score of each run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhil.batch.case import Case
+from railhil.batch.kernel import run_period, stand_to_the_end
+from railhil.batch.noise import standard_noise
+from railhil.batch.setup import Times, Trains, common, status_tick, trains
+from railhil.bus.telegrams import Event
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
+from railhil.plant_sim.plant import PlantError
+from railhil.supervisor import measures
+from railhil.supervisor.score import WRAP_FAILURE, ErrorGrid, Measured, Score, judged
+
+Ints = NDArray[np.int64]
+#: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.
+_LSB = 0.0001
+#: What a batch arithmetic counts.
+_KINDS = (WRAP, SATURATION, DIVISION_BY_ZERO)
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Runs of some seeds: their scores, the notch codes (steps, N), how many of them belong to each run, and what
+    has gone wrong in the law's arithmetic (kind -> (N,))."""
+
+    scores: list[Score]
+    codes: NDArray[np.int16]
+    steps: Ints
+    counts: dict[int, Ints]
+
+
+class Engine:
+    """What is made once for a case.
+
+    :param loop: what stands in for the control loop of the case's law, with its arithmetic; None: that loop itself.
+    """
+
+    def __init__(self, case: Case, loop: Any = None) -> None:
+        self._case = case
+        scenario = case.scenario
+        self.times = Times.of(scenario)
+        self.grid = ErrorGrid.of(scenario)
+        self.common = common(scenario, case.indexing, self.times)
+        if loop is None:
+            number = make(case.arithmetic, batch=True)
+            loop = ControlLoop(scenario, case.law, number, case.indexing, case.parameters)
+        self._loop: ControlLoop[Any] = loop
+        self._number = loop.arithmetic
+
+    def run(self, seeds: Sequence[int]) -> Chunk:
+        """Run the seeds together.
+
+        :raises PlantError: the state of a train is no longer finite.
+        """
+        times, case = self.times, self._case
+        fleet = trains(case.scenario, seeds, case.perturbed, times, len(self.grid.counts))
+        records = fleet.records
+        noise = standard_noise(seeds, times.steps)
+        watch = _Watch(self._number, len(seeds))
+        codes = np.zeros((times.steps.size, len(seeds)), dtype=np.int16)
+        self._loop.state = None
+        code = np.zeros(len(seeds), dtype=np.int64)
+        run_period(self.common, fleet.tables, records, code, noise[0], -1, 0)
+        for i, tick in enumerate(times.steps.tolist()):
+            code = self._step(int(times.periods[i]), records, fleet)
+            codes[i] = code
+            watch.take(i, records["ended"] == 0)
+            after = noise[min(i + 1, len(noise) - 1)]
+            run_period(self.common, fleet.tables, records, code, after, tick, int(times.ends[i]))
+            if records["ended"].all():
+                break
+        finite = np.isfinite(records["position_m"] + records["speed_mps"] + records["actuator_n"])
+        if not finite.all():
+            raise PlantError(f"plant state is not finite with seed {seeds[int(np.argmin(finite))]}")
+        steps = np.searchsorted(times.steps, records["end_tick"], side="right")
+        return Chunk(self._scores(fleet, watch), codes, steps, watch.counts)
+
+    def _step(self, k: int, records: NDArray[Any], fleet: Trains) -> Ints:
+        """The law's answer for all trains in control period ``k``."""
+        row, passed = np.arange(records.size), records["passed"]
+        lines = fleet.balises
+        balise = BaliseReading(*(part[row, passed] for part in (lines.number, lines.surveyed_01mm, lines.passing_01mm)))
+        position = np.clip(records["odometer_01mm"], -POSITION_MAX_01MM, POSITION_MAX_01MM)
+        _, outputs = self._loop.step(k, np.ascontiguousarray(records["speed_01mmps"]), position, balise)
+        raw = np.asarray(self._number.raw(outputs.notch, NOTCH_Q), dtype=np.int64)
+        return np.broadcast_to(raw, records.shape).copy()
+
+    def _scores(self, fleet: Trains, watch: _Watch) -> list[Score]:
+        """Score of each run, from the sums of the compiled loop."""
+        scenario, times, records = self._case.scenario, self.times, fleet.records
+        stand_to_the_end(self.common, fleet.tables, records)
+        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh, self.grid.counts, self.grid.period_s)
+        stopped = records["stop_tick"] >= 0
+        last_s = times.truth_s[records["samples"] - 1]
+        stop_s = records["stop_01ms"] * _LSB
+        energy = measures.energy_kj(
+            scenario.energy, records["traction_j"], records["brake_j"], np.where(stopped, stop_s, last_s)
+        )
+        ticks = (last_s / (scenario.timing.control_period_ns / 1e9)).astype(np.int64)
+        column = times.control_columns[np.minimum(np.arange(ticks.max() + 1), ticks[:, None])]
+        accel = np.take_along_axis(fleet.tables.control_accel_raw, column, axis=1) * _LSB
+        comfort = measures.comfort_mps2_per_km(accel, scenario.plan.distance_m)
+        stop_m = records["stop_01mm"] * _LSB
+        emergency_s = records["emergency_01ms"] * _LSB
+        return [
+            judged(
+                scenario,
+                Measured(
+                    ended=Event(int(records["ended"][i])),
+                    itae=float(itae[i]),
+                    energy_kj=float(energy[i]),
+                    comfort=float(comfort[i]),
+                    overspeed_mps=float(records["overspeed_mps"][i]),
+                    stop=(float(stop_s[i]), float(stop_m[i])) if stopped[i] else None,
+                    emergency_s=float(emergency_s[i]) if emergency_s[i] >= 0 else None,
+                    wrap=self._wrap(watch, i, int(records["end_tick"][i])),
+                ),
+            )
+            for i in range(records.size)
+        ]
+
+    def _wrap(self, watch: _Watch, train: int, end_tick: int) -> str:
+        step = int(watch.first_wrap[train])
+        if step < 0:
+            return ""
+        tick = status_tick(self.times, int(self.times.steps[step]), end_tick)
+        return f"{WRAP_FAILURE}, reported at {tick * self._case.scenario.timing.base_tick_ns / 1e9:.2f} s"
+
+
+class _Watch:
+    """What has gone wrong in the law's arithmetic, for each train while it was running."""
+
+    def __init__(self, arithmetic: Any, trains: int) -> None:
+        self.counts: dict[int, Ints] = {kind: np.zeros(trains, dtype=np.int64) for kind in _KINDS}
+        #: Step of the first wrap of each train, -1: none.
+        self.first_wrap = np.full(trains, -1, dtype=np.int64)
+        self._all: dict[int, Ints] = {kind: np.zeros(trains, dtype=np.int64) for kind in _KINDS}
+        self._arithmetic = arithmetic
+        arithmetic.per_train = self._all
+
+    def take(self, step: int, running: NDArray[np.bool_]) -> None:
+        """Take over what the last step has counted; the law goes on for trains that are there already."""
+        if not self._arithmetic.counters.flags:
+            return
+        wrapped = running & (self._all[WRAP] > 0) & (self.first_wrap < 0)
+        self.first_wrap[wrapped] = step
+        for kind in _KINDS:
+            self.counts[kind] += np.where(running, self._all[kind], 0)
+            self._all[kind][:] = 0

@@ -1,0 +1,289 @@
+"""The tick loop of many trains as machine code, from one control period to the next.
+
+It goes through the order of the bench in every tick (``coupled_run``, ``PlantNode``, ``Plant.advance``): events of the
+tick before, SIM_TRUTH, TRN_POS, NOTCH_CMD, end of the run, watch, motion. The bus is healthy: every command is
+accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any
+
+from railhil.batch import compiled, curve, layout
+from railhil.batch.layout import Axle, AxleConstants
+from railhil.bus.telegrams import Event
+from railhil.plant_sim.dynamics import Lag, Motion, Window
+from railhil.plant_sim.events import MOVED_MIN_M
+from railhil.plant_sim.forces import GradeTable, TrainConstants
+from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
+from railhil.plant_sim.watch import WatchState
+
+_COMPLETE, _NOT_STOPPED = int(Event.ENDED_COMPLETE), int(Event.ENDED_NOT_STOPPED)
+_LEVELS = compiled.LEVELS
+#: Raw SIM_TRUTH: scales of position, speed and forces.
+_TRUTH_LSB, _FORCE_LSB_N = 1e-4, 20
+#: Trains that go through a tick side by side.
+_BLOCK = 16
+
+applied_n = compiled.applied_n
+acceleration_mps2 = compiled.acceleration_mps2
+lag = compiled.lag
+step = compiled.step
+watch_step = compiled.watch_step
+watch_brake_mps2 = compiled.watch_brake_mps2
+bisect_right = compiled.bisect_right
+_round = compiled.nearest
+_max = compiled.larger
+_min = compiled.smaller
+speed_reading_01mmps = compiled.speed_01mmps
+odometer_reading_mm = compiled.odometer_mm
+limits_under_train = compiled.limits_under_train
+error_kmh = compiled.error_kmh
+work_j = compiled.work_j
+
+
+@compiled.part
+def _constants(common: Any, train: Any) -> Any:
+    return TrainConstants(
+        train.mass_kg,
+        train.resistance_a_n,
+        train.resistance_b_n_per_mps,
+        train.resistance_c_n_per_mps2,
+        train.grade_n_per_permil,
+        train.pole_per_s,
+        common.traction,
+        common.brake,
+    )
+
+
+@compiled.part
+def _grades(common: Any, tables: Any, index: int, train: Any) -> Any:
+    """The mean grade from where the train is on: rows behind it are never looked at again."""
+    from_m, row = common.grade_from_m, train.grade_row
+    while row + 1 < from_m.size and from_m[row + 1] <= train.position_m:
+        row += 1
+    train.grade_row = row
+    return GradeTable(from_m[row:], tables.permil[index, row:], tables.permil_per_m[index, row:])
+
+
+@compiled.part
+def _motion(train: Any) -> Any:
+    return Motion(train.position_m, train.speed_mps, train.actuator_n, train.accel_mps2)
+
+
+@compiled.part
+def _window(train: Any) -> Any:
+    return Window(train.traction != 0, train.brake_min_n)
+
+
+@compiled.aside
+def _change_limit(common: Any, train: Any) -> None:
+    """``_limit_from``: the speed limit at the train's position, and to where it holds."""
+    row = bisect_right(common.front_limit_from_m, train.position_m)
+    train.limit_mps = common.front_limit_mps[_max(row - 1, 0)]
+    train.limit_to_m = common.front_limit_from_m[row] if row < common.front_limit_from_m.size else inf
+
+
+@compiled.aside
+def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
+    """What the train's watch leaves of the forces while it brakes, or has just let go."""
+    if train.level == _LEVELS.EMERGENCY and before != _LEVELS.EMERGENCY and train.emergency_01ms < 0:
+        train.emergency_01ms = _round((tick * common.step_s + 0.0) * 1e4)
+    force_n = applied_n(_constants(common, train), _window(train), _motion(train))
+    train.watch_brake_mps2 = watch_brake_mps2(
+        train.level,
+        train.watch_brake_mps2,
+        _max(0.0, -force_n / train.mass_kg),
+        train.speed_mps > 0.0,
+        common.step_s,
+        common.service_mps2,
+    )
+    train.traction = 1 if train.level < _LEVELS.TRACTION_CUT else 0
+    train.brake_min_n = train.watch_brake_mps2 * train.mass_kg
+    if train.traction == 0 and train.actuator_n > 0.0:
+        train.actuator_n = 0.0
+
+
+@compiled.part
+def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
+    """``Plant._protect`` of a train whose equipment is healthy."""
+    if train.position_m >= train.limit_to_m:
+        _change_limit(common, train)
+    before = train.level
+    watch = watch_step(
+        common.limits,
+        WatchState(before, train.age_ticks, train.good),
+        polled,
+        train.speed_mps > 0.0,
+        train.speed_mps < train.limit_mps,
+        train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
+    )
+    train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
+    if watch.level < _LEVELS.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
+        train.traction, train.brake_min_n = 1, 0.0
+    else:
+        _restrain(common, train, before, tick)
+
+
+@compiled.part
+def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: float) -> None:
+    """``Plant._move``: a tick or a part of it with the notch as it is now."""
+    if ticks == 1.0:
+        lag_step = Lag(common.step_s, train.decay, train.mean)
+    else:
+        lag_step = lag(train.pole_per_s, ticks * common.step_s)
+    notch = train.acting_code if train.traction != 0 else _min(train.acting_code, 0)
+    steady_n = notch * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
+    before_m = train.position_m
+    after = step(_constants(common, train), grades, _window(train), _motion(train), steady_n, lag_step)
+    motion = after.motion
+    train.position_m, train.speed_mps = motion.position_m, motion.speed_mps
+    train.actuator_n, train.accel_mps2 = motion.actuator_n, motion.accel_mps2
+    if (
+        motion.speed_mps <= 0.0
+        and motion.position_m - before_m > 0.0
+        and motion.position_m - train.leg_from_m >= MOVED_MIN_M
+    ):
+        train.leg_from_m = motion.position_m
+        if train.stop_tick < 0:
+            after_s = (now - tick) * common.step_s + after.moving_to_s
+            train.stop_tick = tick + 1
+            train.stop_01ms = _round((tick * common.step_s + after_s) * 1e4)
+            train.stop_01mm = _round(motion.position_m * 1e4)
+
+
+@compiled.part
+def _advance(common: Any, tables: Any, index: int, grades: Any, train: Any, tick: int, polled: bool) -> None:
+    """``Plant.advance``: one tick."""
+    _protect(common, train, tick, polled)
+    now, end = float(tick), tick + 1
+    due, codes = tables.staged_due, tables.staged_code
+    while True:
+        staged = train.staged_count > 0 and due[index, train.staged_first] <= end
+        to = due[index, train.staged_first] if staged else float(end)
+        if to - now > SLIVER_TICKS:
+            _move(common, grades, train, tick, now, to - now)
+            now = to
+        if not staged:
+            return
+        train.acting_code = codes[index, train.staged_first]
+        train.staged_first = (train.staged_first + 1) % due.shape[1]
+        train.staged_count -= 1
+
+
+@compiled.part
+def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample: int) -> None:
+    """A SIM_TRUTH, taken into the sums of the score as its raw integers say."""
+    train.samples = sample + 1
+    train.true_position_01mm = _round(train.position_m * 1e4)
+    position_m = train.true_position_01mm * _TRUTH_LSB
+    speed_mps = _round(train.speed_mps * 1e4) * _TRUTH_LSB
+    force_n = applied_n(_constants(common, train), _window(train), _motion(train))
+    traction_w = _min(_round(_max(0.0, force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
+    brake_w = _min(_round(_max(0.0, -force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
+    if sample > 0:
+        now_s = common.truth_s[sample]
+        if train.stop_tick < 0 or now_s <= train.stop_01ms * _TRUTH_LSB:
+            seconds = now_s - common.truth_s[sample - 1]
+            train.traction_j += work_j(seconds, train.traction_w, traction_w)
+            train.brake_j += work_j(seconds, train.brake_w, brake_w)
+        if sample < common.cycle.size and common.cycle[sample] >= 0:
+            wanted = curve.passing_mps(common.target, position_m) if common.by_distance else common.wanted_mps[sample]
+            tables.error_sums_kmh[index, common.cycle[sample]] += error_kmh(wanted, speed_mps)
+    train.traction_w, train.brake_w = traction_w, brake_w
+    train.overspeed_mps = _max(
+        train.overspeed_mps, speed_mps - limits_under_train(common.line_limits, position_m, common.length_m)
+    )
+    column = common.control_sample[sample]
+    if column >= 0:
+        now = acceleration_mps2(_constants(common, train), grades, _window(train), _motion(train))
+        tables.control_accel_raw[index, column] = _min(_max(_round(now * 1e4), -0x8000), 0x7FFF)
+
+
+@compiled.part
+def _end(common: Any, train: Any, tick: int) -> None:
+    """End the run when its time has come."""
+    if train.stop_tick >= 0:
+        if tick >= train.stop_tick + common.after_stop_ticks:
+            train.ended, train.end_tick = _COMPLETE, tick
+    elif tick > common.last_tick:
+        train.ended, train.end_tick = _NOT_STOPPED, tick
+
+
+@compiled.part
+def _command(common: Any, tables: Any, index: int, train: Any, notch_code: int, tick: int) -> None:
+    """``Plant.command`` with the law's answer; the polls after it repeat the code."""
+    code = _min(_max(notch_code, -common.notch_max_code), common.notch_max_code)
+    if code != train.staged_last:
+        train.staged_last = code
+        slot = (train.staged_first + train.staged_count) % tables.staged_due.shape[1]
+        tables.staged_due[index, slot] = tick + train.delay_ticks
+        tables.staged_code[index, slot] = code
+        train.staged_count += 1
+
+
+@compiled.aside
+def _read(common: Any, tables: Any, index: int, train: Any, noise: float) -> None:
+    """What the law is given at a poll: balises passed, and the speed with its noise."""
+    balises = tables.balise_m
+    while train.passed < balises.shape[1] and balises[index, train.passed] <= train.position_m:
+        train.passed += 1
+    sensors = AxleConstants(common.speed_lsb_mps, common.odometer_lsb_m, train.wheel_factor)
+    train.speed_01mmps = speed_reading_01mmps(Axle(sensors, noise * train.noise_sigma_mps), train.speed_mps)
+
+
+@compiled.cached(__file__, curve.__file__, layout.__file__)
+def run_period(
+    common: Any, tables: Any, trains: Any, notch_codes: Any, noise: Any, from_tick: int, to_tick: int
+) -> None:
+    """Take every train that is still running from the poll at ``from_tick`` to just before that at ``to_tick``.
+
+    Several trains go through a tick side by side: what one of them waits for, the processor spends on the others.
+
+    :param notch_codes: what the law has answered at ``from_tick``, shape (N,). With ``from_tick`` -1 there was none:
+        the train stands at tick 0.
+    :param noise: standard normal numbers of the speed sensor at ``to_tick``, shape (N,).
+    """
+    for first in range(0, trains.size, _BLOCK):
+        last = _min(first + _BLOCK, trains.size)
+        for index in range(first, last):
+            if from_tick >= 0 and trains[index].ended == 0:
+                _command(common, tables, index, trains[index], notch_codes[index], from_tick)
+        for tick in range(from_tick, to_tick):
+            polled = tick % common.notch_ticks == 0
+            sample = (tick + 1) // common.truth_ticks
+            truth_due = (tick + 1) % common.truth_ticks == 0
+            position_due = (tick + 1) % common.position_ticks == 0
+            for index in range(first, last):
+                train = trains[index]
+                if train.ended != 0:
+                    continue
+                grades = _grades(common, tables, index, train)
+                if tick >= 0:
+                    _end(common, train, tick)
+                    if train.ended != 0:
+                        continue
+                    _advance(common, tables, index, grades, train, tick, polled)
+                if truth_due:
+                    _truth(common, tables, index, grades, train, sample)
+                if position_due:
+                    sensors = AxleConstants(common.speed_lsb_mps, common.odometer_lsb_m, train.wheel_factor)
+                    train.odometer_01mm = odometer_reading_mm(Axle(sensors, 0.0), train.position_m) * 10
+    for index in range(trains.size):
+        if trains[index].ended == 0:
+            _read(common, tables, index, trains[index], noise[index])
+
+
+@compiled.cached(__file__, curve.__file__, layout.__file__)
+def stand_to_the_end(common: Any, tables: Any, trains: Any) -> None:
+    """Take into the sums what is left of the timetable after the end of each run: the train stands."""
+    for index in range(trains.size):
+        train = trains[index]
+        for sample in range(train.samples, common.cycle.size):
+            if common.cycle[sample] >= 0:
+                position_m = train.true_position_01mm * _TRUTH_LSB
+                wanted = (
+                    curve.passing_mps(common.target, position_m) if common.by_distance else common.wanted_mps[sample]
+                )
+                tables.error_sums_kmh[index, common.cycle[sample]] += error_kmh(wanted, 0.0)

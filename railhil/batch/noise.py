@@ -1,0 +1,33 @@
+"""Noise of the speed sensor, only at the ticks at which it is read."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhil.scenarios import streams
+
+#: Runs whose numbers are kept, 3 kB each: searches and comparisons run the same seeds again and again.
+_KEPT = 4096
+_kept: OrderedDict[tuple[int, int, int], NDArray[np.float64]] = OrderedDict()
+
+
+def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Standard normal numbers of :class:`railhil.plant_sim.sensors.AxleSensors` at some ticks, shape (ticks, seeds).
+
+    :param ticks: rising from 0, shape (ticks,).
+    """
+    found = np.empty((ticks.size, len(seeds)))
+    for column, seed in enumerate(seeds):
+        key = (seed, ticks.size, hash(ticks.tobytes()))
+        numbers = _kept.pop(key, None)
+        if numbers is None:
+            numbers = streams.generator(seed, streams.SPEED_NOISE).standard_normal(int(ticks[-1]) + 1)[ticks]
+        _kept[key] = numbers
+        found[:, column] = numbers
+    while len(_kept) > _KEPT:
+        _kept.popitem(last=False)
+    return found

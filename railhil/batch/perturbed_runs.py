@@ -1,0 +1,32 @@
+"""Hundreds of perturbed runs, for statistics of the scores."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from railhil.batch import Case, run_batch
+from railhil.controller_node.arithmetic.base import Counters
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.score import Score
+
+#: Seed of the first run; the others follow.
+FIRST_SEED = 1000
+#: The five scores, and the unit of each.
+SCORES = {"itae": "km/h s2", "energy_kj": "kJ", "punctuality_s": "s", "stop_error_m": "m", "comfort": "m/s2/km"}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcomes:
+    """Scores of perturbed runs in the order of their seeds, and what went wrong in the law's arithmetic in all."""
+
+    scores: list[Score]
+    arithmetic: Counters
+
+
+def outcomes(
+    scenario: Scenario, runs: int, *, controller: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
+) -> Outcomes:
+    """Runs with the seeds from :data:`FIRST_SEED` on: the same draws for every controller and arithmetic."""
+    found = run_batch(Case(scenario, controller, arithmetic, indexing), range(FIRST_SEED, FIRST_SEED + runs))
+    sums = (int(counts.sum()) for counts in (found.wraps, found.saturations, found.zero_divisions))
+    return Outcomes(list(found.scores), Counters(*sums))

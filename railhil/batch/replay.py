@@ -1,0 +1,42 @@
+"""Runs that leave the healthy path, made again through the nodes of the bench.
+
+After an emergency brake the controller's own watch answers in place of its law. The batch has no such watch: its scores
+stay right, because the train brakes whatever it is told, but the notch codes would not be those of the bench.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhil.batch.case import Case, control_codes
+from railhil.bench import local_run
+from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.supervisor.score import Score
+
+
+def left_the_healthy_path(score: Score) -> bool:
+    """True for a run whose notch codes the batch cannot know."""
+    return any("emergency brake" in text for text in score.failures)
+
+
+def replayed(case: Case, seed: int) -> tuple[Score, NDArray[np.int16], dict[int, int]]:
+    """Score, notch codes and counts of the law's arithmetic (by kind) of one run."""
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        run = local_run(
+            case.scenario,
+            Path(folder),
+            seed=seed,
+            drawn=case.perturbed,
+            controller=case.law,
+            arithmetic=case.arithmetic,
+            indexing=case.indexing,
+            parameters=case.parameters,
+        )
+    totals = run.telemetry["totals"]
+    counts = {WRAP: "wraps", SATURATION: "saturations", DIVISION_BY_ZERO: "zero_divisions"}
+    codes = np.asarray(control_codes(case.scenario, run.trace), dtype=np.int16)
+    return run.score, codes, {kind: totals[name] for kind, name in counts.items()}

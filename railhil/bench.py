@@ -1,0 +1,223 @@
+"""The bench without sockets, for tests and benchmarks: the same plant, controller and supervisor code in one process.
+
+``local_run`` sends every telegram through the codec and the stores; ``direct_run`` couples plant and controller by
+their raw wire integers, for statistics over hundreds of runs. Both give the notch sequence of the real bench.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.frame import Frame
+from railhil.bus.ident import CtlIdent, Role, make_ident
+from railhil.bus.local import LocalBus
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos, TrnSpeed
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic.base import Counters
+from railhil.controller_node.controller import Controller
+from railhil.controller_node.laws.base import BaliseReading
+from railhil.controller_node.loop import NO_BALISE, limited_01mm
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.telemetry_file import telemetry_document
+from railhil.plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
+from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.telegrams import TrainTelegrams
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.perturb import perturbed
+from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.score import Score, score
+from railhil.supervisor.session import Session
+from railhil.supervisor.trace import Trace, trace_of
+
+
+@dataclass(slots=True)
+class BenchRun:
+    """What a run without sockets gives: trace and score, the log's hash, and the counters of each node."""
+
+    trace: Trace
+    score: Score
+    log: Path | None = None
+    frames_sha256: str = ""
+    ended: Event | None = None
+    counters: dict[str, dict[str, int]] = field(default_factory=dict)
+    #: What the controller's process would write into ``telemetry.json``.
+    telemetry: dict[str, Any] = field(default_factory=dict)
+    #: Of the law's arithmetic over the whole run; only of a direct run.
+    arithmetic: Counters | None = None
+
+    @property
+    def notches(self) -> list[int]:
+        """Notch command codes (1/256) in the order in which they were sent."""
+        return [int(code) for code in self.trace.raw(NotchCmd.PORT, "NotchCmd")]
+
+    @property
+    def refused(self) -> dict[str, int]:
+        """Everything that any node refused, beyond ports without a mailbox: empty on a healthy bus."""
+        found: dict[str, int] = {}
+        for node, counters in self.counters.items():
+            for cause, count in counters.items():
+                if cause not in ("unknown_id", "no_mailbox", "accepted", "polls") and count:
+                    found[f"{node}.{cause}"] = count
+        return found
+
+
+def local_run(
+    scenario: Scenario,
+    folder: Path,
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    controller: str = "ipfc",
+    arithmetic: str = "iq",
+    indexing: str = "time",
+    parameters: ParameterSet | None = None,
+    fd: bool = False,
+    wire: Callable[[Frame], list[Frame]] | None = None,
+    task_period_ms: int = 0,
+) -> BenchRun:
+    """One run through codec and stores.
+
+    :param task_period_ms: as the controller's option.
+    :param drawn: draw the scenario's perturbations with the seed.
+    :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
+    """
+    log = FrameLog(folder)
+    session = Session(
+        scenario,
+        log.write,
+        seed=seed,
+        perturbed=drawn,
+        controller=controller if parameters is None else parameters.controller,
+        arithmetic=arithmetic,
+        indexing=indexing,
+        fd=fd,
+    )
+    options = ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms, parameters=parameters)
+    node = ControllerNode(scenario, options)
+
+    def to_controller(frame: Frame) -> list[Frame]:
+        frames = [frame] if wire is None else wire(frame)
+        return [answer for item in frames for answer in node.handle(item)]
+
+    plant = PlantNode(
+        scenario, PlantOptions(seed=seed, perturbed=drawn, fd=fd), LocalBus([to_controller, session.handle])
+    )
+    ended = plant.run()
+    sha256 = log.close()
+    trace = trace_of(read_log(log.path))
+    return BenchRun(
+        trace,
+        score(scenario, trace),
+        log.path,
+        sha256,
+        ended,
+        {
+            "plant": dict(plant.counters),
+            "gate": dict(plant.gate.counters),
+            "controller": node.counters,
+            "supervisor": session.counters,
+        },
+        telemetry_document(node),
+    )
+
+
+def direct_run(
+    scenario: Scenario,
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    controller: str = "ipfc",
+    arithmetic: str = "iq",
+    indexing: str = "time",
+    parameters: ParameterSet | None = None,
+) -> BenchRun:
+    """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
+    law = Controller(scenario, controller, arithmetic, indexing, parameters)
+    run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
+    run.arithmetic = law.counters
+    return run
+
+
+def coupled_schedule(scenario: Scenario) -> Schedule:
+    """Periods of the ports for a run without a bus.
+
+    :raises InputError: the speed is sent less often than NOTCH_CMD is polled: then the law sees an old one, and the
+        controller's watch acts, which only the nodes have.
+    """
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
+    speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
+    if speed > notch:
+        found = Words(f"TRN_SPEED every {speed} ticks, NOTCH_CMD polled every {notch}")
+        allowed = "TRN_SPEED at least as often as NOTCH_CMD, or the run over a bus (railhil run)"
+        raise InputError(scenario.name, "timing.port_period_ms", found, allowed)
+    return schedule
+
+
+def coupled_run(
+    scenario: Scenario,
+    law: Callable[[int, int, int, BaliseReading[int]], int],
+    *,
+    seed: int = 0,
+    drawn: bool = False,
+    indexing: str = "time",
+) -> BenchRun:
+    """One run of the plant under any law.
+
+    As on the bus, the law takes its step in the first poll of NOTCH_CMD of a new control period, with the position as
+    TRN_POS last gave it. There is no reaction ladder in the controller.
+
+    :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
+    :param indexing: what the law follows, for the score.
+    :raises InputError: as :func:`coupled_schedule`.
+    """
+    actual = perturbed(scenario, seed) if drawn else scenario
+    plant = Plant(actual, seed)
+    telegrams = TrainTelegrams(actual, plant, 0.0)
+    trace = Trace()
+    ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
+    trace.add(CtlIdent.PORT, 0, ident.encode())
+    tick_ns, control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
+    schedule = coupled_schedule(scenario)
+    position_ticks, truth_ticks, notch_ticks = (
+        schedule.ticks(telegram.PORT) for telegram in (TrnPos, SimTruth, NotchCmd)
+    )
+    after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
+    last_tick = round((scenario.plan.running_time_s + scenario.plan.overtime_max_s) * 1e9 / tick_ns)
+    stop_tick: int | None = None
+    ended: Event | None = None
+    last_k, code, position_01mm, balise = -1, 0, 0, NO_BALISE
+    while ended is None:
+        tick = plant.tick
+        now_ns = tick * tick_ns
+        for event in plant.drain_events():
+            if event.balise is not None:
+                surveyed_mm = round(event.balise.surveyed_m * 1000)
+                balise = BaliseReading(event.balise.number, limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm))
+            else:
+                kind = Event[event.kind.upper()]
+                if kind is Event.STOPPED and stop_tick is None:
+                    stop_tick = tick
+                trace.add(RunEvent.PORT, now_ns, RunEvent(kind, event.instant_01ms, event.position_01mm).encode())
+        if tick % truth_ticks == 0:
+            telegram = telegrams.makers[SimTruth.PORT]()
+            assert telegram is not None
+            trace.add(SimTruth.PORT, now_ns, telegram.encode())
+        if tick % position_ticks == 0:
+            position_01mm = limited_01mm(plant.odometer_mm)
+        if tick % notch_ticks == 0:
+            if (k := now_ns // control_ns) > last_k:
+                last_k, code = k, law(k, plant.speed_01mmps, position_01mm, balise)
+            plant.command(code, False)
+            trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
+        if stop_tick is not None and tick >= stop_tick + after_stop:
+            ended = Event.ENDED_COMPLETE
+        elif stop_tick is None and tick > last_tick:
+            ended = Event.ENDED_NOT_STOPPED
+        plant.advance()
+    trace.add(RunEvent.PORT, plant.tick * tick_ns, RunEvent(ended, 0, 0).encode())
+    return BenchRun(trace, score(scenario, trace), ended=ended)

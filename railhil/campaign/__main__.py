@@ -1,0 +1,90 @@
+"""``python -m railhil.campaign`` (the same as ``railhil campaign``)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from rich.console import Console
+
+from railhil.campaign.command import arguments, check_combination, request_from
+from railhil.campaign.extras import need
+from railhil.campaign.plan import Request, make_plan
+from railhil.cli.output import Output, accept_any_text, flush_output
+from railhil.common.command_line import parse
+from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.whole_file import check_writable, whole_file
+from railhil.supervisor.errors import not_written
+
+_VERIFIED_RUNS = 3
+
+
+def _verify(namespace: argparse.Namespace) -> int:
+    need("numba", "campaign")
+    from railhil.campaign.verify import code_changed, verify
+
+    folder, runs = Path(namespace.verify), namespace.runs or _VERIFIED_RUNS
+    console = Output()
+    if code_changed(folder):
+        console.say("the code is not the campaign's any more: a difference may come from that", style="bold yellow")
+    found = verify(folder, runs, namespace.draw)
+    for one in found:
+        if not one.differences:
+            console.say(f"{one.law}, seed {one.seed}: the bench gives the same notches and scores")
+        for name, (ours, theirs) in one.differences.items():
+            console.say(
+                f"{one.law}, seed {one.seed}: {name} {ours} in the campaign, {theirs} on the bench", style="red"
+            )
+    bad = sum(bool(one.differences) for one in found)
+    console.say(f"{len(found) - bad} of {len(found)} runs are the same on the bench")
+    return FAIL if bad else PASS
+
+
+def _run(namespace: argparse.Namespace) -> int:
+    from railhil.campaign.engines import running
+    from railhil.campaign.manifest import read_manifest
+    from railhil.campaign.run import execute
+    from railhil.campaign.show import show
+
+    begun = Request() if namespace.resume is None else read_manifest(Path(namespace.resume)).request
+    plan = make_plan(request_from(namespace, begun))
+    file = None if namespace.json is None else Path(namespace.json)
+    if file is not None:
+        # Before the work, not after it.
+        try:
+            check_writable(file)
+        except OSError as error:
+            raise not_written("--json", file, "file", error) from error
+    console = Console(stderr=True)
+
+    def say(sentence: str) -> None:
+        console.print(sentence, markup=False, highlight=False, soft_wrap=True)
+
+    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say) as engine:
+        folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
+    show(Output(), found, folder)
+    if file is not None:
+        try:
+            with whole_file(file) as draft:
+                draft.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise not_written("--json", file, "file", error) from error
+    return PASS
+
+
+def main() -> int:
+    """Run, go on with or verify a campaign."""
+    accept_any_text()
+    namespace = parse(arguments())
+    check_combination(namespace)
+    need("pyarrow", "campaign")
+    try:
+        return _verify(namespace) if namespace.verify is not None else _run(namespace)
+    finally:
+        flush_output()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil campaign", main))

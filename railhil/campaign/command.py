@@ -1,0 +1,124 @@
+"""The command line of ``railhil campaign``, and the request that it makes."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
+from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import names as laws
+from railhil.controller_node.setpoint import INDEXINGS
+
+_JOBS_MAX = 1024
+ENGINES = ("batch", "joblib", "dask")
+_EXIT_CODES = """\
+exit codes:
+  0    every run was made (whatever its verdict); --verify: the bench gives the same
+  1    --verify: the bench gives something else
+  2    usage or bad input; one line says what was found and what is allowed
+  3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
+  4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
+  130  stopped by Ctrl-C; 143 by SIGTERM (what is done is kept, --resume goes on)"""
+#: Options that say what is run: None when not given, so that --resume takes them from the campaign.
+_REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
+
+
+def _law_list(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the campaign."""
+    usual = Request()
+    parser = OneLineParser(
+        prog="railhil campaign",
+        description="Thousands of perturbed runs of one or several laws on the same seeds: statistics and worst runs.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument("scenario", nargs="?", help=f"shipped name or TOML file (default {usual.scenario})")
+    parser.add_argument(
+        "--runs",
+        type=whole_number(1, RUNS_MAX),
+        metavar="N",
+        help=f"runs of each law (default {usual.runs}); --verify: 3",
+    )
+    parser.add_argument(
+        "--first-seed",
+        type=whole_number(0, SEED_MAX),
+        metavar="N",
+        help=f"seeds from here on (default {usual.first_seed})",
+    )
+    parser.add_argument(
+        "--laws", type=_law_list, metavar="A,B,...", help=f"{ALL_LAWS}, or some of {', '.join(laws())} (default ipfc)"
+    )
+    parser.add_argument("--arithmetic", choices=arithmetics(), help=f"(default {usual.arithmetic})")
+    parser.add_argument("--indexing", choices=INDEXINGS, help=f"set-point indexing (default {usual.indexing})")
+    parser.add_argument(
+        "--parameters", action="append", metavar="FILE", help="parameters of one law; may be given again"
+    )
+    parser.add_argument("--both", action="store_true", help="laws with a parameter file also with their own parameters")
+    parser.add_argument(
+        "--allow-training-seeds",
+        action="store_true",
+        help="also seeds on which parameters were tuned or chosen; every table then says so",
+    )
+    parser.add_argument("--engine", choices=ENGINES, default="batch", help="this process, cores, machines")
+    parser.add_argument(
+        "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="joblib: processes (default: one per core)"
+    )
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="dask: tcp://HOST:PORT of the scheduler")
+    parser.add_argument(
+        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); goes on there")
+    parser.add_argument("--resume", metavar="DIR", help="go on with the campaign of this folder")
+    parser.add_argument("--json", metavar="FILE", help="write summary.json there too")
+    parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
+    parser.add_argument(
+        "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which runs (default 0)"
+    )
+    return parser
+
+
+def check_combination(namespace: argparse.Namespace) -> None:
+    """Refuse options that do not go together. Raises InputError."""
+    given = [name for name in _REQUEST if getattr(namespace, name) is not None]
+    given += [name for name in ("both", "allow_training_seeds") if getattr(namespace, name)]
+    if namespace.verify is not None:
+        others = [name for name in (*given, "out", "resume", "json") if getattr(namespace, name, None) is not None]
+        if extra := [name for name in others if name != "runs"]:
+            raise InputError("command line", "--verify", _option(extra[0]), "beside it only --runs and --draw")
+    if namespace.resume is not None and namespace.out is not None:
+        raise InputError("command line", "--out", namespace.out, "one of --out and --resume")
+    if namespace.jobs is not None and namespace.engine != "joblib":
+        raise InputError("command line", "--jobs", namespace.jobs, "only with --engine joblib")
+    if namespace.scheduler is not None and namespace.engine != "dask":
+        raise InputError("command line", "--scheduler", namespace.scheduler, "only with --engine dask")
+
+
+def _option(name: str) -> str:
+    return name if name == "scenario" else f"--{name.replace('_', '-')}"
+
+
+def _absolute(name: str) -> str:
+    return str(Path(name).resolve())
+
+
+def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
+    """The request: what the command line says, and the rest as ``begun`` (of a campaign, or the usual one)."""
+    said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
+    if "scenario" in said and said["scenario"].endswith(".toml"):
+        said["scenario"] = _absolute(said["scenario"])
+    if "parameters" in said:
+        said["parameters"] = tuple(_absolute(name) for name in said["parameters"])
+    return replace(
+        begun,
+        **said,
+        both=begun.both or namespace.both,
+        allow_training_seeds=begun.allow_training_seeds or namespace.allow_training_seeds,
+    )

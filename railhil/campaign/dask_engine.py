@@ -1,0 +1,139 @@
+"""The dask engine: chunks go to the workers of a scheduler, which may be on other machines without a shared disk."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import re
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from distributed import Client, as_completed
+from distributed.comm.core import CommClosedError, connect
+from distributed.scheduler import KilledWorker
+from distributed.security import Security
+
+from railhil.campaign.work import Task, run_task
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import INVALID
+
+#: What reaches other machines; IPv6 in brackets.
+_ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
+_PORT_MAX = 65535
+_CONNECT_S = 10.0
+#: How long a campaign waits for a first or another worker.
+_WORKER_S = 60.0
+_ASK_S = 1.0
+_LOOK_S = 0.02
+#: Chunks handed out per core of the workers: enough that none waits, few enough that none of them fills the scheduler.
+_AHEAD = 4
+
+
+class ClusterLost(Exception):
+    """Scheduler or workers are gone; what is done is kept."""
+
+    exit_code = INVALID
+
+
+@contextmanager
+def connected(address: str, say: Callable[[str], None]) -> Iterator[DaskEngine]:
+    """The engine at a scheduler.
+
+    :raises scenarios.errors.InputError: it is no address, or nobody answers there.
+    """
+    allowed = "tcp://HOST:PORT of a running dask scheduler"
+    match = _ADDRESS.fullmatch(address)
+    if match is None or not 1 <= int(match["port"]) <= _PORT_MAX:
+        raise InputError("command line", "--scheduler", address, allowed)
+    # Its log lines tell of losses again, in many lines.
+    for name in ("distributed", "distributed.client"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    try:
+        # A client that fails to connect stays behind half made and complains when the process ends.
+        asyncio.run(_knock(address))
+        client = Client(address, timeout=_CONNECT_S, set_as_default=False, name="railhil-campaign")
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
+        raise InputError("command line", "--scheduler", address, allowed, str(error)) from error
+    try:
+        yield DaskEngine(client, address, say)
+    finally:
+        client.close(timeout=_CONNECT_S)
+
+
+async def _knock(address: str) -> None:
+    """Connect and hang up.
+
+    :raises OSError: nobody answers, or the TLS files of dask's configuration cannot be read.
+    :raises TypeError, ValueError, RuntimeError: the address does not go with dask's configuration of TLS.
+    """
+    comm = await connect(address, timeout=_CONNECT_S, **Security().get_connection_args("client"))
+    await comm.close()
+
+
+class DaskEngine:
+    """Called with tasks it gives their parts as they come.
+
+    A chunk whose worker dies goes to another one, as often as the scheduler allows (its setting
+    ``distributed.scheduler.allowed-failures``, 3 unless it says otherwise).
+    """
+
+    def __init__(self, client: Client, address: str, say: Callable[[str], None]) -> None:
+        self._client, self._address, self._say = client, address, say
+        self._workers: set[str] = set()
+        self._cores = 0
+        self._asked_s = -math.inf
+        self._seen_s = time.monotonic()
+
+    def __call__(self, tasks: Sequence[Task]) -> Generator[tuple[str, bytes], None, None]:
+        """Parts of the tasks. Raises :class:`ClusterLost`, and what a task raises."""
+        waiting = list(reversed(tasks))
+        ready: Any = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)
+        while waiting or not ready.is_empty():
+            self._ask()
+            while waiting and ready.count() < _AHEAD * max(1, self._cores):
+                # Not by content: another campaign's futures with the same task must not be taken for ours.
+                ready.add(self._client.submit(run_task, waiting.pop(), pure=False))
+            if ready.has_ready():
+                yield self._part(*next(ready))
+            else:
+                time.sleep(_LOOK_S)
+
+    def _part(self, future: Any, result: Any) -> tuple[str, bytes]:
+        if future.status == "finished":
+            name, content = result
+            return name, content
+        if future.status != "error":
+            raise self._lost()
+        error = result[1]
+        if isinstance(error, KilledWorker):
+            # Its own text is about dask's internals.
+            raise ClusterLost(
+                f"dask gave up a chunk after its workers died {error.allowed_failures + 1} times (memory?)"
+            )
+        raise error
+
+    def _lost(self) -> ClusterLost:
+        return ClusterLost(f"dask scheduler at {self._address} is lost")
+
+    def _ask(self) -> None:
+        """Count the workers now and then; say when some are gone, end when there are none for long."""
+        now_s = time.monotonic()
+        if self._client.status != "running":
+            raise self._lost()
+        if now_s - self._asked_s < _ASK_S:
+            return
+        self._asked_s = now_s
+        try:
+            cores = dict(self._client.ncores())
+        except (OSError, CommClosedError, RuntimeError) as error:
+            raise self._lost() from error
+        if gone := self._workers - set(cores):
+            self._say(f"{len(gone)} dask worker(s) lost, {len(cores)} left: what they had goes to others")
+        self._workers, self._cores = set(cores), sum(cores.values())
+        if cores:
+            self._seen_s = now_s
+        elif now_s - self._seen_s > _WORKER_S:
+            raise ClusterLost(f"no worker at the dask scheduler {self._address} for {_WORKER_S:g} s")

@@ -1,0 +1,98 @@
+"""Engines: tasks in, parts out, in any order. In this process, over the cores (joblib), over machines (dask)."""
+
+from __future__ import annotations
+
+import ctypes
+import signal
+import warnings
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
+
+from railhil.campaign.extras import need
+from railhil.campaign.work import Task, run_task
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import INVALID
+
+Parts = Generator[tuple[str, bytes], None, None]
+Engine = Callable[[Sequence[Task]], Parts]
+#: Called with one sentence for what the user should know at once.
+Say = Callable[[str], None]
+#: Losses of a worker one after the other, without a chunk done in between, after which a campaign gives up.
+LOSSES_MAX = 3
+#: prctl(2): a signal for the process when the thread that has started it ends.
+_PR_SET_PDEATHSIG = 1
+
+
+class WorkersLost(Exception):
+    """Too many workers were lost; what is done is kept."""
+
+    exit_code = INVALID
+
+
+def _batch(tasks: Sequence[Task]) -> Parts:
+    yield from map(run_task, tasks)
+
+
+def _worker() -> None:
+    """A worker process ends with its parent, and not before it.
+
+    Ctrl-C reaches the whole process group: the parent ends its workers, which have nothing to say to it. A killed
+    parent ends nobody, and the workers would wait for it for ever.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)
+    if prctl is not None:
+        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
+def _joblib(tasks: Sequence[Task], jobs: int, say: Say) -> Parts:
+    import joblib
+    from joblib.externals.loky.process_executor import BrokenProcessPool
+
+    # When a campaign is stopped, it says so itself.
+    warnings.filterwarnings("ignore", message=".*still being processed by the workers", category=UserWarning)
+    left = {task.chunk.name: task for task in tasks}
+    losses = 0
+    while left:
+        work = [joblib.delayed(run_task)(task) for task in left.values()]
+        try:
+            with joblib.parallel_config(backend="loky", n_jobs=jobs, initializer=_worker):
+                pool = joblib.Parallel(return_as="generator_unordered", batch_size=1)
+                with closing(pool(work)) as parts:
+                    for name, content in parts:
+                        yield name, content
+                        del left[name]
+                        losses = 0
+        except BrokenProcessPool as error:
+            losses += 1
+            if losses >= LOSSES_MAX:
+                raise WorkersLost(f"worker processes died {losses} times in a row (memory?)") from error
+            say(f"a worker process died: what it had is run again, {len(left)} chunks are left")
+
+
+@contextmanager
+def running(name: str, jobs: int, scheduler: str | None, say: Say) -> Iterator[Engine]:
+    """The engine of that name, ready to work.
+
+    :param jobs: processes of joblib, -1 one per core.
+    :param scheduler: address of dask's scheduler.
+    :param say: for a lost worker.
+    :raises scenarios.errors.InputError: a library is missing, or nobody answers at the address.
+    """
+    if name == "dask":
+        need("distributed", "dask")
+        from railhil.campaign.dask_engine import connected
+
+        if scheduler is None:
+            raise InputError("command line", "--scheduler", Words(), "tcp://HOST:PORT, the scheduler of --engine dask")
+        with connected(scheduler, say) as engine:
+            yield engine
+        return
+    # Where the work is done here, what it needs is missed before there is a folder.
+    need("numba", "campaign")
+    if name == "joblib":
+        need("joblib", "campaign")
+        yield partial(_joblib, jobs=jobs, say=say)
+    else:
+        yield _batch

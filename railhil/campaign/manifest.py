@@ -1,0 +1,102 @@
+"""``campaign.json``: what a campaign is, so that it goes on as it began."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
+from railhil.common.command_line import SEED_MAX
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import names as laws
+from railhil.controller_node.setpoint import INDEXINGS
+from railhil.scenarios.canonical import canonical_json
+from railhil.scenarios.validation import validated
+
+MANIFEST = "campaign.json"
+_FORMAT = 1
+_LIBRARIES = ("numpy", "numba", "pyarrow", "scipy")
+
+
+def _one_of(names: Callable[[], Sequence[str]]) -> AfterValidator:
+    def check(text: str) -> str:
+        if text not in names():
+            raise ValueError(f"one of {', '.join(names())}")
+        return text
+
+    return AfterValidator(check)
+
+
+class _Request(BaseModel):
+    """:class:`~hil_tests.campaign.plan.Request` as JSON, with the bounds of the command line."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+    scenario: str = Field(min_length=1)
+    runs: int = Field(ge=1, le=RUNS_MAX)
+    first_seed: int = Field(ge=0, le=SEED_MAX)
+    laws: list[Annotated[str, _one_of(lambda: (*laws(), ALL_LAWS))]]
+    both: bool
+    arithmetic: Annotated[str, _one_of(arithmetics)]
+    indexing: Annotated[str, _one_of(lambda: INDEXINGS)]
+    parameters: list[str]
+    chunk: int = Field(ge=1, le=CHUNK_MAX)
+    allow_training_seeds: bool
+
+
+class _File(BaseModel):
+    """What is read back; the rest is for people."""
+
+    model_config = ConfigDict(extra="ignore", strict=True)
+    campaign: dict[str, Any]
+    request: _Request
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """A campaign that has begun: its identity (:attr:`~hil_tests.campaign.plan.Plan.identity`) and its request."""
+
+    campaign: dict[str, Any]
+    request: Request
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """``campaign.json`` of a folder.
+
+    :raises InputError: there is none, or something in it is not as a campaign has written it.
+    """
+    path = folder / MANIFEST
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "", Words((error.strerror or str(error)).lower()), "folder of a campaign") from None
+    except ValueError:
+        raise InputError(path, "", Words("no JSON"), "what `railhil campaign` has written") from None
+    if not isinstance(document, dict) or document.get("format") != _FORMAT:
+        raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of a campaign of this railhil")
+    file = validated(_File, document, lambda keys: path)
+    values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in file.request}
+    return Manifest(file.campaign, Request(**values))
+
+
+def manifest(plan: Plan) -> dict[str, Any]:
+    """Content of ``campaign.json``: ``campaign`` is what a continuation must repeat, the rest explains it."""
+    return {
+        "format": _FORMAT,
+        "railhil": version("railhil"),
+        "campaign": plan.identity,
+        "request": plan.request_document(),
+        "scenario": json.loads(canonical_json(plan.scenario)),
+        "parameters": {
+            entry.label: dict(entry.parameters.values) for entry in plan.entries if entry.parameters is not None
+        },
+        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "libraries": {name: version(name) for name in _LIBRARIES},
+    }

@@ -1,0 +1,238 @@
+"""What a campaign runs: a scenario, laws with their parameters, seeds, and how the seeds are cut into chunks."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from railhil.common.command_line import SEED_MAX
+from railhil.common.errors import InputError, Words, nearest_key
+from railhil.controller_node import laws as registered
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.laws.base import Law
+from railhil.controller_node.loop import ControlLoop
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.supervisor.folder import code_sha256
+
+#: The law of a request that names none.
+_USUAL_LAW = "ipfc"
+#: Stands for every registered law, in the order of the tables; the others are held against the first.
+ALL_LAWS = "all"
+RUNS_MAX = 10_000_000
+CHUNK_MAX = 10_000
+#: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
+_OWN_CODE = ("batch", "campaign/table.py", "campaign/work.py")
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What the command line asks for. Files by absolute path, so that a campaign goes on from any folder."""
+
+    scenario: str = "lvshun_tieshan"
+    runs: int = 1000
+    first_seed: int = 1000
+    laws: tuple[str, ...] = ()
+    both: bool = False
+    arithmetic: str = "float64"
+    indexing: str = "time"
+    parameters: tuple[str, ...] = ()
+    chunk: int = 500
+    allow_training_seeds: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One law with its parameters: a row of every table. ``law_sha256`` is the hash of the file with its class."""
+
+    law: str
+    parameters: ParameterSet | None
+    law_sha256: str
+
+    @property
+    def label(self) -> str:
+        """Name in tables and files: the law, and the digest of a parameter file."""
+        return self.law if self.parameters is None else self.parameters.controller
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Runs of one entry with consecutive seeds: the unit of work, of repetition and of loss."""
+
+    entry: Entry
+    index: int
+    first_seed: int
+    runs: int
+
+    @property
+    def seeds(self) -> range:
+        """Seeds of the runs."""
+        return range(self.first_seed, self.first_seed + self.runs)
+
+    @property
+    def name(self) -> str:
+        """Name of its part, without suffix; a law's name may hold anything."""
+        return f"{quote(self.entry.label, safe='+')}-{self.index:05d}"
+
+
+@lru_cache(maxsize=1)
+def batch_sha256() -> str:
+    """Hash over the code beyond the bench's own that the figures depend on (paths and contents, in path order)."""
+    root = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256()
+    for name in _OWN_CODE:
+        place = root / name
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+@lru_cache(maxsize=1)
+def bench_sha256() -> str:
+    """:func:`railhil.supervisor.folder.code_sha256`, once per process."""
+    return code_sha256()
+
+
+@lru_cache(maxsize=64)
+def _law(name: str) -> type[Law[Any, Any]]:
+    """:func:`railhil.controller_node.laws.load`, which looks through all installed packages, once per law."""
+    return registered.load(name)
+
+
+@lru_cache(maxsize=64)
+def law_sha256(name: str) -> str:
+    """Hash of the source file with the class of a law: it may come from another package. Raises InputError."""
+    return hashlib.sha256(Path(inspect.getfile(_law(name))).read_bytes()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A campaign: what its identity says is what a continuation must repeat."""
+
+    request: Request
+    scenario: Scenario
+    entries: tuple[Entry, ...]
+
+    @property
+    def seeds(self) -> range:
+        """Seeds of every law."""
+        return range(self.request.first_seed, self.request.first_seed + self.request.runs)
+
+    def chunks(self) -> Iterator[Chunk]:
+        """All chunks, laws one after the other."""
+        step = self.request.chunk
+        for entry in self.entries:
+            for index, first in enumerate(self.seeds[::step]):
+                yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
+
+    def training(self, entry: Entry) -> list[int]:
+        """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen.
+
+        The latter also with a parameter file: what it does not name stays the law's own.
+        """
+        tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
+        chosen = _law(entry.law).design_seeds.get(self.scenario.name, ())
+        return sorted(tuned.union(seed for seed in chosen if seed in self.seeds))
+
+    @property
+    def subject(self) -> dict[str, Any]:
+        """What decides the figure of every single run."""
+        return {
+            "scenario": self.scenario.name,
+            "scenario_sha256": self.scenario.sha256,
+            "arithmetic": self.request.arithmetic,
+            "indexing": self.request.indexing,
+            "code_sha256": bench_sha256(),
+            "batch_sha256": batch_sha256(),
+        }
+
+    @property
+    def subject_sha256(self) -> str:
+        """Hash of :attr:`subject`; stands in every part."""
+        return hashlib.sha256(json.dumps(self.subject, sort_keys=True).encode()).hexdigest()
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What a continuation must have in common with its beginning."""
+        return self.subject | {
+            "first_seed": self.request.first_seed,
+            "runs": self.request.runs,
+            "chunk": self.request.chunk,
+            "laws": [
+                {
+                    "label": entry.label,
+                    "law": entry.law,
+                    "law_sha256": entry.law_sha256,
+                    "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
+                    "training_seeds": self.training(entry),
+                }
+                for entry in self.entries
+            ],
+        }
+
+    def request_document(self) -> dict[str, Any]:
+        """The request as JSON."""
+        return asdict(self.request)
+
+
+def _entries(request: Request) -> tuple[Entry, ...]:
+    files = [load_parameters(Path(name)) for name in request.parameters]
+    known = registered.names()
+    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (_USUAL_LAW,)
+    if wanted == (ALL_LAWS,):
+        wanted = known
+    for name in wanted:
+        if name not in known:
+            nearest = nearest_key(name, known)
+            hint = f"did you mean {nearest}?" if nearest else None
+            raise InputError("command line", "--laws", name, f"all, or some of {', '.join(known)}", hint)
+    for file in files:
+        if file.law not in wanted:
+            raise InputError(file.source, "law", file.law, f"one of the laws of the campaign: {', '.join(wanted)}")
+    found: list[Entry] = []
+    for name in wanted:
+        sets: list[ParameterSet | None] = [file for file in files if file.law == name]
+        if request.both or not sets:
+            sets.insert(0, None)
+        found += [Entry(name, one, law_sha256(name)) for one in sets]
+    labels = [entry.label for entry in found]
+    if twice := next((label for label in labels if labels.count(label) > 1), None):
+        raise InputError("command line", "--laws, --parameters", Words(f"{twice} twice"), "each law and file once")
+    return tuple(found)
+
+
+def make_plan(request: Request) -> Plan:
+    """Load what the request names and check that every law can be made of it.
+
+    :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
+        tuned or chosen (unless the request allows them).
+    """
+    scenario = load(request.scenario)
+    last = request.first_seed + request.runs - 1
+    if last > SEED_MAX:
+        raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+    plan = Plan(request, scenario, _entries(request))
+    for entry in plan.entries:
+        ControlLoop(scenario, entry.law, make(request.arithmetic), request.indexing, entry.parameters)
+        if not request.allow_training_seeds:
+            _check_unseen(plan, entry)
+    return plan
+
+
+def _check_unseen(plan: Plan, entry: Entry) -> None:
+    """Refuse to judge parameters by runs that they were made from. Raises InputError."""
+    if entry.parameters is not None:
+        entry.parameters.check_unseen(plan.seeds)
+    if seen := plan.training(entry):
+        origin = _law(entry.law).parameters_origin
+        found = Words(f"seed {seen[0]}, on which {entry.law}'s own parameters were chosen ({origin})")
+        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+        raise InputError("command line", "--first-seed", found, allowed)

@@ -1,0 +1,118 @@
+"""The table of runs: one row per run, the same columns in every part and in ``results.parquet``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+
+from railhil.batch.perturbed_runs import SCORES
+
+#: Numbers that may be missing: null in the file (no stop, no stop error).
+_NUMBERS = (*SCORES, "signed_time_error_s", "signed_stop_error_m", "overspeed_mps")
+_COUNTS = ("wraps", "saturations", "zero_divisions")
+SCHEMA = pa.schema(
+    [
+        pa.field("law", pa.string(), nullable=False),
+        pa.field("seed", pa.int64(), nullable=False),
+        pa.field("verdict", pa.string(), nullable=False),
+        pa.field("ended", pa.string(), nullable=False),
+        *(pa.field(name, pa.float64()) for name in _NUMBERS),
+        *(pa.field(name, pa.int64(), nullable=False) for name in _COUNTS),
+        pa.field("failures", pa.list_(pa.string()), nullable=False),
+        pa.field("notch_digest", pa.string(), nullable=False),
+        # The parameters of the law were tuned or chosen on a run with this seed.
+        pa.field("training", pa.bool_(), nullable=False),
+    ]
+)
+#: Key of the metadata that says which part of which campaign a file is.
+_ORIGIN = b"railhil.campaign"
+
+
+def table_of(label: str, result: Any, training: Sequence[int]) -> pa.Table:
+    """Table of the runs of one chunk.
+
+    :param result: a ``railhil.batch.BatchResult``.
+    :param training: seeds on which the parameters were tuned or chosen.
+    """
+    seeds = np.asarray(result.seed, dtype=np.int64)
+    columns: dict[str, Any] = {
+        "law": [label] * len(seeds),
+        "seed": seeds,
+        "verdict": ["PASS" if passed else "FAIL" for passed in result.passed],
+        "ended": [str(ended) for ended in result.ended],
+        "failures": [list(texts) for texts in result.failures],
+        "notch_digest": [str(digest) for digest in result.notch_digest],
+        "training": np.isin(seeds, list(training)),
+    }
+    columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
+    # Missing is null, not a number that is none: averages of every tool leave it out.
+    columns |= {name: pa.array(np.asarray(getattr(result, name), dtype=float), from_pandas=True) for name in _NUMBERS}
+    return pa.table(columns, schema=SCHEMA)
+
+
+def file_bytes(table: pa.Table, origin: str) -> bytes:
+    """The table as a Parquet file with checksums; the same bytes for the same rows, however they came together."""
+    buffer = BytesIO()
+    whole = table.combine_chunks().replace_schema_metadata({_ORIGIN: origin.encode()})
+    pq.write_table(whole, buffer, compression="zstd", write_page_checksum=True)
+    return buffer.getvalue()
+
+
+class NotThePart(Exception):
+    """A file is not what its name says; the text says why."""
+
+
+def _read(path: Path) -> pa.Table:
+    """A table of runs. Raises :class:`NotThePart`, OSError."""
+    content = path.read_bytes()
+    try:
+        table = pq.read_table(BytesIO(content), page_checksum_verification=True)
+    except (pa.ArrowException, OSError) as error:
+        raise NotThePart("torn or damaged") from error
+    if not table.schema.remove_metadata().equals(SCHEMA):
+        raise NotThePart("with other columns")
+    return table
+
+
+def read_part(path: Path, origin: str, label: str, seeds: range) -> pa.Table:
+    """A part that a campaign has written.
+
+    :raises NotThePart: torn, damaged, or of other runs.
+    :raises OSError: it cannot be read at all.
+    """
+    table = _read(path)
+    if (table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace") != origin:
+        raise NotThePart("of other runs")
+    if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), np.arange(seeds.start, seeds.stop)):
+        raise NotThePart("with other seeds")
+    if set(table["law"].to_pylist()) != {label}:
+        raise NotThePart("of another law")
+    return table
+
+
+def read_results(path: Path) -> pa.Table:
+    """``results.parquet`` of a finished campaign. Raises OSError, :class:`NotThePart`."""
+    return _read(path)
+
+
+def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """A column as float64, NaN where it is null."""
+    return table[name].to_numpy(zero_copy_only=False).astype(np.float64)
+
+
+def rows_of(table: pa.Table, label: str) -> pa.Table:
+    """The runs of one law, in the order of their seeds."""
+    return table.filter(pc.equal(table["law"], label))
+
+
+def row(table: pa.Table, index: int) -> Mapping[str, Any]:
+    """One run as a mapping of its columns."""
+    found: Mapping[str, Any] = table.slice(index, 1).to_pylist()[0]
+    return found

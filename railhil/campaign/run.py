@@ -1,0 +1,121 @@
+"""A campaign from its plan to its summary, whatever is there of it already."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.text import Text
+
+from railhil.campaign.engines import Engine
+from railhil.campaign.folder import CampaignFolder, opened
+from railhil.campaign.plan import Chunk, Plan
+from railhil.campaign.results_table import NotThePart
+from railhil.campaign.summary import summary
+from railhil.campaign.work import task_of
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
+
+#: Progress is shown again at most so often per second.
+_REFRESH_HZ = 4
+#: Over how many seconds the speed is taken.
+_SPEED_S = 60
+
+
+class Stopped(Exception):
+    """A campaign that could not be finished: why, what is kept, how it goes on."""
+
+    def __init__(self, text: str, exit_code: int) -> None:
+        super().__init__(text)
+        self.exit_code = exit_code
+
+
+class _Speed(ProgressColumn):
+    """Runs per second of this session."""
+
+    def render(self, task: Task) -> Text:
+        speed = task.finished_speed or task.speed
+        return Text("" if speed is None else f"{speed:,.0f} runs/s")
+
+
+def execute(
+    plan: Plan, out: str | None, console: Console, engine: Engine, say: Callable[[str], None]
+) -> tuple[Path, dict[str, Any]]:
+    """Run what is missing of a campaign, then join and summarise it.
+
+    :param out: its folder; None makes a new one.
+    :param console: for progress (standard error).
+    :param say: for remarks.
+    :returns: the folder and the content of ``summary.json``.
+    :raises scenarios.errors.InputError: the folder is not what it must be.
+    :raises Stopped: workers or parts were lost, or the record cannot be written (any more).
+    """
+    with opened(out, plan) as folder:
+        total = plan.request.runs * len(plan.entries)
+
+        def how_on() -> str:
+            return f"{folder.kept():,} of {total:,} runs are kept; railhil campaign --resume {folder.path} goes on"
+
+        try:
+            left, complaints = folder.missing()
+            for complaint in complaints:
+                say(complaint)
+            if kept := folder.kept():
+                say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
+            # Closed at once when something goes wrong: workers must not go on behind an exception.
+            with _progress(console, kept, total) as shown, closing(_made(plan, folder, left, engine)) as made:
+                for runs in made:
+                    shown(runs)
+            results = folder.write_results()
+            found = summary(plan, results)
+            folder.write_summary(found)
+        except (KeyboardInterrupt, SystemExit):
+            say(f"railhil campaign: stopped; {how_on()}")
+            raise
+        except NotThePart as why:
+            raise Stopped(f"a part in {folder.path} has become {why}; {how_on()}", TOOL_ERROR) from why
+        except InputError:
+            raise
+        except Exception as error:
+            text = " ".join(str(error).split()) or type(error).__name__
+            code = exit_code_of(error)
+            kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""
+            raise Stopped(f"{kind}{text}; {how_on()}", code) from error
+        return folder.path, found
+
+
+def _made(plan: Plan, folder: CampaignFolder, left: Sequence[Chunk], engine: Engine) -> Generator[int, None, None]:
+    """Write the missing parts; the number of runs of each as soon as it is safe."""
+    if not left:
+        return
+    runs = {chunk.name: chunk.runs for chunk in left}
+    with closing(engine([task_of(plan, chunk) for chunk in left])) as parts:
+        for name, content in parts:
+            folder.write_part(name, content)
+            yield runs[name]
+
+
+@contextmanager
+def _progress(console: Console, done: int, total: int) -> Iterator[Callable[[int], None]]:
+    """A bar on a terminal, nothing elsewhere; called with the number of runs that are done besides."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        _Speed(),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns,
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+        refresh_per_second=_REFRESH_HZ,
+        speed_estimate_period=_SPEED_S,
+    ) as bar:
+        task = bar.add_task("runs", total=total, completed=done)
+        yield lambda runs: bar.advance(task, runs)

@@ -1,0 +1,125 @@
+"""A campaign on the terminal: tables that fit into 100 columns, all taken from ``summary.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from railhil.campaign.summary import QUANTILES
+from railhil.cli.output import Output, table
+
+_TITLES = {
+    "itae": "ITAE",
+    "energy_kj": "energy",
+    "punctuality_s": "time error",
+    "stop_error_m": "stop error",
+    "comfort": "comfort",
+}
+_DIGITS = {"itae": 1, "energy_kj": 0, "punctuality_s": 4, "stop_error_m": 4, "comfort": 4}
+_QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
+_INSIDE = {"stop_limit": "stop limit", "time_limit": "time limit", "both": "both", "pass": "PASS"}
+
+
+def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
+    made = table(tight=True)
+    made.title, made.title_justify, made.title_style = title, "left", "bold"
+    for name in left:
+        made.add_column(name, no_wrap=True)
+    for name in right:
+        made.add_column(name, justify="right", no_wrap=True)
+    return made
+
+
+def _number(value: float | str | None, digits: int) -> str:
+    """A figure of ``summary.json``: a number, ``inf`` or ``-inf``, or no bound."""
+    return "-" if value is None else f"{float(value):.{digits}f}"
+
+
+def _interval(bounds: Sequence[float | str | None], digits: int) -> str:
+    low, high = (_number(bound, digits) for bound in bounds)
+    return f"{low}..{high}"
+
+
+def _share(found: Mapping[str, Any]) -> str:
+    low, high = found["interval"]
+    return f"{found['share']:.2%}\n{100 * low:.2f}..{100 * high:.2f}"
+
+
+def _scores(summary: Mapping[str, Any]) -> Table:
+    level = f"{summary['confidence']:.0%} CI"
+    titles = [title for name in QUANTILES for title in (_QUANTILE_TITLES[name], level)]
+    made = _columns("Scores", ("law", "score", "unit"), titles)
+    for label, law in summary["laws"].items():
+        for i, (name, title) in enumerate(_TITLES.items()):
+            score, digits = law["scores"][name], _DIGITS[name]
+            cells = []
+            for key in QUANTILES:
+                value = score[key]["value"]
+                cells.append("did not stop" if value == "inf" else _number(value, digits))
+                cells.append(_interval(score[key]["interval"], digits))
+            made.add_row("" if i else label, title, score["unit"], *cells)
+    return made
+
+
+def _inside(summary: Mapping[str, Any]) -> Table:
+    limits = summary["limits"]
+    title = f"Runs inside +-{limits['stop_error_m']:g} m and +-{limits['time_error_s']:g} s"
+    counts = ("not_stopped", "overspeeds", "runs_with_wraps")
+    heads = [*_INSIDE.values(), "not\nstopped", "over-\nspeed", "with\nwraps"]
+    made = _columns(title, ("law",), heads)
+    for label, law in summary["laws"].items():
+        shares = [_share(law["inside"][key]) for key in _INSIDE]
+        made.add_row(label, *shares, *(f"{law[key]:,}" for key in counts))
+    return made
+
+
+def _against(summary: Mapping[str, Any]) -> Table:
+    heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
+    made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
+    for label, scores in summary["against_baseline"].items():
+        for i, (name, title) in enumerate(_TITLES.items()):
+            score, digits = scores[name], _DIGITS[name]
+            apart = score["median_difference"]
+            made.add_row(
+                "" if i else label,
+                title,
+                score["unit"],
+                f"{float(apart['value']):+.{digits}f}",
+                _interval(apart["interval"], digits),
+                f"{score['better']['share']:.1%}",
+                f"{score['equal_runs'] / summary['runs']:.1%}",
+            )
+    return made
+
+
+def _errors(run: Mapping[str, Any]) -> str:
+    if run["stop_error_m"] is None:
+        return "no stop"
+    return f"stop {run['stop_error_m']:+.3f} m, time {run['time_error_s']:+.3f} s"
+
+
+def show(console: Output, summary: Mapping[str, Any], folder: Path) -> None:
+    """Print all tables, then the worst runs with the commands that make them again on the bench."""
+    console.say(
+        f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "
+        f"{summary['last_seed']}, {summary['arithmetic']}, indexed by {summary['indexing']}"
+    )
+    tables = [_scores(summary), _inside(summary)]
+    if summary["against_baseline"]:
+        tables.append(_against(summary))
+    for made in tables:
+        for warning in summary["warnings"]:
+            console.say(warning, style="bold red")
+        console.print(made)
+        console.say("")
+    if any(law["not_stopped"] for law in summary["laws"].values()):
+        console.say("A run that did not stop counts as infinitely bad in the quantiles of stop and time error.")
+    console.say("Worst runs, and the command that makes each again on the bench", style="bold")
+    for label, law in summary["laws"].items():
+        for run in law["worst"]:
+            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run)}")
+            console.say(f"  {run['command']}", style="dim")
+    console.say(f"campaign folder {folder}")

@@ -1,0 +1,126 @@
+"""``summary.json``: what the runs of a campaign say, law by law and against the first law."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from railhil.batch.perturbed_runs import SCORES
+from railhil.campaign.plan import Entry, Plan
+from railhil.campaign.results_table import numbers, rows_of
+from railhil.campaign.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
+from railhil.campaign.worst import worst_runs
+
+#: Key and probability of each quantile.
+QUANTILES = {"median": 0.5, "p95": 0.95}
+_NOTES = [
+    'a run that did not stop counts as infinitely bad in the quantiles of stop and time error: the text "inf"; '
+    'differences: "inf" where only this law did not stop, "-inf" where only the other did not, 0 where neither did',
+    "intervals of quantiles: order statistics (binomial), null where the sample is too small for a bound; "
+    "intervals of shares: Clopper-Pearson",
+]
+
+
+def _json(value: float | None) -> float | str | None:
+    """JSON has no infinity: the text ``inf`` or ``-inf``, which float() reads in every language that has one."""
+    return value if value is None or math.isfinite(value) else str(value)
+
+
+def _estimate(found: Estimate) -> dict[str, Any]:
+    return {"value": _json(found.value), "interval": [_json(found.low), _json(found.high)]}
+
+
+def _share(found: Share) -> dict[str, Any]:
+    return {"runs": found.count, "share": found.share, "interval": [found.low, found.high]}
+
+
+def _quantiles(values: NDArray[np.float64]) -> dict[str, Any]:
+    return {name: _estimate(estimate(values, q)) for name, q in QUANTILES.items()}
+
+
+def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
+    """NaN (never stopped) is not within."""
+    return np.asarray(np.nan_to_num(values, nan=math.inf) <= limit, dtype=np.bool_)
+
+
+def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
+    stops = _within(numbers(rows, "stop_error_m"), plan.scenario.plan.stop_error_max_m)
+    in_time = _within(numbers(rows, "punctuality_s"), plan.scenario.plan.time_error_max_s)
+    passed = np.array(rows["verdict"].to_pylist()) == "PASS"
+    wraps = rows["wraps"].to_numpy()
+    return {
+        "controller": entry.law,
+        "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
+        "training_runs": int(np.count_nonzero(rows["training"].to_numpy(zero_copy_only=False))),
+        "scores": {name: {"unit": unit} | _quantiles(numbers(rows, name)) for name, unit in SCORES.items()},
+        "inside": {
+            "stop_limit": _share(share(stops)),
+            "time_limit": _share(share(in_time)),
+            "both": _share(share(stops & in_time)),
+            "pass": _share(share(passed)),
+        },
+        "not_stopped": int(np.count_nonzero(np.isnan(numbers(rows, "stop_error_m")))),
+        "overspeeds": int(np.count_nonzero(numbers(rows, "overspeed_mps") > 0)),
+        "runs_with_wraps": int(np.count_nonzero(wraps)),
+        "wraps": int(wraps.sum()),
+        "saturations": int(rows["saturations"].to_numpy().sum()),
+        "zero_divisions": int(rows["zero_divisions"].to_numpy().sum()),
+        "worst": worst_runs(plan, entry, rows),
+    }
+
+
+def _against(rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
+    """Paired: both laws have run the same seeds, so the same trains."""
+    found = {}
+    for name, unit in SCORES.items():
+        apart = differences(numbers(rows, name), numbers(baseline, name))
+        found[name] = {
+            "unit": unit,
+            "median_difference": _estimate(estimate(apart, 0.5)),
+            "better": _share(share(apart < 0)),
+            "equal_runs": int(np.count_nonzero(apart == 0)),
+        }
+    return found
+
+
+def training_sentence(plan: Plan) -> str | None:
+    """What every table must say when parameters are judged by runs that they were made from."""
+    seen = {entry.label: len(plan.training(entry)) for entry in plan.entries}
+    if not any(seen.values()):
+        return None
+    laws = ", ".join(f"{label} on {count}" for label, count in seen.items() if count)
+    runs = f"{laws} of {plan.request.runs} runs"
+    return f"NOT AN EVALUATION: parameters were tuned or chosen on seeds of this campaign ({runs})"
+
+
+def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
+    """Content of ``summary.json``. The same for the same runs: nothing in it depends on how they came about.
+
+    :param results: the runs of all laws, sorted by law and seed.
+    """
+    rows = {entry.label: rows_of(results, entry.label) for entry in plan.entries}
+    first, *others = (entry.label for entry in plan.entries)
+    warning = training_sentence(plan)
+    return {
+        "scenario": plan.scenario.name,
+        "scenario_sha256": plan.scenario.sha256,
+        "arithmetic": plan.request.arithmetic,
+        "indexing": plan.request.indexing,
+        "runs": plan.request.runs,
+        "first_seed": plan.seeds.start,
+        "last_seed": plan.seeds.stop - 1,
+        "confidence": CONFIDENCE,
+        "warnings": [] if warning is None else [warning],
+        "notes": _NOTES,
+        "limits": {
+            "stop_error_m": plan.scenario.plan.stop_error_max_m,
+            "time_error_s": plan.scenario.plan.time_error_max_s,
+        },
+        "laws": {entry.label: _law(plan, entry, rows[entry.label]) for entry in plan.entries},
+        "baseline": first,
+        "against_baseline": {label: _against(rows[label], rows[first]) for label in others},
+    }

@@ -1,0 +1,111 @@
+"""Some runs of a campaign again, on the real bench: notch sequence and scores must be the same."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhil.batch import trace_digest
+from railhil.campaign.folder import RESULTS
+from railhil.campaign.manifest import MANIFEST, read_manifest
+from railhil.campaign.plan import Plan, make_plan
+from railhil.campaign.results_table import NotThePart, read_results, row
+from railhil.campaign.worst import rerun_words
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.trace import trace_of
+
+
+class BenchInvalid(Exception):
+    """A run on the bench was no run."""
+
+    exit_code = INVALID
+
+
+@dataclass(frozen=True, slots=True)
+class Verified:
+    """One run: what differs between campaign and bench (column: campaign's value, bench's value)."""
+
+    law: str
+    seed: int
+    differences: Mapping[str, tuple[Any, Any]]
+
+
+def _plan(folder: Path) -> Plan:
+    """The campaign's plan, as it can be made today.
+
+    :raises InputError: scenario, parameters or laws are not those of the campaign any more.
+    """
+    begun = read_manifest(folder)
+    plan = make_plan(begun.request)
+    ours = json.loads(json.dumps(plan.identity))
+    for key in ("scenario_sha256", "laws", "runs", "first_seed"):
+        found = begun.campaign.get(key)
+        if found != ours[key]:
+            allowed = f"{json.dumps(ours[key])}, what this installation would run"
+            raise InputError(folder / MANIFEST, f"campaign.{key}", Words(json.dumps(found)), allowed)
+    return plan
+
+
+def code_changed(folder: Path) -> bool:
+    """The code is not the campaign's any more, so a difference need not be a defect. Raises InputError."""
+    recorded = read_manifest(folder).campaign
+    ours = _plan(folder).identity
+    return any(recorded.get(key) != ours[key] for key in ("code_sha256", "batch_sha256"))
+
+
+def bench_run(plan: Plan, words: list[str]) -> dict[str, Any]:
+    """One run with ``railhil`` in a folder of its own: the columns that a campaign has of it.
+
+    :raises BenchInvalid: the bench gave no valid run.
+    """
+    with tempfile.TemporaryDirectory(prefix="railhil-") as private:
+        folder = Path(private) / "run"
+        command = [sys.executable, "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode not in (PASS, FAIL):
+            complaint = " ".join(done.stderr.split()) or "no word"
+            raise BenchInvalid(f"the bench gave exit code {done.returncode} for railhil {' '.join(words)}: {complaint}")
+        found = json.loads((folder / "score.json").read_text(encoding="utf-8"))
+        digest = trace_digest(plan.scenario, trace_of(read_log(folder / "frames.log")))
+    return {
+        **found["scores"],
+        "signed_time_error_s": found["signed"]["time_error_s"],
+        "signed_stop_error_m": found["signed"]["stop_error_m"],
+        **{name: found[name] for name in ("verdict", "ended", "overspeed_mps", "failures")},
+        "notch_digest": digest,
+    }
+
+
+def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
+    """Run some of a campaign's runs on the bench and compare every figure to the last digit.
+
+    :param runs: how many, over all laws.
+    :param draw: seed of the choice.
+    :raises InputError: the folder has no finished campaign that could be run again.
+    """
+    plan = _plan(folder)
+    try:
+        results = read_results(folder / RESULTS)
+    except FileNotFoundError:
+        raise InputError(folder, "", Words(f"no {RESULTS}"), "a finished campaign (--resume finishes it)") from None
+    except (OSError, NotThePart) as why:
+        raise InputError(folder / RESULTS, "", Words(str(why)), "what the campaign has written") from why
+    entries = {entry.label: entry for entry in plan.entries}
+    chosen = np.random.default_rng(draw).permutation(results.num_rows)[:runs]
+    found = []
+    for index in chosen:
+        ours = row(results, int(index))
+        bench = bench_run(plan, rerun_words(plan, entries[ours["law"]], ours["seed"]))
+        apart = {name: (ours[name], theirs) for name, theirs in bench.items() if ours[name] != theirs}
+        found.append(Verified(ours["law"], ours["seed"], apart))
+    return found

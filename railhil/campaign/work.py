@@ -1,0 +1,72 @@
+"""One chunk from its task to the bytes of its part: what every engine runs, in any process on any machine."""
+
+from __future__ import annotations
+
+import platform
+from dataclasses import dataclass
+
+from railhil.campaign.plan import Chunk, Plan, batch_sha256, bench_sha256, law_sha256
+from railhil.campaign.results_table import file_bytes, table_of
+from railhil.common.exit_codes import INVALID
+from railhil.scenarios.model import Scenario
+
+
+class OtherCode(Exception):
+    """A worker has other code than the campaign: its figures would not be those of the campaign."""
+
+    exit_code = INVALID
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """All that a worker needs; small, it travels with every chunk. ``origin`` is what the part says of itself."""
+
+    chunk: Chunk
+    scenario: Scenario
+    arithmetic: str
+    indexing: str
+    training: tuple[int, ...]
+    origin: str
+    code_sha256: str
+    batch_sha256: str
+
+
+def origin_of(plan: Plan, chunk: Chunk) -> str:
+    """What a part says of itself: which runs of which campaign."""
+    entry = chunk.entry
+    parameters = "" if entry.parameters is None else entry.parameters.sha256
+    return f"{plan.subject_sha256} {entry.law_sha256} {parameters} {chunk.name}"
+
+
+def task_of(plan: Plan, chunk: Chunk) -> Task:
+    """The task of a chunk."""
+    training = set(plan.training(chunk.entry))
+    return Task(
+        chunk,
+        plan.scenario,
+        plan.request.arithmetic,
+        plan.request.indexing,
+        tuple(seed for seed in chunk.seeds if seed in training),
+        origin_of(plan, chunk),
+        bench_sha256(),
+        batch_sha256(),
+    )
+
+
+def run_task(task: Task) -> tuple[str, bytes]:
+    """Run a chunk: its name and the bytes of its part.
+
+    :raises OtherCode: this process runs other code than the one that asks.
+    :raises scenarios.errors.InputError: a library of the extra is missing here.
+    """
+    entry = task.chunk.entry
+    ours = (bench_sha256(), batch_sha256(), law_sha256(entry.law))
+    if ours != (task.code_sha256, task.batch_sha256, entry.law_sha256):
+        raise OtherCode(
+            f"worker on {platform.node()} has other code than this campaign: install the same railhil there"
+        )
+    from railhil.batch import Case, run_batch
+
+    case = Case(task.scenario, entry.law, task.arithmetic, task.indexing, entry.parameters, perturbed=True)
+    result = run_batch(case, list(task.chunk.seeds))
+    return task.chunk.name, file_bytes(table_of(entry.label, result, task.training), task.origin)

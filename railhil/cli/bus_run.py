@@ -1,0 +1,205 @@
+"""What ``railhil run`` and ``railhil compare`` share: one law over the bus, recorded into a folder of its own."""
+
+from __future__ import annotations
+
+import argparse
+import errno
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.metadata import entry_points
+from pathlib import Path
+
+import can
+from can.cli import add_bus_arguments
+from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
+
+from railhil.bus.ident import ARITHMETICS
+from railhil.bus.select import BusChoice, choose_bus
+from railhil.cli.output import Output
+from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
+from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.exit_codes import USAGE
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.supervisor.documents import read_certificate
+from railhil.supervisor.errors import NO_ROOM
+from railhil.supervisor.folder import discard_folder, record_failed, write_folder
+from railhil.supervisor.law_order import in_order
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.run import Run
+
+#: What the operating system says when a log cannot grow.
+_CANNOT_GROW = (*NO_ROOM, errno.EROFS)
+
+
+class NeverBegan(Exception):
+    """A run that never began; carries its exit code."""
+
+    def __init__(self, line: str, exit_code: int) -> None:
+        super().__init__(line)
+        self.exit_code = exit_code
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options of every command that runs laws over the bus."""
+    add_run_arguments(parser)
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
+    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    add_task_argument(parser)
+    parser.add_argument(
+        "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
+    )
+    parser.add_argument("--no-report", action="store_true", help="write no report.html")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    add_bus_arguments(parser)
+
+
+def law_names() -> list[str]:
+    """Names of the registered control laws, in the order of every table."""
+    return in_order(entry.name for entry in entry_points(group="railhil.laws"))
+
+
+def check_law(name: str, key: str) -> None:
+    """Refuse a name that no law has.
+
+    :param key: the option that gave it.
+    :raises InputError: there is no such law.
+    """
+    known = law_names()
+    if name not in known:
+        nearest = nearest_key(name, known)
+        raise InputError("command line", key, name, ", ".join(known), f"did you mean {nearest}?" if nearest else None)
+
+
+def run_options(
+    namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None, attach: bool = False
+) -> RunOptions:
+    """What the command line says about the run of one law."""
+    scenario = namespace.scenario
+    return RunOptions(
+        scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
+        controller=controller,
+        arithmetic=namespace.arithmetic,
+        indexing=namespace.indexing,
+        pace=namespace.pace,
+        rate=namespace.rate or RATE,
+        seed=namespace.seed,
+        perturbed=namespace.perturbed,
+        task_period_ms=namespace.task_period_ms,
+        parameters=parameters,
+        ask_for_fifo=not namespace.no_rt,
+        attach=attach,
+        appear_s=namespace.appear_timeout,
+    )
+
+
+def require_interface(choice: BusChoice) -> None:
+    """Refuse a channel or bit rate of which nobody says the interface.
+
+    :raises InputError: neither the command line nor python-can's configuration names one.
+    """
+    if choice.config.get("interface") is not None:
+        return
+    try:
+        can.util.load_config(config=dict(choice.config))
+    except can.CanInterfaceNotImplementedError:
+        found = Words(f"only {' '.join(choice.arguments)}")
+        raise InputError("command line", "--interface", found, "-i INTERFACE beside it, or can.rc") from None
+
+
+@contextmanager
+def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[BusChoice]:
+    """The bus of one run; a hub of the run's own has its socket in a folder that is gone afterwards.
+
+    :raises InputError: what is chosen cannot carry a run.
+    """
+    with tempfile.TemporaryDirectory(prefix="railhil-") as private:
+        choice = choose_bus(namespace, None if attach else Path(private) / "hub.sock")
+        require_interface(choice)
+        interface = choice.config.get("interface")
+        if interface == "virtual":
+            allowed = "an interface that other processes can open"
+            raise InputError("command line", "--interface", interface, allowed)
+        yield choice
+
+
+def recorded(
+    scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, made: bool, console: Output, quiet: bool
+) -> tuple[Run, RunResult]:
+    """Run one law and write its folder.
+
+    :param made: whether the folder was made for the run; it then goes when the run never began.
+    :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
+    """
+    with _progress(scenario, options, console, quiet) as on_progress:
+        run = Run(scenario, options, choice, folder, on_progress)
+        result = _executed(run, folder, made)
+    refused = result.exit_code == USAGE and result.sim_time_s == 0
+    if refused or result.frames == 0:
+        discard_folder(folder, made)
+        raise NeverBegan(result.line or "no frame came", result.exit_code)
+    given = [] if choice.needs_hub else choice.arguments
+    write_folder(folder, scenario, options, result, run.trace, given)
+    return run, result
+
+
+def as_recorded(folder: Path, run: Run, result: RunResult) -> RecordedRun:
+    """A run that has just ended, as its folder has it."""
+    invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
+    return recorded_run(folder, read_certificate(folder) or {}, run.scenario, run.trace, result.score, invalid)
+
+
+def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
+    """Write ``report.html``; the line that says where, or why there is none: the record is whole without it."""
+    try:
+        from railhil.supervisor.report.page import write_report
+    except ImportError as error:
+        return f"no report: {error.name} is not installed (pip install 'railhil[report]')"
+    path = folder / REPORT
+    try:
+        write_report(runs, path, notes)
+    except OSError as error:
+        return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
+    return f"report {path}"
+
+
+def _executed(run: Run, folder: Path, made: bool) -> RunResult:
+    """The run's result; whatever goes wrong, a folder without a frame goes and a folder with frames stays."""
+    try:
+        return run.execute()
+    except BaseException as error:
+        if run.session.frames == 0:
+            discard_folder(folder, made)
+        elif isinstance(error, OSError) and error.errno in _CANNOT_GROW:
+            raise record_failed(folder, error) from error
+        raise
+
+
+@contextmanager
+def _progress(
+    scenario: Scenario, options: RunOptions, console: Output, quiet: bool
+) -> Iterator[Callable[[float], None] | None]:
+    """What the run calls with its simulation time in s; None when nothing is to be shown."""
+    if quiet:
+        yield None
+        return
+    columns: tuple[ProgressColumn, ...] = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
+    )
+    with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
+        task = progress.add_task(options.controller, total=scenario.plan.running_time_s)
+        shown_s = -1e9
+
+        def on_progress(sim_time_s: float) -> None:
+            nonlocal shown_s
+            # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough for the eye.
+            if sim_time_s - shown_s >= (10.0 if options.pace == "lockstep" else 0.5):
+                shown_s = sim_time_s
+                progress.update(task, completed=sim_time_s, refresh=True)
+
+        yield on_progress

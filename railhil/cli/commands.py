@@ -1,0 +1,47 @@
+"""The whole command line of ``railhil``: one module per subcommand, each with ``add_parser`` and what it does."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from importlib import import_module
+from importlib.metadata import version
+
+from railhil.cli.output import accept_any_text, flush_output
+from railhil.common.command_line import OneLineParser, parse
+from railhil.dbc import wire_contract
+
+#: The modules in the order of the help; each has one command of its own name, but for ``outside``.
+_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "outside", "bus")
+#: Command -> module that has it.
+_MODULE_OF = {name: name for name in _MODULES if name != "outside"} | {"node": "outside"}
+
+
+def parser(command: str | None = None) -> argparse.ArgumentParser:
+    """The whole command line.
+
+    :param command: when it is the name of a command, only that one is there: what the others need takes a third of a
+        second to load.
+    """
+    root = OneLineParser(
+        prog="railhil",
+        description="Hardware-in-the-loop bench for train controllers: MVB telegrams on a CAN bus.",
+    )
+    root.add_argument("--version", action="version", version=f"railhil {version('railhil')}")
+    commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name in (_MODULE_OF[command],) if command in _MODULE_OF else _MODULES:
+        import_module(f"supervisor.cli.{name}").add_parser(commands)
+    return root
+
+
+def work() -> int:
+    """Do what the command line asks for; returns the exit code."""
+    accept_any_text()
+    namespace = parse(parser(sys.argv[1] if len(sys.argv) > 1 else None))
+    # A DBC that is not the one of the port table must be noticed by every command, also by those that never look at a
+    # telegram.
+    wire_contract()
+    try:
+        return int(namespace.work(namespace))
+    finally:
+        flush_output()

@@ -1,0 +1,178 @@
+"""``railhil compare``: several laws over the bus, one after another, beside each other and the published table."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from railhil.cli.bus_run import (
+    add_arguments,
+    as_recorded,
+    check_law,
+    chosen_bus,
+    law_names,
+    recorded,
+    report_line,
+    run_options,
+)
+from railhil.cli.controller_check import check_controllers
+from railhil.cli.output import Output
+from railhil.cli.show import print_scores, print_verdict
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.supervisor.comparison_file import write_comparison
+from railhil.supervisor.folder import run_folder
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.report.facts import parameters_sentence
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.training_seeds import check_unseen
+
+_ALL = "all"
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser(
+        "compare",
+        help="run several laws over the bus, one after another, and compare them",
+        description="Exit code 0 when all laws pass, 1 when one fails; the highest of the others when a run is more "
+        "than failed.",
+    )
+    add_arguments(parser)
+    parser.add_argument("--laws", default=_ALL, metavar="A,B,...", help=f"of {', '.join(law_names())} (default {_ALL})")
+    parser.add_argument(
+        "--parameters", type=Path, action="append", default=[], metavar="FILE", help="parameters of the law it names"
+    )
+    parser.add_argument("--both", action="store_true", help="run laws of such a file with their own parameters too")
+    parser.add_argument(
+        "--allow-training-seeds", action="store_true", help="judge parameters by runs that they were tuned on"
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
+    parser.set_defaults(work=work)
+
+
+def _laws(text: str) -> list[str]:
+    names = law_names() if text == _ALL else [name.strip() for name in text.split(",")]
+    for name in names:
+        check_law(name, "--laws")
+    if len(set(names)) < len(names):
+        raise InputError("command line", "--laws", text, "each law once")
+    return names
+
+
+def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[str, ParameterSet]:
+    """Parameter file of each law that has one."""
+    found: dict[str, ParameterSet] = {}
+    for path in namespace.parameters:
+        given = load_parameters(path.resolve())
+        if given.law not in laws:
+            raise InputError(path, "law", given.law, f"a law that is compared: {', '.join(laws)}")
+        if given.law in found:
+            raise InputError(
+                path, "law", given.law, f"one parameter file per law (the other: {found[given.law].source})"
+            )
+        found[given.law] = given
+    if namespace.both and not found:
+        raise InputError("command line", "--both", Words("no parameter file"), "--parameters FILE beside it")
+    return found
+
+
+def _planned(namespace: argparse.Namespace) -> list[RunOptions]:
+    laws = _laws(namespace.laws)
+    files = _parameter_sets(namespace, laws)
+    found = []
+    for law in laws:
+        if law not in files or namespace.both:
+            found.append(run_options(namespace, law, None))
+        if law in files:
+            found.append(run_options(namespace, law, files[law]))
+    return found
+
+
+def _checked(
+    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunOptions]
+) -> tuple[list[RunOptions], list[str]]:
+    """The runs that will be made, and sentences on those that are left out.
+
+    :raises InputError, NeverBegan: one of them cannot be made, or must not be judged by this seed.
+    """
+    if not namespace.allow_training_seeds:
+        for options in wanted:
+            check_unseen(scenario, options)
+    plan, left_out = [], []
+    for options, checked in zip(wanted, check_controllers(wanted), strict=True):
+        if namespace.laws == _ALL and options.parameters is None and options.indexing not in checked.indexings:
+            left_out.append(options.controller)
+            continue
+        checked.require()
+        if not namespace.allow_training_seeds:
+            check_unseen(scenario, options, checked.origin)
+        plan.append(options)
+    if not plan:
+        raise InputError("command line", "--indexing", namespace.indexing, "an indexing that some law has")
+    notes = [f"Left out, as without set-points over {namespace.indexing}: {', '.join(left_out)}."] if left_out else []
+    return plan, notes
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Run all, write the comparison, print; nothing that looks like one is written before all laws have run.
+
+    What was recorded stays when the comparison is stopped or a run fails.
+    """
+    wanted = _planned(namespace)
+    scenario = load(wanted[0].scenario)
+    plan, notes = _checked(namespace, scenario, wanted)
+    console = Output()
+    for sentence in notes:
+        console.say(sentence)
+    folder: Path | None = None
+    made = False
+    runs: list[tuple[Path, RecordedRun]] = []
+    codes: list[int] = []
+    try:
+        for options in plan:
+            with chosen_bus(namespace) as choice:
+                if folder is None:
+                    folder, made = run_folder(namespace.out, scenario.name, "compare")
+                    console.say(f"bus: {choice.transport} ({choice.reason})")
+                own = folder / options.label
+                own.mkdir()
+                quiet = namespace.quiet or not console.is_terminal
+                try:
+                    done, result = recorded(scenario, options, choice, own, True, console, quiet)
+                finally:
+                    if made and not any(folder.iterdir()):
+                        folder.rmdir()
+            runs.append((own, as_recorded(own, done, result)))
+            codes.append(result.exit_code)
+            if done.stopped_exit_code:
+                print_verdict(console, "INVALID", f"{result.line}; {_so_far(runs, plan, folder)}")
+                return done.stopped_exit_code
+    except BaseException:
+        if runs and folder is not None:
+            console.say(_so_far(runs, plan, folder))
+        raise
+    assert folder is not None
+    found = [run for _, run in runs]
+    write_comparison(folder, scenario, plan[0], runs, notes)
+    print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
+    for sentence in scenario.assumptions:
+        console.say(f"assumed: {sentence}", style="dim")
+    for run in found:
+        console.say(f"{run.label}: {parameters_sentence(run)}", style="dim")
+    console.say(f"comparison {folder}")
+    if not namespace.no_report:
+        console.say(report_line(found, folder, notes))
+    for run in found:
+        if run.caution:
+            console.say(run.caution, style="bold yellow")
+    for run in found:
+        print_verdict(console, run.verdict, f"{run.label}{': ' if run.line else ''}{run.line}")
+    return max(codes)
+
+
+def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunOptions], folder: Path) -> str:
+    return f"{len(runs)} of {len(plan)} runs recorded in {folder}, no comparison written"

@@ -1,0 +1,70 @@
+"""Controllers tried before the first run of a comparison: each is made once, in a process of its own, without a bus."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+
+from railhil.cli.bus_run import NeverBegan
+from railhil.common.errors import InputError
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.telemetry import LawOrigin, law_origin
+
+_CHECK_S = 120.0
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What a law has said of itself, and the line and exit code with which it refused (empty and 0: it can run)."""
+
+    indexings: tuple[str, ...]
+    origin: LawOrigin
+    line: str
+    exit_code: int
+
+    def require(self) -> None:
+        """Go on only with a controller that can run.
+
+        :raises NeverBegan: it refused.
+        """
+        if self.exit_code:
+            raise NeverBegan(self.line, self.exit_code)
+
+
+def check_controllers(wanted: Sequence[RunOptions]) -> list[Checked]:
+    """Make the controller of each run, all at once.
+
+    :raises NeverBegan: a process ended before it could say what its law is.
+    """
+    with ExitStack() as stack:
+        started = []
+        for options in wanted:
+            command = [
+                sys.executable,
+                "-m",
+                "railhil.controller_node",
+                options.scenario,
+                *options.law_arguments,
+                "--check",
+            ]
+            process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            stack.callback(process.wait)
+            stack.callback(process.kill)
+            started.append(process)
+        return [_answer(options, process) for options, process in zip(wanted, started, strict=True)]
+
+
+def _answer(options: RunOptions, process: subprocess.Popen[str]) -> Checked:
+    said, complaint = process.communicate(timeout=_CHECK_S)
+    lines = [line for line in complaint.splitlines() if line.strip()]
+    line = lines[-1] if lines else f"{options.controller}: exit code {process.returncode}"
+    try:
+        document = json.loads(said)
+        indexings, origin = tuple(map(str, document["indexings"])), law_origin(document)
+    except (ValueError, LookupError, TypeError, AttributeError):
+        raise NeverBegan(line, process.returncode or InputError.exit_code) from None
+    return Checked(indexings, origin, line, process.returncode)

@@ -1,0 +1,95 @@
+"""``railhil doctor``: what this machine can promise, and what each transport does not model."""
+
+from __future__ import annotations
+
+import argparse
+import platform
+import sys
+from dataclasses import asdict
+from importlib.metadata import version
+
+import can
+from can.cli import add_bus_arguments
+
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.limits import LIMITS
+from railhil.bus.link import open_link
+from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
+from railhil.cli.bus_run import require_interface
+from railhil.cli.output import Output, print_json, table
+from railhil.common.exit_codes import PASS, USAGE
+from railhil.dbc import wire_contract
+from railhil.supervisor.doctor.finding import Finding
+from railhil.supervisor.doctor.kernelcan import kernel_can
+from railhil.supervisor.doctor.lateness import lateness
+from railhil.supervisor.doctor.machine import machine
+from railhil.supervisor.doctor.scheduling import scheduling
+from railhil.supervisor.doctor.tools import tools
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("doctor", help="what this machine and its transports can promise")
+    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
+    add_bus_arguments(parser)
+    parser.set_defaults(work=work)
+
+
+def facts(choice: BusChoice) -> dict[str, str]:
+    """Versions, and the bus that a command would take."""
+    return {
+        "railhil": version("railhil"),
+        "python": f"{platform.python_version()} ({sys.executable})",
+        "python-can": version("python-can"),
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "bus": f"{choice.transport} ({choice.reason})",
+        "DBC sha256": wire_contract().sha256,
+    }
+
+
+def findings(quick: bool) -> list[Finding]:
+    """Everything that is examined, in the order of print."""
+    found = [*kernel_can(), *scheduling(), *machine(), *([] if quick else lateness()), *tools()]
+    if "railhil" not in can.VALID_INTERFACES:
+        found.append(
+            Finding("hub interface", "not registered with python-can", "pip install --force-reinstall railhil")
+        )
+    return found
+
+
+def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | None:
+    """Whether the bus that the user names can be opened; None when none is named."""
+    if not config_from_namespace(namespace):
+        return None
+    try:
+        open_link(choice.config).close()
+    except BusUnavailable as error:
+        return Finding("bus asked for", str(error), "the lines above, and docs/adapters.md")
+    return Finding("bus asked for", f"{choice.transport} can be opened")
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Print facts, findings and limits; exit code 2 when the bus that was asked for cannot be opened."""
+    choice = choose_bus(namespace)
+    require_interface(choice)
+    asked = _asked_bus(namespace, choice)
+    found = findings(namespace.quick) + ([asked] if asked else [])
+    code = USAGE if asked and asked.advice else PASS
+    if namespace.json:
+        print_json({**facts(choice), "findings": [asdict(item) for item in found], "limits": LIMITS})
+        return code
+    console = Output()
+    for key, value in facts(choice).items():
+        console.say(f"{key:18} {value}")
+    for item in found:
+        console.say(f"{item.subject:18} {item.found}")
+        if item.advice:
+            console.say(f"{'':18} -> {item.advice}", style="yellow")
+    limits = table()
+    limits.add_column("transport", no_wrap=True)
+    limits.add_column("what it does not model")
+    for transport, text in LIMITS.items():
+        limits.add_row(transport, text)
+    console.print(limits)
+    return code

@@ -1,0 +1,50 @@
+"""``railhil plot``: the picture of a recorded run."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from railhil.bus.telegrams import SimTruth
+from railhil.cli.output import Output
+from railhil.cli.record import checked_record
+from railhil.common.errors import InputError, Words
+from railhil.common.whole_file import whole_file
+from railhil.supervisor.errors import not_written
+
+_SUFFIXES = (".svg", ".png", ".pdf")
+#: A curve needs two points.
+_POINTS_MIN = 2
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("plot", help="draw a recorded run (needs the extra [report])")
+    parser.add_argument("log", help="frames.log, or the run folder that holds it")
+    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
+    parser.add_argument("--out", metavar="FILE", help="picture (.svg, .png, .pdf; default: run.svg beside the log)")
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Draw and say where."""
+    try:
+        from railhil.supervisor.report.picture import draw
+    except ImportError:
+        raise InputError(
+            "railhil plot", "matplotlib", Words("not installed"), "pip install 'railhil[report]'"
+        ) from None
+    record = checked_record(namespace.log, namespace.scenario)
+    points = record.trace.count(SimTruth.PORT)
+    if points < _POINTS_MIN:
+        raise InputError(record.log, SimTruth.PORT, points, f"at least {_POINTS_MIN} telegrams to draw")
+    out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
+    if out.suffix not in _SUFFIXES:
+        raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")
+    try:
+        with whole_file(out) as draft:
+            draw(record.scenario, record.trace, draft)
+    except OSError as error:
+        raise not_written("--out", out, "file", error) from None
+    Output().say(str(out))
+    return 0

@@ -1,0 +1,135 @@
+"""``railhil ports``: the wire contract - ports, layouts and the load that they put on the bus."""
+
+from __future__ import annotations
+
+import argparse
+
+from railhil.bus.load import bus_load
+from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.cli.output import Output, print_json, table
+from railhil.common.errors import InputError
+from railhil.dbc import Port, wire_contract
+
+#: The table has a column with each port's purpose from this width on.
+_DESCRIBED_COLUMNS = 90
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("ports", help="print ports, telegram layouts and bus load")
+    parser.add_argument("port", nargs="?", help="port whose layout is wanted")
+    parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
+    parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
+    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.set_defaults(work=work)
+
+
+def _port(name: str) -> Port:
+    try:
+        return wire_contract().port(name.upper())
+    except KeyError:
+        allowed = ", ".join(port.name for port in wire_contract().ports)
+        raise InputError("command line", "port", name, allowed) from None
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Print what was asked for."""
+    contract = wire_contract()
+    bit_rate = contract.bit_rate if namespace.bitrate is None else namespace.bitrate
+    if bit_rate <= 0:
+        raise InputError("command line", "--bitrate", namespace.bitrate, "bit/s above 0")
+    if namespace.dbc:
+        check_foreign_dbc(namespace.dbc)
+    loads = bus_load(contract, bit_rate)
+    chosen = [_port(namespace.port)] if namespace.port else list(contract.ports)
+    if namespace.json:
+        print_json(_document(chosen, bit_rate, loads))
+        return 0
+    console = Output()
+    _print_ports(console, chosen, loads)
+    if namespace.port:
+        _print_layout(console, chosen[0])
+        return 0
+    total = sum(loads.values())
+    console.say(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
+    console.say(f"DBC sha256 {contract.sha256}")
+    if namespace.dbc:
+        console.say(f"{namespace.dbc}: describes these telegrams")
+    return 0
+
+
+def _document(ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict[str, object]:
+    return {
+        "bit_rate": bit_rate,
+        "load": sum(loads.values()),
+        "dbc_sha256": wire_contract().sha256,
+        "ports": [
+            {
+                "name": port.name,
+                "address": port.address,
+                "can_ids": list(port.can_ids),
+                "f_code": port.f_code,
+                "period_ms": port.period_ns // 1_000_000,
+                "source": port.source,
+                "mode": port.mode,
+                "load": loads[port.name],
+                "signals": [
+                    {
+                        "name": signal.name,
+                        "at": f"{signal.byte}.{signal.msb}:{signal.length}",
+                        "signed": signal.signed,
+                        "scale": signal.scale,
+                        "unit": signal.unit,
+                    }
+                    for signal in port.signals
+                ],
+            }
+            for port in ports
+        ],
+    }
+
+
+def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) -> None:
+    rows = table()
+    for title in ("port", "id"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("CAN ids")
+    rows.add_column("F", no_wrap=True)
+    rows.add_column("ms", justify="right", no_wrap=True)
+    for title in ("source", "mode"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("load", justify="right", no_wrap=True)
+    # Where there is no room for it, `railhil ports PORT` and the DBC still say what a port is for.
+    described = console.width >= _DESCRIBED_COLUMNS
+    if described:
+        rows.add_column("what")
+    for port in ports:
+        cells = [
+            port.name,
+            f"{port.address:03X}",
+            " ".join(f"{can_id:03X}" for can_id in port.can_ids),
+            str(port.f_code),
+            f"{port.period_ns // 1_000_000}" if port.period_ns else "-",
+            port.source,
+            port.mode,
+            f"{loads[port.name]:.2%}",
+        ]
+        rows.add_row(*cells, *([port.comment] if described else []))
+    console.print(rows)
+
+
+def _print_layout(console: Output, port: Port) -> None:
+    console.say(port.comment)
+    rows = table()
+    rows.add_column("signal", no_wrap=True)
+    for title in ("at", "type", "scale"):
+        rows.add_column(title, no_wrap=True)
+    rows.add_column("unit", no_wrap=True)
+    rows.add_column("values or meaning")
+    for signal in port.signals:
+        values = ", ".join(f"{key} {text}" for key, text in signal.values.items())
+        kind = f"{'s' if signal.signed else 'u'}{signal.length}"
+        at = f"{signal.byte}.{signal.msb}:{signal.length}"
+        rows.add_row(signal.name, at, kind, f"{signal.scale:g}", signal.unit, values or signal.comment)
+    console.print(rows)
+    console.say("at: byte.msb:length")

@@ -1,0 +1,65 @@
+"""``railhil report``: ``report.html`` again, from recorded folders."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from railhil.cli.output import Output
+from railhil.cli.record import checked_record
+from railhil.common.errors import InputError, Words
+from railhil.supervisor.documents import read_comparison
+from railhil.supervisor.errors import not_written
+from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
+from railhil.supervisor.score import score
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("report", help="write report.html of recorded runs (needs the extra [report])")
+    parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison")
+    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
+    parser.add_argument(
+        "--out", metavar="FILE", help="the report (default: report.html in the folder; of several folders: here)"
+    )
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Write the report and say where."""
+    try:
+        from railhil.supervisor.report.page import write_report
+    except ImportError as error:
+        found = Words(f"{error.name} is not installed")
+        raise InputError("railhil report", "libraries", found, "pip install 'railhil[report]'") from None
+    given = [Path(text) for text in namespace.folder]
+    folders: list[Path] = []
+    notes: list[str] = []
+    for path in given:
+        compared = read_comparison(path) if path.is_dir() else None
+        folders += [path] if compared is None else [path / row["folder"] for row in compared["runs"]]
+        notes += [] if compared is None else compared.get("notes", [])
+    runs = [_run(folder, namespace.scenario) for folder in folders]
+    first = runs[0].scenario
+    for folder, run in zip(folders, runs, strict=True):
+        if run.scenario.sha256 != first.sha256:
+            raise InputError(folder, "scenario", run.scenario.name, f"{first.name}, as in {folders[0]}")
+    if namespace.out is not None:
+        out = Path(namespace.out)
+    elif len(given) == 1:
+        out = (given[0] if given[0].is_dir() else given[0].parent) / REPORT
+    else:
+        out = Path(REPORT)
+    try:
+        write_report(runs, out, list(dict.fromkeys(notes)))
+    except OSError as error:
+        raise not_written("--out", out, "file", error) from None
+    Output().say(str(out))
+    return 0
+
+
+def _run(folder: Path, scenario: str | None) -> RecordedRun:
+    record = checked_record(str(folder), scenario)
+    found = score(record.scenario, record.trace)
+    invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
+    return recorded_run(record.log.parent, record.certificate, record.scenario, record.trace, found, invalid)

@@ -1,0 +1,76 @@
+"""``railhil run``: one scenario over the bus in three processes, recorded and scored."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+from pathlib import Path
+
+from railhil.cli.bus_run import (
+    add_arguments,
+    as_recorded,
+    check_law,
+    chosen_bus,
+    law_names,
+    recorded,
+    report_line,
+    run_options,
+)
+from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.cli.output import Output, print_json
+from railhil.cli.show import print_result
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.load import load
+from railhil.scenarios.parameters import load_parameters
+from railhil.supervisor.folder import run_folder, score_json
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.report.recorded import REPORT
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
+    add_arguments(parser)
+    parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
+    parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
+    parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
+    parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
+    parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
+    parser.add_argument("--json", action="store_true", help="print score.json instead of the table")
+    parser.set_defaults(work=work)
+
+
+def _options(namespace: argparse.Namespace) -> RunOptions:
+    check_law(namespace.controller, "--controller")
+    given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
+    if len(given) > 1:
+        raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
+    if given and namespace.task_period_ms:
+        raise InputError("command line", "--task-period-ms", namespace.task_period_ms, f"0 with {given[0]}")
+    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
+    options = run_options(namespace, namespace.controller, parameters, namespace.attach)
+    return dataclasses.replace(options, foreign=namespace.no_controller)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Run, write the run folder, print; the exit code is the verdict."""
+    options = _options(namespace)
+    scenario = load(options.scenario)
+    if namespace.dbc is not None:
+        check_foreign_dbc(namespace.dbc)
+    console = Output(stderr=namespace.json)
+    with chosen_bus(namespace, options.attach or options.foreign) as choice:
+        folder, made = run_folder(namespace.out, scenario.name, options.controller)
+        console.say(f"bus: {choice.transport} ({choice.reason})")
+        quiet = namespace.quiet or namespace.json or not console.is_terminal
+        run, result = recorded(scenario, options, choice, folder, made, console, quiet)
+    found = as_recorded(folder, run, result)
+    report = "" if namespace.no_report else report_line([found], folder)
+    if namespace.json:
+        if report and not (folder / REPORT).is_file():
+            console.say(report)
+        print_json(score_json(scenario, result, options))
+    else:
+        print_result(console, found, result, folder, report)
+    return run.stopped_exit_code or result.exit_code

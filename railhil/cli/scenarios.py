@@ -1,0 +1,55 @@
+"""``railhil scenarios``: what can be run."""
+
+from __future__ import annotations
+
+import argparse
+
+from railhil.cli.output import Output, print_json, table
+from railhil.scenarios.load import load, names
+from railhil.scenarios.model import Scenario
+
+#: The longest shipped name leaves room for the other columns from this width on.
+_NAMES_COLUMNS = 80
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("scenarios", help="list the shipped scenarios, or check one file")
+    parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
+    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.set_defaults(work=work)
+
+
+def _row(scenario: Scenario) -> dict[str, object]:
+    return {
+        "name": scenario.name,
+        "title": scenario.title,
+        "train": scenario.train.name,
+        "distance_m": scenario.plan.distance_m,
+        "running_time_s": scenario.plan.running_time_s,
+        "sha256": scenario.sha256,
+    }
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Print the table (or JSON)."""
+    found = [load(namespace.scenario)] if namespace.scenario else [load(name) for name in names()]
+    if namespace.json:
+        print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
+        return 0
+    rows = table()
+    console = Output()
+    # A name is what the user types next, so it is never cut.
+    rows.add_column("scenario", overflow="fold", no_wrap=console.width >= _NAMES_COLUMNS)
+    rows.add_column("line")
+    rows.add_column("m", justify="right", no_wrap=True)
+    rows.add_column("s", justify="right", no_wrap=True)
+    for scenario in found:
+        plan = scenario.plan
+        rows.add_row(scenario.name, scenario.title, f"{plan.distance_m:.0f}", f"{plan.running_time_s:.1f}")
+    console.print(rows)
+    if namespace.scenario:
+        console.say(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
+        for sentence in found[0].assumptions:
+            console.say(f"assumed: {sentence}")
+    return 0

@@ -1,0 +1,38 @@
+"""``railhil score``: the same numbers again, from the log alone."""
+
+from __future__ import annotations
+
+import argparse
+
+from railhil.cli.output import Output, print_json
+from railhil.cli.record import checked_record
+from railhil.cli.show import print_scores, print_verdict
+from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.supervisor.score import score
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("score", help="score a recorded log")
+    parser.add_argument("log", help="frames.log, or the run folder that holds it")
+    parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
+    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Score and print; the exit code is the verdict."""
+    record = checked_record(namespace.log, namespace.scenario)
+    found = score(record.scenario, record.trace)
+    verdict, line = found.verdict, "; ".join(found.failures)
+    if record.invalid:
+        # What made the run INVALID (its timing, a node that was killed) need not stand in the log.
+        own = (line,) if verdict == "INVALID" else ()
+        verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
+    if namespace.json:
+        print_json({**found.as_json(), "verdict": verdict, "line": line})
+    else:
+        console = Output()
+        print_scores(console, record.scenario, [("from the log", found)])
+        print_verdict(console, verdict, line)
+    return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

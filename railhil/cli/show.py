@@ -1,0 +1,79 @@
+"""Printing scores beside the published ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich.table import Table
+
+from railhil.cli.output import Output, table
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.report.facts import parameters_sentence
+from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.score_table import COLUMNS, shown, value_of
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.score import Score
+
+#: Below this width the columns stand one blank apart, so that no number is cut.
+_TIGHT_COLUMNS = 66
+_COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
+
+
+def score_table(scenario: Scenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
+    """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
+    rows = table(tight)
+    rows.add_column("")
+    for column in COLUMNS:
+        rows.add_column(column.heading, justify="right", no_wrap=True)
+    for label, score in found:
+        rows.add_row(label, *(shown(value_of(score, column), column.digits) for column in COLUMNS), style="bold")
+    for row in scenario.published:
+        values = (shown(value_of(row, column), column.published_digits) for column in COLUMNS)
+        rows.add_row(f"{row.controller} (published)", *values)
+    return rows
+
+
+def print_scores(console: Output, scenario: Scenario, found: Sequence[tuple[str, Score]]) -> None:
+    """Title and table of runs that came to their end; nothing when none did."""
+    if any(score.itae is not None for _, score in found):
+        console.say(scenario.title, style="italic")
+        console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
+
+
+def print_verdict(console: Output, verdict: str, line: str) -> None:
+    """One line: verdict and why."""
+    console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
+
+
+def print_result(console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str) -> None:
+    """Table, run facts, verdict.
+
+    :param report: the line on ``report.html``, empty when none was asked for.
+    """
+    scenario = run.scenario
+    print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
+    console.say(f"parameters: {parameters_sentence(run)}", style="dim")
+    for sentence in scenario.assumptions:
+        console.say(f"assumed: {sentence}", style="dim")
+    console.say(
+        f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
+        f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"
+    )
+    if result.timing is not None and result.timing.jitter is not None:
+        timing = result.timing.as_json()
+        if result.timing.pace:
+            console.say(result.timing.pace, style="bold yellow")
+        console.say(f"{jitter_sentence(timing['lateness'])} (measured by the {timing['source']})")
+        console.say(f"answers: {answers_sentence(timing)}")
+        console.say(f"scheduling: {scheduling_sentence(timing)}")
+    if result.telemetry is not None:
+        console.say(f"arithmetic: {result.telemetry.sentence()}")
+    console.say(f"frames.log sha256 {result.frames_sha256}")
+    console.say(f"run folder {folder}")
+    if report:
+        console.say(report)
+    if run.caution:
+        console.say(run.caution, style="bold yellow")
+    print_verdict(console, run.verdict, result.line)

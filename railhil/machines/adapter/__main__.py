@@ -1,0 +1,18 @@
+"""``python -m railhil.machines.adapter --link PATH -i INTERFACE -c CHANNEL``: an emulated serial CAN adapter."""
+
+from __future__ import annotations
+
+import sys
+
+from railhil.common.exit_codes import guarded
+
+
+def main() -> int:
+    """The program; its modules are loaded here, so that Ctrl-C while they are ends as it does later."""
+    from railhil.machines.adapter import program
+
+    return program.main()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("adapter", main))

@@ -1,0 +1,202 @@
+"""A fresh network namespace of the host's own kernel, with CAN interfaces that nobody else sees.
+
+The command runs at full speed, with the host's files and without any network but the CAN interfaces and a loopback of
+its own. The interfaces are gone with the last process in the namespace; the host's own ones, a ``vcan0`` among them,
+are neither seen nor touched.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shlex
+import signal
+import socket
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from railhil.machines import debian
+
+_PURPOSE = "a network namespace"
+_PACKAGES = {"ip": "iproute2", "unshare": "util-linux", "setpriv": "util-linux"}
+_PROBE_S = 20.0
+#: After SIGTERM the command may take this long before it is killed.
+_GRACE_S = 5.0
+_LOOK_S = 0.2
+_PR_SET_CHILD_SUBREAPER = 36
+#: ``si_code`` of a signal that the kernel sent, as for a Ctrl-C: the whole foreground group has it then.
+_SI_KERNEL = 0x80
+_PASSED_ON = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+_WATCHED = {*_PASSED_ON, signal.SIGCHLD}
+
+
+def require_namespace(interfaces: Sequence[str]) -> str:
+    """Make sure that a namespace with these interfaces can be had; returns how, in a few words.
+
+    Raises:
+        CapabilityError: it cannot; the text names what is missing and what helps.
+    """
+    _require_can()
+    if os.geteuid() == 0 and not all(debian.find_command(command) for command in _PACKAGES):
+        debian.require_debian_root(_PURPOSE)
+        debian.install_commands(_PACKAGES, _PURPOSE)
+    for command, package in _PACKAGES.items():
+        if debian.find_command(command) is None:
+            raise debian.CapabilityError(f"no command {command} (apt install {package})")
+    if reason := _failure(_prepared(interfaces, ["true"])):
+        if bare := _failure(["true"]):
+            hint = "CAP_SYS_ADMIN is missing, as in a container that is not privileged"
+            if os.geteuid() != 0:
+                hint = "run as root, or sysctl kernel.unprivileged_userns_clone=1"
+            raise debian.CapabilityError(f"no network namespace: {bare} ({hint})")
+        hint = "modprobe vcan, or apt install linux-modules-extra-$(uname -r)"
+        raise debian.CapabilityError(f"no vcan interface in a namespace: {reason} ({hint})")
+    return "this kernel has vcan" + ("" if os.geteuid() == 0 else ", as root of a user namespace")
+
+
+def _require_can() -> None:
+    """Refuse unless the kernel has raw CAN sockets; asking loads the module where there is one."""
+    if not hasattr(socket, "AF_CAN"):
+        raise debian.CapabilityError("this is not Linux")
+    try:
+        socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW).close()
+    except OSError as error:
+        hint = "modprobe can_raw vcan, or apt install linux-modules-extra-$(uname -r)"
+        raise debian.CapabilityError(f"this kernel has no CAN sockets: {error.strerror} ({hint})") from error
+
+
+def _prepared(interfaces: Sequence[str], command: Sequence[str]) -> list[str]:
+    """Words that bring loopback and interfaces up in their namespace and then become ``command``."""
+    steps = ["ip link set lo up"]
+    for name in map(shlex.quote, interfaces):
+        steps += [f"ip link add {name} type vcan", f"ip link set {name} up"]
+    # Not in front of unshare: gaining rights in the namespace would clear it again.
+    tied = ["setpriv", "--pdeathsig", "KILL"]
+    return [*tied, "sh", "-c", " && ".join([*steps, 'exec "$@"']), "sh", *command]
+
+
+def _in_namespace(command: Sequence[str]) -> list[str]:
+    found = debian.find_command("unshare")
+    assert found is not None
+    return [found, "-n", *(["-r"] if os.geteuid() != 0 else []), "--", *command]
+
+
+def _failure(command: Sequence[str]) -> str:
+    """Last words of a command that failed in a namespace of its own; empty when it did not."""
+    done = subprocess.run(
+        _in_namespace(command), stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
+        env={**debian.environment(), "LC_ALL": "C"}, timeout=_PROBE_S, check=False,
+    )  # fmt: skip
+    if done.returncode == 0:
+        return ""
+    return (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1].rstrip(".")
+
+
+def run(
+    command: Sequence[str], interfaces: Sequence[str], *, environment: Mapping[str, str], timeout_s: float = 600.0
+) -> int:
+    """Run ``command`` in a fresh namespace in which ``interfaces`` are up; :func:`require_namespace` comes first.
+
+    Signals sent to this process are passed on. What the command has left running is killed at its end: it would keep
+    the namespace.
+
+    Returns:
+        The command's exit code, 128 + number for a signal; 124 after ``timeout_s``.
+
+    Raises:
+        MachineError: the command is not there.
+    """
+    if debian.find_command(command[0]) is None and not Path(command[0]).exists():
+        raise debian.MachineError(f"no command {command[0]}")
+    with _orphans_come_here(), _signals_wait() as mask:
+        process = subprocess.Popen(
+            _in_namespace(_prepared(interfaces, command)), env={**environment, "PATH": _path(environment)},
+            preexec_fn=lambda: _give_back(mask),
+        )  # fmt: skip
+        try:
+            return _until_ended(process, time.monotonic() + timeout_s, timeout_s)
+        finally:
+            _kill_children()
+
+
+def _path(environment: Mapping[str, str]) -> str:
+    return f"{environment.get('PATH', '/usr/bin:/bin')}:{debian.environment()['PATH']}"
+
+
+def _until_ended(process: subprocess.Popen[bytes], deadline_s: float, timeout_s: float) -> int:
+    """Pass signals on until the process has ended; returns its exit code."""
+    killed = False
+    while True:
+        code = process.poll()
+        now_s = time.monotonic()
+        if code is not None:
+            return code if code >= 0 else 128 - code
+        if now_s >= deadline_s:
+            if not killed:
+                debian.say(f"vcan: stopped after {timeout_s:g} s")
+            process.kill()
+            process.wait()
+            return 128 + signal.SIGKILL if killed else debian.EXIT_TIMEOUT
+        caught = signal.sigtimedwait(_WATCHED, min(_LOOK_S, deadline_s - now_s))
+        if caught is None or caught.si_signo == signal.SIGCHLD:
+            continue
+        if caught.si_code != _SI_KERNEL:
+            process.send_signal(caught.si_signo)
+        if caught.si_signo == signal.SIGTERM:
+            deadline_s, killed = min(deadline_s, now_s + _GRACE_S), True
+
+
+@contextmanager
+def _signals_wait() -> Iterator[set[signal.Signals | int]]:
+    """Hold the signals back for ``sigtimedwait``; gives the mask that the command is to have."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _WATCHED)
+    try:
+        yield before
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _give_back(mask: set[signal.Signals | int]) -> None:
+    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    for number in _PASSED_ON:
+        signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def _orphans_come_here() -> Iterator[None]:
+    """Become the parent of what the command leaves behind, so that it can be found and ended."""
+    prctl: Callable[..., int] = ctypes.CDLL(None, use_errno=True).prctl
+    prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    try:
+        yield
+    finally:
+        prctl(_PR_SET_CHILD_SUBREAPER, 0, 0, 0, 0)
+
+
+def _kill_children() -> None:
+    """Kill and reap until no child is left; the children of a killed one come here in turn."""
+    deadline_s = time.monotonic() + _GRACE_S
+    while children := _children():
+        for pid in children:
+            os.kill(pid, signal.SIGKILL)
+            os.waitpid(pid, os.WNOHANG)
+        if time.monotonic() > deadline_s:
+            raise debian.MachineError(f"what the command has left behind does not end: processes {children}")
+        time.sleep(0.001)
+
+
+def _children() -> list[int]:
+    """Process numbers of this process's children, those that have ended but are not reaped among them."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            fields = entry.read_text(errors="replace").rpartition(")")[2].split()
+        except (FileNotFoundError, ProcessLookupError):
+            # It has ended meanwhile.
+            continue
+        if int(fields[1]) == os.getpid():
+            found.append(int(entry.parent.name))
+    return found

@@ -1,0 +1,169 @@
+"""Run a command where ``vcan0`` and ``vcan1`` are up: ``railhil vcan -- COMMAND ...``
+
+On the first of these that this host has, and a line on standard error says which and why:
+
+``namespace``
+    a fresh network namespace of the host's kernel: full speed, the host's own interfaces are left alone;
+``machine``
+    a throw-away virtual machine with Debian's kernel (:mod:`railhil.machines.vcan_vm`).
+
+Exit code: the command's own, 128 + number for one that a signal ended; 77 when this host can have neither (one line
+says why); 124 after ``--timeout``; 125 when the machine itself failed; 2 for a wrong command line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from railhil.common.command_line import OneLineParser, whole_number
+from railhil.common.exit_codes import hear_interrupts
+from railhil.machines import debian, namespace, vcan_vm
+
+_WAYS = ("namespace", "machine")
+#: Names that the kernel takes for an interface, without those that a shell or ``ip`` could mistake.
+_INTERFACE = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,14}")
+_TIMEOUT_MAX_S = 86_400
+#: Folder in which ``railhil run`` leaves its results.
+_RESULTS = "runs"
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line."""
+    parser = OneLineParser(
+        prog="railhil vcan",
+        description="Run a command where vcan0 and vcan1 are up: in a network namespace of this kernel, else in a "
+        "virtual machine.",
+        epilog="exit codes: the command's own, 128 + number of a signal; 77 when this host can have neither;\n"
+        "124 after --timeout; 125 when the machine failed; 2 for a wrong command line",
+    )
+    parser.add_argument("--share", type=Path, action="append", metavar="DIR",
+                        help="virtual machine: folder whose changes are kept (may be given again; default ./runs); "
+                        "what is written elsewhere is gone afterwards")  # fmt: skip
+    parser.add_argument(
+        "--timeout", type=_seconds, default=3600.0, metavar="S", help="for all of it, default %(default)g"
+    )
+    parser.add_argument("--memory", type=whole_number(256, 1 << 20), default=2048, metavar="MB",
+                        help="of the virtual machine, default %(default)s")  # fmt: skip
+    parser.add_argument("--processors", type=whole_number(1, 16), default=2, metavar="N",
+                        help="of the virtual machine, default %(default)s; 1 on a busy host")  # fmt: skip
+    parser.add_argument("--interfaces", type=_interfaces, default=("vcan0", "vcan1"), metavar="NAMES",
+                        help="default vcan0,vcan1")  # fmt: skip
+    parser.add_argument("--via", choices=_WAYS, help="this one or none")
+    parser.add_argument("command", nargs="+", help="command and its arguments, after --")
+    return parser
+
+
+def _interfaces(text: str) -> tuple[str, ...]:
+    names = tuple(text.split(","))
+    if not all(map(_INTERFACE.fullmatch, names)) or len(set(names)) != len(names):
+        raise argparse.ArgumentTypeError(f"found {text!r}, allowed: different interface names, separated by commas")
+    return names
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = 0.0
+    if not 1 <= seconds <= _TIMEOUT_MAX_S:
+        raise argparse.ArgumentTypeError(f"found {text!r}, allowed: 1 to {_TIMEOUT_MAX_S} s")
+    return seconds
+
+
+@contextmanager
+def _kept_folders(given: Sequence[Path] | None) -> Iterator[list[Path]]:
+    """Folders that the machine may write to: those given, else ``./runs``, which is not left behind empty."""
+    if given is not None:
+        yield list(given)
+        return
+    results = Path.cwd() / _RESULTS
+    made = not results.exists() and os.access(Path.cwd(), os.W_OK)
+    if made:
+        results.mkdir()
+    try:
+        yield [results] if results.is_dir() else []
+    finally:
+        if made:
+            # Not empty: it holds results.
+            with suppress(OSError):
+                results.rmdir()
+
+
+def _environment() -> dict[str, str]:
+    """The caller's, with the commands of this installation at the end of the search path."""
+    commands = Path(sys.executable).parent
+    return {**os.environ, "PATH": f"{os.environ.get('PATH', '/usr/bin:/bin')}:{commands}"}
+
+
+def _in_namespace(options: argparse.Namespace) -> int:
+    how = namespace.require_namespace(options.interfaces)
+    debian.say(f"vcan: {', '.join(options.interfaces)} in a network namespace of its own ({how})")
+    return namespace.run(options.command, options.interfaces, environment=_environment(), timeout_s=options.timeout)
+
+
+def _in_machine(options: argparse.Namespace, reason: str) -> int:
+    vcan_vm.ensure_machine()
+    with _kept_folders(options.share) as folders:
+        kept = ", ".join(map(str, folders)) or "no folder"
+        debian.say(
+            f"vcan: {', '.join(options.interfaces)} in a virtual machine, about ten times slower ({reason}); "
+            f"kept afterwards: {kept}, what is written elsewhere is gone"
+        )
+        return vcan_vm.run(
+            options.command,
+            interfaces=options.interfaces,
+            environment=_environment(),
+            shares=folders,
+            timeout_s=options.timeout,
+            memory_mb=options.memory,
+            processors=options.processors,
+        )
+
+
+def _run(options: argparse.Namespace) -> int:
+    """On the first way that this host has.
+
+    Raises:
+        CapabilityError: it has none; the text names what was tried.
+    """
+    reason = "asked for"
+    if options.via != "machine":
+        try:
+            return _in_namespace(options)
+        except debian.CapabilityError as error:
+            if options.via is not None:
+                raise
+            reason = str(error)
+    try:
+        return _in_machine(options, reason)
+    except debian.CapabilityError as error:
+        if options.via is not None:
+            raise
+        raise debian.CapabilityError(f"neither a namespace: {reason}; nor a virtual machine: {error}") from error
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Command line; see the module's docstring for the exit codes."""
+    try:
+        hear_interrupts()
+        parser = arguments()
+        options = parser.parse_args(words)
+        for folder in options.share or ():
+            if not folder.is_dir():
+                parser.error(f"--share: found {folder}, allowed: a folder that is there")
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, lambda caught, _: sys.exit(128 + caught))
+        return debian.guarded("vcan", lambda: _run(options))
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,87 @@
+"""What a comparison leaves behind beside the run folders: ``compare.json`` and ``compare.csv``."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from railhil.common.whole_file import whole_file
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.documents import COMPARISON
+from railhil.supervisor.errors import RecordFailed
+from railhil.supervisor.folder import write_json
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.score_table import COLUMNS
+
+#: Name in the folder of a comparison, beside ``compare.json``.
+_TABLE = "compare.csv"
+
+
+def _row(folder: Path, run: RecordedRun) -> dict[str, Any]:
+    """One law, wall-clock figures left out."""
+    found, row = run.score, run.published
+    parameters = run.certificate.get("parameters")
+    return {
+        "label": run.label,
+        "controller": run.controller,
+        "parameters_sha256": parameters["sha256"] if parameters else None,
+        "seed_was_trained": run.seed_was_trained,
+        "verdict": run.verdict,
+        "line": run.line,
+        "scores": {column.key: getattr(found, column.key) for column in COLUMNS},
+        "signed": {"time_error_s": found.signed_time_error_s, "stop_error_m": found.signed_stop_error_m},
+        "published": None if row is None else {column.key: getattr(row, column.key) for column in COLUMNS},
+        "frames_sha256": run.certificate.get("frames_sha256"),
+        "folder": folder.name,
+    }
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    published = row["published"] or {}
+    return {
+        **{key: row[key] for key in ("label", "controller", "parameters_sha256", "seed_was_trained", "verdict")},
+        **row["scores"],
+        **{f"signed_{key}": value for key, value in row["signed"].items()},
+        **{f"published_{column.key}": published.get(column.key) for column in COLUMNS},
+        **{key: row[key] for key in ("frames_sha256", "folder")},
+    }
+
+
+def write_comparison(
+    folder: Path,
+    scenario: Scenario,
+    options: RunOptions,
+    runs: Sequence[tuple[Path, RecordedRun]],
+    notes: Sequence[str] = (),
+) -> None:
+    """Write both files, whole; ``compare.json`` comes last and marks the comparison as whole.
+
+    :param options: of any of the runs: what all have in common is taken from it.
+    :param runs: run folders below ``folder`` and what was recorded there, in order.
+    :param notes: sentences on the comparison as a whole.
+    :raises RecordFailed: they cannot be written; then neither is there.
+    """
+    rows = [_row(path, run) for path, run in runs]
+    common = ("arithmetic", "indexing", "pace", "seed", "perturbed", "task_period_ms")
+    document = {
+        "scenario": options.scenario,
+        "scenario_sha256": scenario.sha256,
+        **{key: getattr(options, key) for key in common},
+        "notes": list(notes),
+        "runs": rows,
+        "published": [asdict(row) for row in scenario.published],
+    }
+    try:
+        with whole_file(folder / _TABLE) as draft, draft.open("w", encoding="utf-8", newline="") as stream:
+            table = csv.DictWriter(stream, list(_flat(rows[0])), lineterminator="\n")
+            table.writeheader()
+            table.writerows(_flat(row) for row in rows)
+        write_json(folder / COMPARISON, document)
+    except OSError as error:
+        (folder / _TABLE).unlink(missing_ok=True)
+        reason = (error.strerror or str(error)).lower()
+        raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error

@@ -1,0 +1,77 @@
+"""Permissions for realtime, and what the kernel makes of them."""
+
+from __future__ import annotations
+
+import getpass
+import platform
+from pathlib import Path
+
+from railhil.common.scheduling import HUB_PRIORITY, cycle, permitted_priority
+from railhil.supervisor.doctor.finding import Finding, text_of
+
+#: sched_rt_runtime_us without a throttle, sched(7).
+_NO_THROTTLE = -1
+#: Less than this share of the time is too little for a run.
+_SHARE_MIN = 0.5
+
+
+def scheduling(root: Path = Path("/"), version: str | None = None) -> list[Finding]:
+    """SCHED_FIFO, locked memory, the throttle and the preemption model."""
+    return [_fifo(), _memory(), _throttle(root), preemption(root, version or platform.version())]
+
+
+def _fifo() -> Finding:
+    granted, reason = permitted_priority(HUB_PRIORITY)
+    if granted == HUB_PRIORITY:
+        return Finding("SCHED_FIFO", f"permitted at the bench's priorities, up to {HUB_PRIORITY}")
+    advice = f"echo '{_user()} - rtprio {HUB_PRIORITY}' | sudo tee -a /etc/security/limits.conf, then log in again"
+    if granted:
+        return Finding("SCHED_FIFO", f"permitted up to {granted} only: hub and nodes share a priority", advice)
+    return Finding("SCHED_FIFO", f"not permitted ({reason})", advice)
+
+
+def _memory() -> Finding:
+    """What a node would be granted: tried, because neither limit nor capabilities tell it alone."""
+    with cycle("doctor", HUB_PRIORITY, aloud=False) as granted:
+        memory = granted.sentence.rpartition(", memory ")[2]
+    if memory == "locked":
+        return Finding("locked memory", "permitted")
+    command = f"echo '{_user()} - memlock unlimited' | sudo tee -a /etc/security/limits.conf, then log in again"
+    return Finding("locked memory", memory, command)
+
+
+def _user() -> str:
+    try:
+        return getpass.getuser()
+    except (KeyError, OSError):
+        return "USER"
+
+
+def _throttle(root: Path) -> Finding:
+    text = text_of(root / "proc/sys/kernel/sched_rt_runtime_us")
+    period = text_of(root / "proc/sys/kernel/sched_rt_period_us")
+    if not text or not period:
+        return Finding("throttle", "not known (no sched_rt_runtime_us)")
+    if int(text) == _NO_THROTTLE:
+        advice = "sudo sysctl kernel.sched_rt_runtime_us=950000"
+        return Finding("throttle", "none: a runaway SCHED_FIFO process takes a processor for good", advice)
+    share = int(text) / int(period)
+    if share < _SHARE_MIN:
+        return Finding("throttle", f"realtime has {share:.0%} only", "sudo sysctl kernel.sched_rt_runtime_us=950000")
+    return Finding("throttle", f"realtime processes have at most {share:.0%} of the time (the bench needs less)")
+
+
+def preemption(root: Path, version: str) -> Finding:
+    """How soon the kernel itself lets a woken process run."""
+    if text_of(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
+        return Finding("preemption", "PREEMPT_RT: latencies have a bound")
+    chosen = text_of(root / "sys/kernel/debug/sched/preempt")
+    mode = chosen.partition("(")[2].partition(")")[0]
+    kind = "PREEMPT_DYNAMIC" if "PREEMPT_DYNAMIC" in version else "PREEMPT" if "PREEMPT" in version else "none"
+    words = f"{kind}{f', now {mode}' if mode else ''}: short latencies, no bound"
+    if kind == "none" or mode in ("none", "voluntary"):
+        advice = "kernel parameter preempt=full" if "DYNAMIC" in kind else "a kernel with PREEMPT or PREEMPT_RT"
+        return Finding("preemption", words.replace("short latencies, no bound", "latencies of milliseconds"), advice)
+    return Finding(
+        "preemption", words, "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
+    )

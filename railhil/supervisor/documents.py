@@ -1,0 +1,212 @@
+"""``certificate.json``, ``score.json`` and ``compare.json`` as they are read again: checked here and nowhere else."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.validation import validated
+
+#: Names in a run folder.
+CERTIFICATE, SCORE = "certificate.json", "score.json"
+#: Name in the folder of a comparison.
+COMPARISON = "compare.json"
+_WRITTEN = "what railhil run has written"
+
+
+class _Part(BaseModel):
+    """Part of a document: keys that nobody reads here may hold anything."""
+
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
+
+
+class _Training(_Part):
+    scenario: str
+    seeds: list[int]
+
+
+class _Parameters(_Part):
+    sha256: str
+    values: dict[str, Any]
+    training: _Training | None = None
+
+
+class _OwnParameters(_Part):
+    origin: str
+
+
+class _Certificate(_Part):
+    scenario: str | None = None
+    controller: str | None = None
+    parameters: _Parameters | None = None
+    own_parameters: _OwnParameters | None = None
+    seed_was_trained: bool | None = None
+    arithmetic: str | None = None
+    arithmetic_profile: str | None = None
+    indexing: str | None = None
+    seed: int | None = None
+    perturbed: bool | None = None
+    pace: str | None = None
+    attached: bool | None = None
+    foreign: bool | None = None
+    transport: str | None = None
+    frames: int | None = None
+    frames_sha256: str | None = None
+    verdict: str | None = None
+    line: str | None = None
+    command: str | None = None
+    dbc_sha256: str | None = None
+    code_sha256: str | None = None
+    railhil: str | None = None
+
+
+class _Headroom(_Part):
+    name: str
+    bits: int
+
+
+class _Summary(_Part):
+    wraps: int
+    saturations: int
+    zero_divisions: int
+    least_headroom: _Headroom | None
+    cycles: int
+    cycles_flash: int
+    cycle_share: float
+    lost_messages: int
+
+
+class _Shown(_Part):
+    source: str
+    happened: list[str]
+    least_headroom: _Headroom | None
+    cycles: int
+
+
+class _Jitter(_Part):
+    cycles: int
+    p50_ms: float
+    p99_ms: float
+    p999_ms: float
+    max_ms: float
+
+
+class _Lateness(_Jitter):
+    late_share: float
+
+
+class _Histogram(_Part):
+    edges_ms: list[float]
+    counts: list[int]
+
+    @model_validator(mode="after")
+    def _bins(self) -> _Histogram:
+        rising = all(low < high for low, high in itertools.pairwise([0.0, *self.edges_ms]))
+        if not self.counts or len(self.edges_ms) != len(self.counts) + 1 or not rising or min(self.counts) < 0:
+            raise ValueError("rising edges above 0, a count between each two")
+        return self
+
+
+class _Answers(_Part):
+    port: str
+    p50_ms: float
+    p99_ms: float
+    max_ms: float
+
+
+class _Timing(_Part):
+    source: str
+    polls: int
+    missed_polls: int
+
+
+class _RealtimeTiming(_Timing):
+    lateness: _Lateness
+    histogram: _Histogram
+    answers: list[_Answers]
+    scheduling: dict[str, str]
+    pace: str | None = None
+
+
+def _timing_tag(document: Any) -> str:
+    return "lockstep" if isinstance(document, dict) and document.get("source") == "none" else "realtime"
+
+
+class _Run(_Part):
+    sim_time_s: float
+    wall_time_s: float
+    timing: (
+        Annotated[
+            Annotated[_Timing, Tag("lockstep")] | Annotated[_RealtimeTiming, Tag("realtime")],
+            Discriminator(_timing_tag),
+        ]
+        | None
+    ) = None
+
+
+def _telemetry_tag(document: Any) -> str:
+    return "shown" if isinstance(document, dict) and "source" in document else "summary"
+
+
+_Telemetry = Annotated[
+    Annotated[_Shown, Tag("shown")] | Annotated[_Summary, Tag("summary")], Discriminator(_telemetry_tag)
+]
+
+
+class _Score(_Part):
+    telemetry: _Telemetry | None
+    run: _Run
+    jitter: _Jitter | None = None
+
+
+class _ComparedRun(_Part):
+    folder: str
+
+
+class _Comparison(_Part):
+    runs: list[_ComparedRun] = Field(min_length=1)
+    notes: list[str] = Field(default_factory=list)
+
+
+def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None:
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), allowed) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(path, "file", Words("no JSON document"), allowed, str(error)) from None
+    if not isinstance(document, dict):
+        raise InputError(path, "file", document, f"a JSON object: {allowed}")
+    validated(model, document, lambda keys: path, ("shown", "summary", "lockstep", "realtime"))
+    return document
+
+
+def read_certificate(folder: Path, allowed: str = _WRITTEN) -> dict[str, Any] | None:
+    """``certificate.json`` of a run folder; None when there is none.
+
+    :raises InputError: it cannot be read, or a key of it holds what no certificate does.
+    """
+    return _read(folder / CERTIFICATE, _Certificate, allowed)
+
+
+def read_score(folder: Path) -> dict[str, Any] | None:
+    """``score.json`` of a run folder; None when there is none.
+
+    :raises InputError: as :func:`read_certificate`.
+    """
+    return _read(folder / SCORE, _Score, _WRITTEN)
+
+
+def read_comparison(folder: Path) -> dict[str, Any] | None:
+    """``compare.json`` in the folder of a comparison; None when there is none.
+
+    :raises InputError: as :func:`read_certificate`.
+    """
+    return _read(folder / COMPARISON, _Comparison, "what railhil compare has written")

@@ -1,0 +1,288 @@
+"""What a run leaves behind: score, certificate, table of signals, JUnit report."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+import shlex
+import tempfile
+import time
+import xml.etree.ElementTree as ET
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.ident import PROFILES
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from railhil.common.errors import InputError
+from railhil.common.whole_file import whole_file
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.documents import CERTIFICATE, SCORE
+from railhil.supervisor.errors import RecordFailed, not_written
+from railhil.supervisor.framelog import write_blf
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.score import WRAP_FAILURE
+from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
+from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.training_seeds import seed_was_trained
+
+_PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
+#: Columns of ``signals.csv``: header and the signal behind it.
+_COLUMNS = (
+    ("true_position_m", SimTruth.PORT, "TruePos"),
+    ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
+    ("true_accel_mps2", SimTruth.PORT, "TrueAccel"),
+    ("traction_n", SimTruth.PORT, "TractionForce"),
+    ("brake_n", SimTruth.PORT, "BrakeForce"),
+    ("grade_permil", SimTruth.PORT, "TrueGrade"),
+    ("measured_speed_mps", TrnSpeed.PORT, "TrainSpeed"),
+    ("odometer_m", TrnPos.PORT, "TrainPos"),
+    ("notch_command", NotchCmd.PORT, "NotchCmd"),
+    ("controller_mode", NotchCmd.PORT, "CtlMode"),
+    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
+    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
+    ("satisfaction", CtlStat.PORT, "Satisfaction"),
+    ("ladder_level", CtlStat.PORT, "LadderLevel"),
+)
+
+
+#: What is computed from ``frames.log`` when the run is over, and what the controller says of it; removed again unless
+#: all of it could be written.
+_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE, TELEMETRY)
+
+
+def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
+    """Make the folder of a new run.
+
+    :param out: the folder itself when the user names one; it must be empty or not exist.
+    :returns: the folder, and whether it was made here.
+    :raises InputError: the named folder holds something, cannot be made or cannot be written.
+    :raises RecordFailed: there is no room for it.
+    """
+    if out is not None and not out.strip():
+        raise InputError("command line", "--out", out, "name of an empty or new folder")
+    stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
+    folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
+    try:
+        made = out is None or not folder.exists()
+        if out is None:
+            folder = _new_folder(folder)
+        else:
+            folder.mkdir(parents=True, exist_ok=True)
+        occupied = any(folder.iterdir())
+        # Leaves nothing behind; asking for permissions would not notice a read-only file system.
+        tempfile.TemporaryFile(dir=folder).close()
+    except OSError as error:
+        raise not_written("--out", folder, "folder", error) from None
+    if occupied:
+        raise InputError("command line", "--out", str(folder), "an empty or new folder")
+    return folder, made
+
+
+def _new_folder(wanted: Path) -> Path:
+    """Make a folder of this name, or with a number behind it: runs that start in the same second never share one."""
+    wanted.parent.mkdir(parents=True, exist_ok=True)
+    folder, serial = wanted, 1
+    while True:
+        try:
+            folder.mkdir()
+        except FileExistsError:
+            serial += 1
+            folder = wanted.with_name(f"{wanted.name}-{serial}")
+        else:
+            return folder
+
+
+def discard_folder(folder: Path, made: bool) -> None:
+    """Remove what a run that never began has left: the files, and the folder itself when it was made for the run."""
+    for path in folder.iterdir():
+        path.unlink()
+    if made:
+        folder.rmdir()
+
+
+def code_sha256() -> str:
+    """Hash over the source of the bench and its tables (paths and contents, in path order)."""
+    root = Path(__file__).resolve().parent.parent
+    digest = hashlib.sha256()
+    for package in _PACKAGES:
+        for path in sorted((root / package).rglob("*")):
+            if path.suffix in (".py", ".toml", ".dbc", ".csv"):
+                digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
+    """The command line that makes the same run again."""
+    words = ["railhil", "run", options.scenario, "--controller", options.controller]
+    words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
+    words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
+    words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
+    words += ["--no-rt"] * (not options.ask_for_fifo)
+    words += ["--perturbed"] * options.perturbed + ["--attach"] * options.attach
+    words += ["--no-controller"] * options.foreign
+    words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
+    return shlex.join(words + bus_arguments)
+
+
+def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
+    """Content of ``score.json``: what the log gives, and how the run went."""
+    document = result.score.as_json()
+    if result.exit_code not in (0, 1):
+        document["verdict"] = "INVALID"
+    document["line"] = result.line
+    document["run"] = {
+        "sim_time_s": result.sim_time_s,
+        "wall_time_s": result.wall_time_s,
+        "speed_factor": result.speed_factor,
+        "first_frame_s": result.first_frame_s if result.frames else None,
+        "frames": result.frames,
+        "transport": result.transport,
+        "pace": options.pace,
+        "arithmetic": options.arithmetic,
+        "controller": options.controller,
+        "parameters": None if options.parameters is None else options.parameters.digest,
+        "indexing": options.indexing,
+        "seed": options.seed,
+        "perturbed": options.perturbed,
+        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
+        "counters": result.counters,
+        "timing": None if result.timing is None else result.timing.as_json(),
+    }
+    document["telemetry"] = None if result.telemetry is None else result.telemetry.as_json()
+    if result.timing is not None and result.timing.jitter is not None:
+        document["jitter"] = result.timing.jitter.as_json()
+    return document
+
+
+def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_arguments: list[str]) -> dict[str, Any]:
+    """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
+    return {
+        "railhil": version("railhil"),
+        "scenario": options.scenario,
+        "scenario_sha256": scenario.sha256,
+        "dbc_sha256": wire_contract().sha256,
+        "code_sha256": code_sha256(),
+        "seed": options.seed,
+        "perturbed": options.perturbed,
+        "controller": options.controller,
+        "arithmetic": options.arithmetic,
+        "parameters": None if options.parameters is None else options.parameters.as_json(),
+        "own_parameters": None if result.origin is None else {"origin": result.origin.text},
+        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
+        "arithmetic_profile": PROFILES[options.arithmetic],
+        "indexing": options.indexing,
+        "pace": options.pace,
+        # Then the command is the supervisor's part only: what the other nodes were told is theirs.
+        "attached": options.attach,
+        # Then the controller was not ours: law, parameters and arithmetic are what it said in the handshake.
+        "foreign": options.foreign,
+        "transport": result.transport,
+        "frames": result.frames,
+        "frames_sha256": result.frames_sha256,
+        "verdict": result.score.verdict if result.exit_code in (0, 1) else "INVALID",
+        "line": result.line,
+        "command": run_command(options, bus_arguments),
+        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
+        "assumptions": list(scenario.assumptions),
+    }
+
+
+def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
+    """JUnit report with one case per limit of the scenario."""
+    plan, found = scenario.plan, result.score
+    cases: list[tuple[str, str]] = [("bench_valid", "" if result.exit_code in (0, 1) else result.line)]
+    if result.exit_code in (0, 1):
+        cases += [
+            ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
+            ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
+            ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
+            ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
+            ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
+            ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
+        ]
+    suite = ET.Element(
+        "testsuite",
+        name=f"{scenario.name}.{options.controller}",
+        tests=str(len(cases)),
+        failures=str(sum(bool(text) for _, text in cases)),
+        time=f"{result.wall_time_s:.3f}",
+    )
+    for name, text in cases:
+        case = ET.SubElement(suite, "testcase", classname=f"railhil.{scenario.name}", name=name)
+        if text:
+            # XML has no way to write a control character.
+            shown = "".join(letter if letter.isprintable() else "?" for letter in text)
+            ET.SubElement(case, "failure", message=shown)
+    return ET.ElementTree(suite)
+
+
+def _beyond(value: float | None, limit: float, unit: str) -> str:
+    if value is None or abs(value) <= limit:
+        return ""
+    return f"{value:+.3f} {unit}, allowed +-{limit:g} {unit}"
+
+
+def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values."""
+    time_s = trace.times_s(SimTruth.PORT)
+    columns = [time_s]
+    for _, port, signal in _COLUMNS:
+        if port == SimTruth.PORT:
+            columns.append(trace.values(port, signal))
+            continue
+        at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+        values = np.append(trace.values(port, signal), np.nan)
+        columns.append(np.where(at >= 0, values[at], np.nan))
+    return ["time_s", *(header for header, _, _ in _COLUMNS)], np.column_stack(columns)
+
+
+def write_signals(trace: Trace, path: Path) -> None:
+    """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
+    header, rows = signal_table(trace)
+    np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
+
+
+def write_json(path: Path, document: dict[str, Any]) -> None:
+    """Write a JSON document whole or not at all."""
+    with whole_file(path) as draft:
+        draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
+
+
+def write_folder(
+    folder: Path, scenario: Scenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
+) -> None:
+    """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
+
+    :raises RecordFailed: the folder cannot be written; it then holds the log and nothing that looks like a result.
+    """
+    try:
+        if trace.count(SimTruth.PORT):
+            write_signals(trace, folder / "signals.csv")
+        write_blf(folder / "frames.log", folder / "frames.blf")
+        write_json(folder / SCORE, score_json(scenario, result, options))
+        junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
+        write_json(folder / CERTIFICATE, certificate(scenario, options, result, bus_arguments))
+    except BaseException as error:
+        if isinstance(error, OSError):
+            raise record_failed(folder, error) from error
+        _discard_results(folder)
+        raise
+
+
+def _discard_results(folder: Path) -> None:
+    for name in _DERIVED:
+        (folder / name).unlink(missing_ok=True)
+
+
+def record_failed(folder: Path, error: OSError) -> RecordFailed:
+    """The one line for a folder that cannot be written; what looks like a result goes."""
+    _discard_results(folder)
+    reason = (error.strerror or str(error)).lower()
+    return RecordFailed(f"run folder {folder} cannot be written: {reason}; frames.log is kept as far as it got")

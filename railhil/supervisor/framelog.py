@@ -1,0 +1,139 @@
+"""The frame log: candump text, stamped with simulation time and a neutral channel name.
+
+It is the evidence of a run: written while the run goes on, hashed, read back for the score; the BLF beside it is
+made from it. One run has one log, byte for byte, on every transport.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+from can.io import BLFWriter
+
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame, to_message
+from railhil.common.errors import InputError
+
+#: Channel name in the log, whatever the transport was.
+CHANNEL = "mvb0"
+#: candump's mark of an error frame in the identifier (python-can writes a bus error).
+_ERROR_ID = 0x20000080
+_NS_PER_US = 1000
+#: Standard identifiers as they stand in the log.
+_STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
+
+
+@lru_cache(maxsize=4)
+def _stamp(time_ns: int) -> str:
+    """What a line begins with; all frames of a tick share it."""
+    return f"({time_ns // 1_000_000_000}.{time_ns // _NS_PER_US % 1_000_000:06d}) {CHANNEL} "
+
+
+def log_line(time_ns: int, frame: Frame) -> str:
+    """One candump line with its newline, as python-can's writer makes it (a test compares the two).
+
+    Written here because it is on the path of every frame, where building a message for the library's writer costs
+    three times as much as the line.
+    """
+    can_id, data, flags = frame
+    stamp = _stamp(time_ns)
+    if not flags and can_id < 0x800:
+        return f"{stamp}{_STANDARD[can_id]}{data.hex().upper()} R\n"
+    if flags & ERROR:
+        return f"{stamp}{_ERROR_ID:08X}#{data.hex().upper()}\n"
+    identifier = f"{can_id:08X}" if flags & EXTENDED else f"{can_id:03X}"
+    if flags & REMOTE:
+        return f"{stamp}{identifier}#R R\n"
+    fd = f"#{1 if flags & BRS else 0:X}" if flags & FD else ""
+    return f"{stamp}{identifier}#{fd}{data.hex().upper()} R\n"
+
+
+class FrameLog:
+    """Writes ``frames.log`` of one run folder while the run goes on."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / "frames.log"
+        self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
+        self.write = self._stream.write
+
+    def close(self) -> str:
+        """Finish the file.
+
+        :returns: its SHA-256.
+        """
+        self._stream.close()
+        return sha256_of(self.path)
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file, hexadecimal."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
+    """Frames ``(time_ns, frame)`` of a candump log, in bus order.
+
+    :raises InputError: unreadable file, a line that is no candump line, a file that ends inside a line.
+    """
+    try:
+        stream = path.open(encoding="ascii", newline="\n")
+    except OSError as error:
+        raise InputError(path, "file", error.strerror or str(error), "a readable candump log") from error
+    with stream:
+        number = 0
+        try:
+            for number, line in enumerate(stream, 1):
+                if not line.endswith("\n"):
+                    raise InputError(path, f"line {number}", line, "whole lines (the file is cut off)")
+                try:
+                    yield _parsed(line)
+                except (ValueError, IndexError):
+                    allowed = "candump lines, (seconds.micros) channel id#data"
+                    raise InputError(path, f"line {number}", line.rstrip("\n"), allowed) from None
+        except UnicodeDecodeError as error:
+            raise InputError(path, f"after line {number}", error.object[:16], "a candump log (text)") from error
+        if number == 0:
+            raise InputError(path, "file", "", "a candump log with at least one frame")
+
+
+@lru_cache(maxsize=4)
+def _time_ns(stamp: str) -> int:
+    """Time of what a line begins with, the other way round than :func:`_stamp`; ValueError or IndexError."""
+    seconds, micros = stamp.split(".")
+    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7:
+        raise ValueError(stamp)
+    return int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+
+
+def _parsed(line: str) -> tuple[int, Frame]:
+    """Time and frame of a line; ValueError or IndexError when it is none."""
+    fields = line.split()
+    time_ns = _time_ns(fields[0])
+    identifier, mark, payload = fields[2].partition("#")
+    if not mark or len(identifier) not in (3, 8):
+        raise ValueError(line)
+    if len(identifier) == 3 and payload[:1] not in "#R":
+        # Nearly every line of a record.
+        return time_ns, quick_frame((int(identifier, 16), bytes.fromhex(payload), 0))
+    can_id = int(identifier, 16)
+    flags = 0
+    if len(identifier) == 8:
+        flags = ERROR if can_id & 0x20000000 else EXTENDED
+        can_id &= 0x1FFFFFFF
+    if payload[:1] == "#":
+        flags |= FD | (BRS if int(payload[1], 16) & 1 else 0)
+        payload = payload[2:]
+    elif payload[:1] == "R":
+        return time_ns, Frame(can_id, b"", flags | REMOTE)
+    return time_ns, Frame(can_id, bytes.fromhex(payload), flags)
+
+
+def write_blf(log: Path, out: Path) -> None:
+    """Write the frames of a candump log as BLF, with python-can's writer."""
+    writer = BLFWriter(out)
+    for time_ns, frame in read_log(log):
+        writer.on_message_received(to_message(frame, time_ns / 1e9))
+    writer.stop()

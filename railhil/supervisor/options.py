@@ -1,0 +1,49 @@
+"""What the command line says about a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from railhil.scenarios.parameters import ParameterSet
+
+
+@dataclass(frozen=True, slots=True)
+class RunOptions:
+    """One law on one scenario over the bus."""
+
+    scenario: str
+    controller: str = "ipfc"
+    arithmetic: str = "iq"
+    indexing: str = "time"
+    pace: str = "lockstep"
+    rate: float = 1.0
+    seed: int = 0
+    perturbed: bool = False
+    #: Simulation time between two readings of the controller's mailboxes; 0: each frame at once.
+    task_period_ms: int = 0
+    #: Of the law, from a file; None: its own.
+    parameters: ParameterSet | None = None
+    #: Realtime: ask for SCHED_FIFO and locked memory.
+    ask_for_fifo: bool = True
+    #: Attach to nodes that are running already instead of starting them.
+    attach: bool = False
+    #: The controller is somebody else (a board, another program): everything but it is started.
+    foreign: bool = False
+    #: Wall time for all nodes to appear.
+    appear_s: float = 25.0
+
+    @property
+    def label(self) -> str:
+        """The law, with the digest of its parameters when they come from a file: its name in the handshake."""
+        return self.controller if self.parameters is None else self.parameters.controller
+
+    @property
+    def realtime_scheduling(self) -> bool:
+        """True when the processes of this run are to ask for SCHED_FIFO and locked memory."""
+        return self.pace == "realtime" and self.ask_for_fifo
+
+    @property
+    def law_arguments(self) -> list[str]:
+        """Arguments of the controller node that say which law it runs, and how."""
+        law = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
+        return law + (["--parameters", str(self.parameters.source)] if self.parameters is not None else [])

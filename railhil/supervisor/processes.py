@@ -1,0 +1,142 @@
+"""Starting, watching and ending the node processes of a run."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from railhil.common.scheduling import is_said
+
+#: Time that a node gets to end by itself after SIGTERM.
+TERMINATE_S = 1.0
+#: Exit codes of a node that a signal has ended in good order.
+_STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTERM)}
+#: What a link says of an outage that is over, and at the end of a node: no reason for anything.
+_OF_THE_CONNECTION = re.compile(r" is back after [\d.]+ s$|: [a-z_]+ \d+(, [a-z_]+ \d+)*$")
+#: Index of ``starttime`` in /proc/PID/stat, counted behind the command name (proc(5), field 22).
+_STARTTIME = 19
+
+
+def process_start_ns() -> int:
+    """Monotonic time at which this process was started (its start time is kept in 10 ms steps)."""
+    fields = Path("/proc/self/stat").read_text(encoding="ascii", errors="replace").rpartition(")")[2].split()
+    started_s = int(fields[_STARTTIME]) / os.sysconf("SC_CLK_TCK")
+    age_s = time.clock_gettime(time.CLOCK_BOOTTIME) - started_s
+    return time.monotonic_ns() - int(age_s * 1e9)
+
+
+@dataclass(slots=True)
+class Node:
+    """A child process with its role and the file that holds what it said."""
+
+    role: str
+    process: subprocess.Popen[bytes]
+    output: Path
+
+    def exit_code(self) -> int | None:
+        """Exit code, negative for a signal, None while it runs."""
+        return self.process.poll()
+
+    def last_words(self) -> str:
+        """Last line that the node wrote of why it ends, or how it ended."""
+        code = self.process.poll()
+        if code is not None and code < 0:
+            return f"killed by {signal.Signals(-code).name}"
+        if code in _STOPPED:
+            return f"ended by {_STOPPED[code]}"
+        lines = [line for line in self.output.read_text(errors="replace").splitlines() if line.strip()]
+        reasons = [line for line in lines if not is_said(line) and not _OF_THE_CONNECTION.search(line)]
+        return reasons[-1] if reasons else f"exit code {code}"
+
+    @property
+    def was_killed(self) -> bool:
+        """True when a signal has ended it, caught or not: then the others have ended because of it."""
+        code = self.exit_code() or 0
+        return code < 0 or code in _STOPPED
+
+
+class Nodes:
+    """The child processes of one run; a context manager that leaves none behind."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self.nodes: list[Node] = []
+        #: The supervisor's own processors, to be given back.
+        self._before: set[int] = set()
+
+    def start(self, role: str, module: str, arguments: Sequence[str]) -> Node:
+        """Start ``python -m module arguments`` with its output in ``<role>.txt``."""
+        output = self._folder / f"{role}.txt"
+        with output.open("wb") as stream:
+            process = subprocess.Popen(
+                [sys.executable, "-m", module, *arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+            )
+        node = Node(role, process, output)
+        self.nodes.append(node)
+        return node
+
+    def keep_together(self) -> None:
+        """Put hub, plant and controller on one processor, the supervisor on the others.
+
+        In lockstep only one of the three works at a time, so nothing is lost; handing over between processors,
+        each of which went to sleep meanwhile, would cost more than the work itself. Which processor is taken
+        depends on the process number, so that benches side by side spread.
+        """
+        processors = sorted(os.sched_getaffinity(0))
+        if len(processors) < 2:
+            return
+        chosen = processors[os.getpid() % len(processors)]
+        for node in self.nodes:
+            # A node that has just ended is noticed elsewhere.
+            with contextlib.suppress(ProcessLookupError):
+                os.sched_setaffinity(node.process.pid, {chosen})
+        self._before = set(processors)
+        os.sched_setaffinity(0, self._before - {chosen})
+
+    def ended(self) -> list[Node]:
+        """Nodes that have ended."""
+        return [node for node in self.nodes if node.exit_code() is not None]
+
+    def blamed(self) -> Node | None:
+        """Of the nodes that have ended, the one that did first: one that was killed, and the hub before all."""
+        roles = ("hub", "plant", "controller")
+        return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
+
+    def wait(self, roles: Sequence[str], timeout_s: float) -> bool:
+        """Wait until the nodes of these roles have ended; False after the time-out."""
+        deadline_s = time.monotonic() + timeout_s
+        for node in self.nodes:
+            if node.role in roles:
+                try:
+                    node.process.wait(max(0.0, deadline_s - time.monotonic()))
+                except subprocess.TimeoutExpired:
+                    return False
+        return True
+
+    def __enter__(self) -> Nodes:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._before:
+            os.sched_setaffinity(0, self._before)
+        running = [node for node in self.nodes if node.exit_code() is None]
+        for node in running:
+            node.process.terminate()
+        deadline_s = time.monotonic() + TERMINATE_S
+        for node in running:
+            try:
+                node.process.wait(max(0.0, deadline_s - time.monotonic()))
+            except subprocess.TimeoutExpired:
+                node.process.kill()
+                node.process.wait()

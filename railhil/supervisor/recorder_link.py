@@ -1,0 +1,57 @@
+"""How the supervisor comes to its bus: opened for recording, and free of other benches."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+from railhil.bus.errors import BusOccupied, BusUnavailable
+from railhil.bus.ident import Role, SupIdent
+from railhil.bus.link import Link, open_link
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.telegrams import SupCmd
+from railhil.dbc import wire_contract
+from railhil.supervisor.processes import Nodes
+
+#: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
+_BULK_FRAMES = 64
+_ANSWERED = (SupCmd.PORT, SupIdent.PORT)
+#: A running bench polls every 20 ms of its time, one that waits for its nodes every 100 ms.
+_LISTEN_S = 0.15
+
+
+def open_recorder(choice: BusChoice, nodes: Nodes, lockstep: bool) -> Link:
+    """Open the bus for the recorder.
+
+    :raises BusUnavailable: it cannot be opened; the reason is the hub's when that has ended.
+    """
+    try:
+        link = open_link(choice.config | (_bulk_reading(choice) if lockstep else {}), "supervisor")
+    except BusUnavailable:
+        for node in nodes.ended():
+            raise BusUnavailable(node.last_words()) from None
+        raise
+    link.lossless = lockstep
+    return link
+
+
+def _bulk_reading(choice: BusChoice) -> dict[str, Any]:
+    """On the hub in lockstep, take frames in bulk and be woken at once only for the polls to answer."""
+    if choice.config.get("interface") != HUB_INTERFACE:
+        return {}
+    contract = wire_contract()
+    polls = [master_frame(contract.port(name).f_code, contract.port(name).address) for name in _ANSWERED]
+    return {"coalesce_frames": _BULK_FRAMES, "wake_on": [*polls, master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)]}
+
+
+def refuse_occupied(link: Link, choice: BusChoice) -> None:
+    """Listen before the nodes are started: two benches on one bus would spoil both.
+
+    :raises BusOccupied: a bus administrator polls there.
+    """
+    poll_id = wire_contract().poll_id
+    deadline_s = time.monotonic() + _LISTEN_S
+    while (rest_s := deadline_s - time.monotonic()) > 0:
+        if any(frame.can_id == poll_id and not frame.flags for frame in link.receive(rest_s)):
+            raise BusOccupied(f"bus {choice.transport}: another bench is running on it; wait for its end, or --attach")

@@ -1,0 +1,150 @@
+"""What a reader must know to make a run again and to judge it.
+
+Wall-clock figures stand here for realtime runs only: a lockstep run gives the same report wherever it runs.
+"""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import PurePosixPath
+from typing import Any
+
+from railhil.bus.limits import limits_of
+from railhil.scenarios.parameters import DIGEST_DIGITS
+from railhil.supervisor.report.jitter_panel import timing_rows
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
+
+_UNKNOWN = "not recorded"
+_NO_SCORE = f"{_UNKNOWN}: score.json is missing"
+#: Folders of an absolute path within a sentence; devices keep theirs.
+_FOLDERS = re.compile(r"(?<![\w./])/(?!dev/)(?:[^\s/:]+/)+")
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """``common``: what holds for all runs; ``own``: per run, its label and what differs; rows are ``(name, text)``."""
+
+    common: tuple[tuple[str, str], ...]
+    own: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
+
+
+def without_folders(text: str) -> str:
+    """A file's name for its absolute path: where a run was made is no part of its report. Devices keep theirs."""
+    path = PurePosixPath(text)
+    return path.name if path.is_absolute() and not text.startswith("/dev/") else text
+
+
+def without_paths(text: str) -> str:
+    """A sentence with the names of files in place of their absolute paths."""
+    return _FOLDERS.sub("", text)
+
+
+def _transport(text: str) -> str:
+    interface, _, channel = text.partition(":")
+    return f"{interface}:{without_folders(channel)}"
+
+
+def _command(text: str) -> str:
+    try:
+        return shlex.join(map(without_folders, shlex.split(text)))
+    except ValueError:
+        return text
+
+
+def _telemetry(document: Any) -> str:
+    """One sentence from the telemetry of ``score.json``."""
+    if document is None:
+        return "the controller has said nothing about its arithmetic"
+    least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
+    if "source" in document:
+        return ShownTelemetry(tuple(document["happened"]), least, document["cycles"], ()).sentence()
+    names = [item.name for item in fields(TelemetrySummary)]
+    return TelemetrySummary(**{name: document[name] for name in names} | {"least_headroom": least}).sentence()
+
+
+def parameters_sentence(run: RecordedRun) -> str:
+    """Where the parameters come from with which the controller ran."""
+    given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
+    if run.certificate.get("foreign"):
+        asked = f"those of a file, digest {given['sha256'][:DIGEST_DIGITS]}" if given else "the law's own"
+        return f"not known: the controller was not ours; in the handshake it agreed to {asked}"
+    if not given:
+        return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
+    words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
+    if training := given.get("training"):
+        words += f", tuned on {len(training['seeds'])} runs of {training['scenario']}"
+    return words
+
+
+def _parameters(run: RecordedRun) -> str:
+    if run.certificate.get("foreign"):
+        return parameters_sentence(run)
+    values = (run.certificate.get("parameters") or {}).get("values", {})
+    return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
+
+
+def _signed(run: RecordedRun) -> str:
+    late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
+    if late_s is None or past_m is None:
+        return "did not stop"
+    return (
+        f"{abs(late_s):.4f} s {'late' if late_s > 0 else 'early'}, "
+        f"{abs(past_m):.4f} m {'past' if past_m > 0 else 'short of'} the stopping point"
+    )
+
+
+def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
+    """All facts of one run, in reading order."""
+    certificate, scenario, document = run.certificate, run.scenario, run.score_document
+
+    def said(key: str) -> str:
+        found = certificate.get(key)
+        return _UNKNOWN if found is None else str(found)
+
+    transport = said("transport")
+    rows = [
+        ("Scenario", f"{scenario.title} ({scenario.name})"),
+        ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
+        ("Controller", said("controller")),
+        ("Parameters", _parameters(run)),
+        ("Arithmetic", f"{said('arithmetic')} (profile {said('arithmetic_profile')})"),
+        ("Set-point over", said("indexing")),
+        ("Seed", said("seed")),
+        ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
+        ("Stopped", _signed(run)),
+        ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
+        ("Pacing", said("pace")),
+        *timing_rows(document),
+        ("Transport", _transport(transport)),
+        ("Not modelled there", limits_of(transport)),
+        ("Frames", said("frames")),
+        ("SHA-256 of frames.log", said("frames_sha256")),
+        ("SHA-256 of the scenario", scenario.sha256),
+        ("SHA-256 of the DBC", said("dbc_sha256")),
+        ("SHA-256 of the code", said("code_sha256")),
+        ("railhil", said("railhil")),
+        ("Again with", _command(said("command"))),
+    ]
+    if certificate.get("foreign"):
+        rows.append(("Not ours", "the controller, a board or another program; law and arithmetic are what it said"))
+    if certificate.get("attached"):
+        rows.append(("Attached", "plant and controller were started elsewhere; the command is the supervisor's part"))
+    return rows
+
+
+def facts(runs: Sequence[RecordedRun]) -> Facts:
+    """Facts of all runs, what they share said once."""
+    each = [facts_of(run) for run in runs]
+    shared = set(each[0]).intersection(*map(set, each[1:]))
+    return Facts(
+        tuple(row for row in each[0] if row in shared),
+        tuple(
+            (run.label, tuple(row for row in rows if row not in shared)) for run, rows in zip(runs, each, strict=True)
+        )
+        if len(runs) > 1
+        else (),
+    )

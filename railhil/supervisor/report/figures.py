@@ -1,0 +1,246 @@
+"""The figures of the report as inline SVG: text stays text, identifiers are unique in the page."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.jitter import LATE_MS, LATE_SHARE_MAX
+from railhil.supervisor.report import panels
+from railhil.supervisor.report.histogram import Lateness, lateness
+from railhil.supervisor.report.jitter_panel import timing_of
+from railhil.supervisor.report.panels import Drawn
+from railhil.supervisor.report.recorded import RecordedRun, curves
+from railhil.supervisor.report.styles import styles
+
+_WIDTH_IN = 8.5
+_LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
+#: Middle of the axis titles, left of the axes: one line for all figures, wide tick labels between.
+_TITLE_IN = 0.7
+#: Height of a legend row; of the row of one law where laws stand below each other.
+_LEGEND_IN, _ROW_IN, _GAP_IN = 0.2, 1.05, 0.3
+#: Height of one name in the picture of basis functions.
+_BASIS_IN = 0.18
+_LEGEND_COLUMNS = 4
+#: Room in a legend: for the piece of line with the blanks around it, and for a letter.
+_SAMPLE_IN, _LETTER_IN = 0.6, 0.075
+_LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
+_IDENTIFIER = re.compile(r'(\bid="|url\(#|href="#)')
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """One figure: ``name`` is its anchor, ``svg`` the element itself."""
+
+    name: str
+    title: str
+    caption: str
+    svg: str
+
+
+def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
+    """All figures of the report, in reading order; empty when no run got far enough to be drawn."""
+    drawn = [
+        Drawn(run.label, style, curves(scenario, run.trace), run.score)
+        for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
+        if run.can_be_drawn
+    ]
+    if not drawn:
+        return []
+    late = [
+        Lateness(run.label, style, **timing_of(run)["histogram"])
+        for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
+        if timing_of(run).get("histogram")
+    ]
+    with panels.drawing("none"):
+        found = [_speed(scenario, drawn), _error(scenario, drawn), _distance(scenario, drawn)]
+        found += [_notch(scenario, drawn), _force(scenario, drawn)]
+        with_basis = [run for run in drawn if run.curves.has_basis]
+        with_softening = [run for run in drawn if run.curves.has_softening]
+        if with_basis:
+            found.append(_basis(scenario, with_basis))
+        if with_softening:
+            found.append(_softening(scenario, with_softening))
+        if late:
+            found.append(_lateness(late))
+    return found
+
+
+def _svg(figure: Figure, name: str, title: str) -> str:
+    """The figure as an element of a page.
+
+    Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers get the name in front;
+    the style sheet, which would hold for the whole page, is left to the page.
+    """
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    body = text.getvalue()
+    body = body[body.index("<svg") :]
+    body = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", body, flags=re.DOTALL)
+    body = _IDENTIFIER.sub(rf"\g<1>{name}-", body)
+    body = _LONG_NUMBER.sub(r"\1", body)
+    # The page gives the width; the height follows from the view box.
+    body = re.sub(r'^<svg([^>]*?) width="[^"]*"', r"<svg\1", body, count=1)
+    body = re.sub(r'^<svg([^>]*?) height="[^"]*"', rf'<svg\1 role="img" aria-label="{title}"', body, count=1)
+    return body.strip()
+
+
+def _legend(labels: Sequence[str]) -> tuple[int, int]:
+    """Columns that the longest name leaves room for, and rows."""
+    widest_in = _SAMPLE_IN + _LETTER_IN * max(map(len, labels))
+    columns = max(1, min(_LEGEND_COLUMNS, int((_WIDTH_IN - _LEFT_IN - _RIGHT_IN) / widest_in)))
+    return columns, -(-len(labels) // columns)
+
+
+def _axes(
+    figure: Figure, bottom_in: float, height_in: float, left: float = 0.0, width: float = 1.0, **given: Any
+) -> Axes:
+    """Axes at a height in inches above the figure's lower edge; ``left``, ``width``: shares of the usable width."""
+    whole_in = figure.get_figheight()
+    usable = (_WIDTH_IN - _LEFT_IN - _RIGHT_IN) / _WIDTH_IN
+    box = (_LEFT_IN / _WIDTH_IN + left * usable, bottom_in / whole_in, width * usable, height_in / whole_in)
+    axes: Axes = figure.add_axes(box, **given)
+    axes.yaxis.set_label_coords(-_TITLE_IN / (box[2] * _WIDTH_IN), 0.5)
+    return axes
+
+
+def _speed(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    title = "Speed over distance"
+    columns, legend_rows = _legend(["limit", "target", *(run.label for run in runs)])
+    head_in = _LEGEND_IN * legend_rows + 0.1
+    close_in = 1.5 + _BOTTOM_IN + 0.1
+    figure = Figure(figsize=(_WIDTH_IN, close_in + _BOTTOM_IN + 0.8 + 0.15 + 2.7 + head_in))
+    low = _axes(figure, close_in + _BOTTOM_IN, 0.8)
+    high = _axes(figure, close_in + _BOTTOM_IN + 0.8 + 0.15, 2.7, sharex=low)
+    panels.speed_over_distance(high, scenario, runs)
+    panels.legend(high, columns)
+    panels.grade(low, scenario)
+    high.tick_params(labelbottom=False)
+    low.set(xlabel="distance (m)", xlim=(0, scenario.plan.distance_m * 1.01))
+    for place_m, left in zip(panels.widest_places(scenario, runs), (0.0, 0.55), strict=True):
+        near = _axes(figure, _BOTTOM_IN, 1.5, left, 0.45)
+        panels.speed_near(near, scenario, runs, place_m)
+        near.set(xlabel="distance (m)", ylabel="speed (km/h)" if left == 0.0 else "")
+    caption = (
+        "Train, target and speed limit in force for the whole train; the grade of the line (up positive); close views "
+        "where a train differs most from the target, in each half."
+    )
+    return Picture("speed", title, caption, _svg(figure, "speed", title))
+
+
+def _distance(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    title = "Distance over time, and the stop"
+    columns, legend_rows = _legend(["target", "target stop", "allowed", *(run.label for run in runs)])
+    head_in = _LEGEND_IN * legend_rows + 0.35
+    figure = Figure(figsize=(_WIDTH_IN, _BOTTOM_IN + 2.9 + head_in))
+    whole = _axes(figure, _BOTTOM_IN, 2.9, 0.0, 0.44)
+    near = _axes(figure, _BOTTOM_IN, 2.9, 0.57, 0.43)
+    panels.distance_over_time(whole, scenario, runs)
+    whole.set_xlim(0, scenario.plan.running_time_s * 1.01)
+    panels.stop(near, scenario, runs)
+    handles, labels = whole.get_legend_handles_labels()
+    box, allowed = near.get_legend_handles_labels()
+    extra = [(handle, label) for handle, label in zip(box, allowed, strict=True) if label == "allowed"]
+    figure.legend(
+        handles + [handle for handle, _ in extra],
+        labels + [label for _, label in extra],
+        loc="upper left",
+        bbox_to_anchor=(_LEFT_IN / _WIDTH_IN, 1.0),
+        ncols=columns,
+        frameon=False,
+        borderaxespad=0.2,
+    )
+    plan = scenario.plan
+    caption = (
+        f"The target stop is {plan.distance_m:g} m at {plan.running_time_s:g} s; the box shows the allowed errors, a "
+        "marker where and when each train stood."
+    )
+    if outside := panels.outside_window(scenario, runs):
+        caption += f" Outside the right-hand picture: {', '.join(outside)}."
+    return Picture("stop", title, caption, _svg(figure, "stop", title))
+
+
+def _stacked(
+    scenario: Scenario, runs: Sequence[Drawn], name: str, title: str, unit: str, caption: str,
+    draw: Callable[[Axes, Drawn], None], height_in: float = _ROW_IN, legend: bool = False,
+) -> Picture:  # fmt: skip
+    """One row of axes per law, all with the same scales, named by the law where there are several."""
+    row_in = height_in * (1.0 if len(runs) > 1 else 1.4)
+    named = len(runs) > 1
+    head_in = 0.12 + (_LEGEND_IN if named or legend else 0.0)
+    gap_in = _GAP_IN if named else 0.15
+    whole_in = _BOTTOM_IN + len(runs) * row_in + (len(runs) - 1) * gap_in + head_in
+    figure = Figure(figsize=(_WIDTH_IN, whole_in))
+    first: Axes | None = None
+    for place, run in enumerate(runs):
+        bottom_in = _BOTTOM_IN + (len(runs) - 1 - place) * (row_in + gap_in)
+        axes = _axes(figure, bottom_in, row_in, sharex=first, sharey=first)
+        first = first or axes
+        draw(axes, run)
+        panels.time_axis(axes, scenario)
+        axes.set_ylabel(unit)
+        if named:
+            axes.set_title(run.label, loc="left", fontsize=9, pad=3)
+        if legend and place == 0:
+            axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.2)
+        if place < len(runs) - 1:
+            axes.tick_params(labelbottom=False)
+        else:
+            axes.set_xlabel("time (s)")
+    return Picture(name, title, caption, _svg(figure, name, title))
+
+
+def _error(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    caption = "Set-point minus true speed; positive: the train is too slow."
+    return _stacked(scenario, runs, "error", "Speed error over time", "error (km/h)", caption, panels.speed_error)
+
+
+def _notch(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    caption = "Notch as commanded; negative brakes."
+    return _stacked(scenario, runs, "notch", "Notch over time", "notch", caption, panels.notch)
+
+
+def _force(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    caption = "What the train really applied: traction force positive, brake force negative."
+    return _stacked(scenario, runs, "force", "Traction and brake force over time", "force (kN)", caption, panels.force)
+
+
+def _basis(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    caption = "Which basis functions the controller said it used (CTL_STAT); laws without basis functions are left out."
+    used = panels.bases(runs)
+
+    def draw(axes: Axes, run: Drawn) -> None:
+        panels.basis(axes, run, used)
+
+    height_in = _BASIS_IN * max(3, len(used))
+    return _stacked(scenario, runs, "basis", "Basis functions over time", "", caption, draw, height_in)
+
+
+def _softening(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
+    title = "Softening factor and satisfaction over time"
+    caption = (
+        "As the controller said (CTL_STAT); laws without a softening factor are left out, laws with a fixed one say "
+        "satisfaction 0."
+    )
+    return _stacked(scenario, runs, "softening", title, "α, μ", caption, panels.softening, legend=True)
+
+
+def _lateness(runs: Sequence[Lateness]) -> Picture:
+    title = "Lateness of the cycles"
+    caption = (
+        "How long after its absolute deadline each cycle began, in wall time; both axes are logarithmic. The dotted "
+        f"line is {LATE_MS:g} ms: a run with more than {LATE_SHARE_MAX:.1%} of its cycles beyond it is INVALID."
+    )
+    columns, legend_rows = _legend([*(run.label for run in runs), f"{LATE_MS:g} ms"])
+    figure = Figure(figsize=(_WIDTH_IN, _BOTTOM_IN + 2.2 + _LEGEND_IN * legend_rows + 0.1))
+    axes = _axes(figure, _BOTTOM_IN, 2.2)
+    lateness(axes, runs)
+    panels.legend(axes, columns)
+    return Picture("lateness", title, caption, _svg(figure, "lateness", title))

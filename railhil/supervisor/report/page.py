@@ -1,0 +1,60 @@
+"""The page itself: a pure function of the recorded runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from railhil.common.whole_file import whole_file
+from railhil.supervisor.report import jitter_panel as timing
+from railhil.supervisor.report.deviations import deviations
+from railhil.supervisor.report.facts import facts, without_paths
+from railhil.supervisor.report.figures import pictures
+from railhil.supervisor.report.recorded import RecordedRun, told_apart
+from railhil.supervisor.report.score_table import COLUMNS, rows
+
+
+def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
+    """The report of one run or of several of one scenario, as one HTML document without any outside reference.
+
+    The same records give the same bytes: no date, no path, no wall-clock figure of a lockstep run.
+
+    :param notes: sentences on the comparison as a whole.
+    """
+    runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
+    scenario = runs[0].scenario
+    environment = Environment(
+        loader=PackageLoader("railhil.supervisor.report", "."),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    source, deviating = deviations() if scenario.published else ("", ())
+    return environment.get_template("report.html.j2").render(
+        scenario=scenario,
+        runs=runs,
+        notes=notes,
+        columns=COLUMNS,
+        rows=rows(scenario, runs),
+        facts=facts(runs),
+        timing=timing.table(runs),
+        timing_headings=timing.HEADINGS,
+        pictures=pictures(scenario, runs),
+        source=source,
+        deviations=deviating,
+    )
+
+
+def write_report(runs: Sequence[RecordedRun], out: Path, notes: Sequence[str] = ()) -> None:
+    """Write the report whole or not at all.
+
+    :raises OSError: it cannot be written.
+    """
+    text = page(runs, notes)
+    with whole_file(out) as draft:
+        draft.write_text(text, encoding="utf-8")

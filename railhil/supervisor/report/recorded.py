@@ -1,0 +1,169 @@
+"""A recorded run as the report takes it: what stands in its folder, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.ident import INDEXINGS, CtlIdent
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
+from railhil.scenarios.model import PublishedScore, Scenario
+from railhil.scenarios.parameters import DIGEST_DIGITS
+from railhil.scenarios.target import Target
+from railhil.supervisor.documents import read_score
+from railhil.supervisor.measures import KMH
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import FloatArray, Trace
+
+#: Name of the report in the folder of a run or of a comparison.
+REPORT = "report.html"
+#: A curve needs two points.
+_POINTS_MIN = 2
+
+
+@dataclass(frozen=True, slots=True)
+class RecordedRun:
+    """One run: scenario, telegrams, score, and the documents beside the log (empty where there are none).
+
+    ``label`` is the law as the tables call it, with what tells it from other runs of the same law.
+    """
+
+    label: str
+    scenario: Scenario
+    trace: Trace
+    score: Score
+    verdict: str
+    line: str
+    certificate: dict[str, Any]
+    score_document: dict[str, Any]
+
+    @property
+    def controller(self) -> str:
+        """Name of the law; ``?`` for a record without certificate."""
+        return str(self.certificate.get("controller", "?"))
+
+    @property
+    def published(self) -> PublishedScore | None:
+        """The published row of this law, if there is one."""
+        return next((row for row in self.scenario.published if row.controller == self.controller), None)
+
+    @property
+    def seed_was_trained(self) -> bool:
+        """True when the controller's parameters are known to be made from this very run: then it is no evaluation."""
+        return bool(self.certificate.get("seed_was_trained"))
+
+    @property
+    def caution(self) -> str:
+        """The sentence on a run that is no evaluation, empty for the others."""
+        if not self.seed_was_trained:
+            return ""
+        how = "tuned" if self.certificate.get("parameters") else "designed"
+        seed = self.certificate.get("seed")
+        return f"NOT AN EVALUATION: the parameters of {self.controller} were {how} on this very run, seed {seed}"
+
+    @property
+    def can_be_drawn(self) -> bool:
+        """True when the train's state was recorded more than once."""
+        return self.trace.count(SimTruth.PORT) >= _POINTS_MIN
+
+
+def recorded_run(
+    folder: Path, certificate: dict[str, Any], scenario: Scenario, trace: Trace, score: Score, invalid: str = ""
+) -> RecordedRun:
+    """The run whose folder this is.
+
+    :param certificate: of this run; empty when there is none, and then no document of the folder belongs to the log.
+    :param invalid: why the bench could not be trusted, empty when it could.
+    :raises InputError: ``score.json`` is damaged.
+    """
+    verdict, line = score.verdict, "; ".join(score.failures)
+    if invalid:
+        verdict, line = "INVALID", invalid
+    document = read_score(folder) if certificate else None
+    label = str(certificate.get("controller") or folder.name)
+    if parameters := certificate.get("parameters"):
+        label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
+    label += " (on this seed)" if certificate.get("seed_was_trained") else ""
+    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {})
+
+
+def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
+    """The same runs with labels that differ: what differs between runs of one label is added to it."""
+    found = list(runs)
+    for key in ("arithmetic", "indexing", "perturbed", "seed", "pace"):
+        labels = [run.label for run in found]
+        for label in {text for text in labels if labels.count(text) > 1}:
+            same = [index for index, text in enumerate(labels) if text == label]
+            values = [found[index].certificate.get(key) for index in same]
+            if len(set(map(str, values))) > 1:
+                for index, value in zip(same, values, strict=True):
+                    word = f"seed {value}" if key == "seed" else value
+                    word = ("perturbed" if value else "nominal") if key == "perturbed" else word
+                    found[index] = replace(found[index], label=f"{label} {word}")
+    labels = [run.label for run in found]
+    for label in {text for text in labels if labels.count(text) > 1}:
+        same = [index for index, text in enumerate(labels) if text == label]
+        for serial, index in enumerate(same, start=1):
+            found[index] = replace(found[index], label=f"{label} #{serial}")
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Curves:
+    """What is drawn of one run: arrays of equal length per source, in the units of their names.
+
+    ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT.
+    """
+
+    time_s: FloatArray
+    position_m: FloatArray
+    speed_kmh: FloatArray
+    error_kmh: FloatArray
+    traction_kn: FloatArray
+    brake_kn: FloatArray
+    notch_s: FloatArray
+    notch: FloatArray
+    status_s: FloatArray
+    basis: FloatArray
+    softening: FloatArray
+    satisfaction: FloatArray
+
+    @property
+    def has_basis(self) -> bool:
+        """True for a law that says which basis functions it uses."""
+        return bool(np.any(self.basis))
+
+    @property
+    def has_softening(self) -> bool:
+        """True for a law with a softening factor."""
+        return bool(np.any(self.softening))
+
+
+def curves(scenario: Scenario, trace: Trace) -> Curves:
+    """Curves of a record; the speed error is set-point minus speed, against the set-point that the law followed."""
+    time_s = trace.times_s(SimTruth.PORT)
+    position_m = trace.values(SimTruth.PORT, "TruePos")
+    speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
+    target = Target(scenario.target)
+    ident = trace.ident(CtlIdent)
+    over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
+    wanted_mps = np.asarray(target.speed_mps(target.time_s(position_m) if over_distance else time_s))
+    return Curves(
+        time_s=time_s,
+        position_m=position_m,
+        speed_kmh=speed_kmh,
+        # After the planned stop the target goes on below zero, which no train can follow.
+        error_kmh=np.maximum(wanted_mps, 0.0) * KMH - speed_kmh,
+        traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
+        brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
+        notch_s=trace.times_s(NotchCmd.PORT),
+        notch=trace.values(NotchCmd.PORT, "NotchCmd"),
+        status_s=trace.times_s(CtlStat.PORT),
+        basis=trace.raw(CtlStat.PORT, "BasisInUse").astype(np.float64),
+        softening=trace.values(CtlStat.PORT, "SofteningFactor"),
+        satisfaction=trace.values(CtlStat.PORT, "Satisfaction"),
+    )

@@ -1,0 +1,99 @@
+"""How runs are told from each other where they share axes.
+
+Colour, dashes and marker belong to the law, the same in every report; a second run of a law (with other parameters) has
+a thinner line and a filled marker. A grey print keeps dashes, widths and markers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from railhil.supervisor.law_order import LAW_ORDER
+
+#: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points, markers. The first belong to the
+#: laws of LAW_ORDER, what is left to others.
+_LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
+    ("#0072b2", (), "o"),
+    ("#d55e00", (7, 2), "s"),
+    ("#009e73", (5, 2, 1.2, 2), "D"),
+    ("#cc79a7", (1.8, 1.4), "^"),
+    ("#000000", (11, 2, 1.2, 2, 1.2, 2), "v"),
+    ("#e69f00", (3.5, 3.5), "P"),
+    ("#56b4e9", (14, 4), "X"),
+)
+#: Line width in points and filling of the marker: of a law's first run, its second, and more if it must be.
+_VARIANTS = ((1.5, "none"), (0.7, "full"), (2.3, "left"), (1.1, "bottom"))
+#: Runs of one law that keep its colour; further ones take what other laws leave.
+_OF_ONE_LAW = 2
+_MARKER_POINTS = 7.0
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """Place in the tables above."""
+
+    law: int = 0
+    variant: int = 0
+
+    @property
+    def colour(self) -> str:
+        """Colour of lines and markers."""
+        return _LAWS[self.law][0]
+
+    @property
+    def line(self) -> dict[str, Any]:
+        """Line among others, for matplotlib; the marker stands in the legend alone."""
+        width = _VARIANTS[self.variant][0]
+        # matplotlib takes dashes in widths of the line.
+        dashes = tuple(points / width for points in _LAWS[self.law][1])
+        return {"linestyle": (0, dashes) if dashes else "-", "linewidth": width, "markevery": [], **self.marker}
+
+    @property
+    def alone(self) -> dict[str, Any]:
+        """Line in axes of its own: the colour is enough."""
+        return {"color": self.colour, "linewidth": 0.9}
+
+    @property
+    def marker(self) -> dict[str, Any]:
+        """Marker of a single point; one that is filled is small, so that a hollow one in the same place is seen."""
+        filling = _VARIANTS[self.variant][1]
+        # Points of several laws lie in one place: three sizes keep them apart.
+        points = _MARKER_POINTS + 2.0 * (self.law % 3) if filling == "none" else 0.75 * _MARKER_POINTS
+        return {
+            "color": self.colour,
+            "marker": _LAWS[self.law][2],
+            "fillstyle": filling,
+            "markersize": points,
+            "markeredgewidth": 1.3,
+        }
+
+
+def styles(laws: Sequence[str]) -> list[Style]:
+    """A style for each run.
+
+    :param laws: law of each run, in the order of the runs.
+    :returns: all different for up to 28 runs; the first two of a law do not depend on what else is drawn when the law
+        is one of :data:`~scenarios.laws.LAW_ORDER`.
+    """
+    places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
+    others = [law for law in dict.fromkeys(laws) if law not in places]
+    free = [place for place in range(len(_LAWS)) if place not in places.values()]
+    # Places that no law of ours ever has come first.
+    free.sort(key=lambda place: place < len(LAW_ORDER))
+    places |= dict(zip(others, free, strict=False))
+    found: dict[int, Style] = {}
+    for law, place in places.items():
+        runs = [index for index, name in enumerate(laws) if name == law]
+        found |= {index: Style(place, variant) for variant, index in enumerate(runs[:_OF_ONE_LAW])}
+    rest = _unused(list(found.values()))
+    return [found[index] if index in found else next(rest) for index in range(len(laws))]
+
+
+def _unused(taken: Sequence[Style]) -> Iterator[Style]:
+    """Styles that are not taken, and all of them again when there are no more."""
+    every = [Style(law, variant) for variant in range(len(_VARIANTS)) for law in range(len(_LAWS))]
+    yield from (style for style in every if style not in taken)
+    while True:
+        yield from every

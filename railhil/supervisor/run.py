@@ -1,0 +1,282 @@
+"""One run from start to verdict: bus, nodes, record, score."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from railhil.bus.errors import BusLost
+from railhil.bus.link import Link
+from railhil.bus.order import BusOrder
+from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.telegrams import Event
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.jitter import (
+    WALL,
+    Timing,
+    arrivals_of,
+    kept_pace,
+    lockstep_timing,
+    realtime_timing,
+    write_wall_times,
+)
+from railhil.supervisor.launch import start_hub, start_nodes
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.processes import Nodes, process_start_ns
+from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.score import score
+from railhil.supervisor.session import Session
+from railhil.supervisor.stopping import StopSignals
+from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.supervisor.trace import Trace, trace_of
+
+#: Wall time without a tick after which a started run counts as dead; an outage of the interface is no part of it.
+SILENCE_S = 4.0
+#: After a node was lost, the rest may take this long to stop by itself.
+AFTER_LOSS_S = 4.0
+_LOOK_S = 0.05
+_REAP_S = 1.0
+#: The plant knows better who is missing: it may give up first.
+_LATER_S = 2.0
+
+
+class Run:
+    """Starts what is needed, records until the run has ended, and scores.
+
+    :param folder: existing run folder; the log and the nodes' output go there.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        options: RunOptions,
+        choice: BusChoice,
+        folder: Path,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> None:
+        self.scenario = scenario
+        self.options = options
+        self.choice = choice
+        self.folder = folder
+        self.log = FrameLog(folder)
+        self.session = Session(
+            scenario,
+            self.log.write,
+            seed=options.seed,
+            perturbed=options.perturbed,
+            controller=options.label,
+            arithmetic=options.arithmetic,
+            indexing=options.indexing,
+            pace=options.pace,
+            fd=choice.fd,
+            on_progress=on_progress,
+        )
+        #: Telegrams of the record, read back from the log when the run has ended.
+        self.trace = Trace()
+        #: Exit code of a run that a signal has ended (128 + its number), else 0.
+        self.stopped_exit_code = 0
+        self._lost = ""
+        self._scheduling = Scheduling()
+        # The hub has one order for all; a kernel bus has one per processor.
+        in_order = choice.config.get("interface") == HUB_INTERFACE or options.pace != "lockstep"
+        self._order = None if in_order else BusOrder(fd=choice.fd)
+
+    def execute(self) -> RunResult:
+        """The whole run. A signal (Ctrl-C, SIGTERM) during the record ends it as INVALID, with what was recorded.
+
+        :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
+        """
+        started_ns = process_start_ns()
+        try:
+            with Nodes(self.folder) as nodes:
+                link = self._join(nodes)
+                try:
+                    self._record_until_stopped(link, nodes)
+                except BusLost as error:
+                    # A killed process closes its sockets a moment before it can be seen to have ended.
+                    nodes.wait(("hub",), _REAP_S)
+                    self._lost = self._who_died(nodes) or str(error)
+                except (KeyboardInterrupt, SystemExit) as stopped:
+                    if not self.session.recording:
+                        raise
+                    number = signal.SIGINT if isinstance(stopped, KeyboardInterrupt) else signal.SIGTERM
+                    self.stopped_exit_code = 128 + number
+                    self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
+                finally:
+                    link.close()
+                    link.tell_trouble()
+                counters = dict(link.counters) | self.session.counters
+                if self.session.ended is not None:
+                    nodes.wait(("plant", "controller"), AFTER_LOSS_S)
+                line, refused = self._verdict_line(nodes, counters)
+        finally:
+            sha256 = self.log.close()
+        return self._result(started_ns, sha256, counters, line, refused)
+
+    def _join(self, nodes: Nodes) -> Link:
+        """Start the nodes and open the bus; a bus that is there already is looked at first."""
+        lockstep = self.options.pace == "lockstep"
+        if self.choice.needs_hub:
+            start_hub(nodes, self.options, self.choice)
+        elif not self.options.attach:
+            link = open_recorder(self.choice, nodes, lockstep)
+            try:
+                refuse_occupied(link, self.choice)
+                self._start(nodes)
+            except BaseException:
+                link.close()
+                raise
+            return link
+        self._start(nodes)
+        return open_recorder(self.choice, nodes, lockstep)
+
+    def _start(self, nodes: Nodes) -> None:
+        if not self.options.attach:
+            start_nodes(nodes, self.options, self.choice, self.folder)
+
+    def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
+        priority = RECORDER_PRIORITY if self.options.realtime_scheduling else 0
+        with StopSignals() as stop, cycle("supervisor", priority, aloud=False) as self._scheduling:
+            link.while_waiting = stop.check
+            try:
+                self._record(link, nodes, stop)
+            except BusLost:
+                # Ctrl-C ends the other nodes too, and they may be quicker.
+                stop.check()
+                raise
+            stop.check()
+
+    def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
+        session = self.session
+        look_s = time.monotonic() + _LOOK_S
+        opened_s = open_s = time.monotonic()
+        give_up_s: float | None = None
+        apart = self.options.pace == "lockstep" and bool(nodes.nodes)
+        while session.ended is None:
+            self._take(link, _LOOK_S)
+            stop.check()
+            now_s = time.monotonic()
+            if link.is_down:
+                # The link gives up by itself.
+                open_s = now_s
+            if apart and session.recording:
+                nodes.keep_together()
+                apart = False
+            if now_s < look_s:
+                continue
+            look_s = now_s + _LOOK_S
+            if give_up_s is None:
+                ended = nodes.ended()
+                failed = any(node.exit_code() for node in ended)
+                # A node may end well just before its last frames are read here.
+                if failed or (ended and not self._drain(link, stop)):
+                    self._lost = self._who_died(nodes)
+                    give_up_s = now_s + AFTER_LOSS_S
+                    if ended[0].role != "controller":
+                        return
+            elif now_s > give_up_s:
+                return
+            # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
+            if not session.recording and now_s - opened_s > self.options.appear_s + _LATER_S:
+                self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
+                return
+            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > SILENCE_S:
+                self._lost = self._lost or f"no tick for {SILENCE_S:g} s of wall time: bench is deadlocked"
+                return
+
+    def _drain(self, link: Link, stop: StopSignals) -> bool:
+        """Take what is still queued after a node has ended; True when the run ended regularly with it.
+
+        Frames of somebody else may come for ever.
+        """
+        give_up_s = time.monotonic() + AFTER_LOSS_S
+        while self.session.ended is None and time.monotonic() < give_up_s and self._take(link, _LOOK_S):
+            stop.check()
+        return self.session.ended is not None
+
+    def _take(self, link: Link, timeout_s: float) -> bool:
+        """Hand what has arrived to the recorder and send its answers; False when nothing came."""
+        frames = arrived = link.receive(timeout_s)
+        if gap_ns := link.take_gap_ns():
+            self.session.was_out(gap_ns)
+        if self._order is not None:
+            frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
+        for frame in frames:
+            answers = self.session.handle(frame)
+            if answers:
+                link.send(answers)
+        return bool(frames or arrived)
+
+    def _who_died(self, nodes: Nodes) -> str:
+        dead = nodes.blamed()
+        if dead is None:
+            return ""
+        at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
+        return f"{dead.role} lost {at}: {dead.last_words()}"
+
+    def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
+        """The line that explains a run without score, and whether it was refused for bad input."""
+        refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
+        if refusals and not (self.options.foreign and self.session.disagreements):
+            return refusals[0].last_words(), True
+        if self.session.ended is Event.ENDED_REFUSED:
+            return "; ".join(self.session.disagreements) or "the plant did not start the run", True
+        return "; ".join(filter(None, (self._lost, self._hole(counters)))), False
+
+    def _hole(self, counters: dict[str, int]) -> str:
+        """Why the record is not whole, if it is not."""
+        if lost := counters.get("rx_lost"):
+            return f"record: {lost} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
+        if self.session.unheard_ns and self.options.pace == "realtime":
+            return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
+        return ""
+
+    def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
+        session = self.session
+        self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
+        result = score(self.scenario, self.trace)
+        timing = self._timing()
+        if timing.missed_polls and counters.get("outages") and self.options.pace == "lockstep":
+            # The kernel may swallow frames while an interface goes down, and says nothing.
+            line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
+        code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
+        if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
+            code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
+        if line:
+            code = USAGE if refused else INVALID
+        if session.ended is Event.ENDED_PLANT_ERROR:
+            code = TOOL_ERROR
+        return RunResult(
+            score=result,
+            exit_code=code,
+            line=line or "; ".join(result.failures),
+            frames=session.frames,
+            frames_sha256=sha256,
+            wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if session.recording else 0.0,
+            sim_time_s=session.sim_time_s,
+            first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
+            transport=self.choice.transport,
+            telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
+            origin=read_origin(self.folder),
+            counters=counters,
+            timing=timing,
+        )
+
+    def _timing(self) -> Timing:
+        """Timing of the run; all nodes have ended by now."""
+        session, options = self.session, self.options
+        if options.pace == "lockstep":
+            return lockstep_timing(self.trace)
+        write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
+        rate, pace = kept_pace(options.rate, session.rate)
+        arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / rate)
+        paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
+        said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
+        scheduling = {**said, "supervisor": self._scheduling.sentence}
+        return realtime_timing(self.folder, self.trace, arrivals, scheduling, pace)

@@ -1,0 +1,183 @@
+"""The supervisor on the bus: records every frame, answers its polls, notices the end of the run.
+
+The answer to the SUP_CMD poll is the flow control: it leaves only after everything before has been taken. Frames
+that only need recording are not decoded here; the score reads them back from the log.
+"""
+
+from __future__ import annotations
+
+import time
+from array import array
+from collections.abc import Callable
+
+from railhil.bus.frame import Frame
+from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
+from railhil.bus.layout import Telegram
+from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.responder import Responder
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
+from railhil.dbc import wire_contract
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.framelog import log_line
+
+
+class Session:
+    """Records one run.
+
+    :param write: takes each line of the log.
+    :param on_progress: called at each SUP_CMD poll with the simulation time in s.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        write: Callable[[str], object],
+        *,
+        seed: int,
+        perturbed: bool,
+        controller: str,
+        arithmetic: str,
+        indexing: str,
+        pace: str = "lockstep",
+        fd: bool = False,
+        on_progress: Callable[[float], None] | None = None,
+    ) -> None:
+        contract = wire_contract()
+        self.ended: Event | None = None
+        #: In what the nodes disagree, one sentence each; the run is then not started.
+        self.disagreements: list[str] = []
+        #: Number and monotonic wall time of each new tick: the jitter side file.
+        self.wall_ticks: array[int] = array("q")
+        self.wall_ns: array[int] = array("q")
+        self.first_frame_ns = 0
+        self.last_poll_ns = 0
+        self.frames = 0
+        self.recording = False
+        #: Wall time for which the recorder's interface was out during the record.
+        self.unheard_ns = 0
+        self._ending: Event | None = None
+        self._write = write
+        self._on_progress = on_progress
+        self._life = 0
+        self._ident = make_ident(
+            Role.SUPERVISOR,
+            scenario.sha256,
+            seed=seed,
+            perturbed=perturbed,
+            controller=controller,
+            arithmetic=arithmetic,
+            indexing=indexing,
+            pace=pace,
+        )
+        sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent)]
+        self._responder = Responder(
+            Role.SUPERVISOR,
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
+            sinks,
+            {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
+            fd=fd,
+            on_commit=self._committed,
+        )
+        self._clock = self._responder.clock
+        self._poll_id = contract.poll_id
+        self._status_id = contract.device_status_id
+        clock_port = contract.clock_port
+        self._clock_ids = {clock_port.address, clock_port.fd_id}
+        opening = contract.port(PltIdent.PORT)
+        self._opening_ids = {opening.address, opening.fd_id}
+        own_ids = {self._poll_id, *(can_id for port in sinks for can_id in (*port.can_ids, port.fd_id))}
+        # Everything else is recorded unseen, and that is most of it.
+        self._seen_ids = {self._status_id, *self._clock_ids, *own_ids}
+
+    @property
+    def sim_time_s(self) -> float:
+        """Simulation time of the current tick."""
+        return self._clock.now_ns / 1e9
+
+    @property
+    def heard_ns(self) -> int:
+        """Monotonic wall time of the plant's last sign of life: its newest tick, or the start of the record."""
+        return max(self.first_frame_ns, self.wall_ns[-1] if self.wall_ns else 0)
+
+    @property
+    def rate(self) -> float:
+        """Pace by TIME_SYNC, simulated seconds per wall second, in tenths; 0: lockstep, or not known."""
+        return self._clock.rate
+
+    def was_out(self, wall_ns: int) -> None:
+        """The interface was out for ``wall_ns``: time went on, and the record has a hole."""
+        if self.recording:
+            self.unheard_ns += wall_ns
+        self._clock.silence(wall_ns)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Telegrams that the supervisor itself refused, by cause."""
+        return dict(self._responder.store.counters)
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
+        if frame[0] in self._seen_ids:
+            can_id = frame[0]
+            if can_id in self._clock_ids:
+                if self._clock.feed(frame):
+                    self.wall_ticks.append(self._clock.tick)
+                    self.wall_ns.append(time.monotonic_ns())
+            elif can_id == self._status_id:
+                return []
+            else:
+                return self._handle_own(frame)
+        if self.recording:
+            self.frames += 1
+            self._write(log_line(self._clock.now_ns, frame))
+        return []
+
+    def _handle_own(self, frame: Frame) -> list[Frame]:
+        """A poll, or a telegram that the supervisor reads itself."""
+        scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        if not self.recording and frame.can_id in self._opening_ids:
+            self.recording = True
+            self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
+        if not self.recording and not scan:
+            # A run that began without this supervisor is somebody else's.
+            return []
+        answers = self._responder.handle(frame)
+        if answers:
+            # The plant's last poll comes after its last event: only then is everything here.
+            self.ended = self._ending
+        if self.recording and not scan:
+            # The device status scan goes on until all nodes are there: bus management, not part of the record.
+            for item in (frame, *answers):
+                self.frames += 1
+                self._write(log_line(self._clock.now_ns, item))
+        return answers
+
+    def _committed(self, port: str) -> None:
+        if port == CtlIdent.PORT:
+            self._compare()
+        if port != RunEvent.PORT or not self.recording:
+            return
+        telegram, _ = self._responder.store.read(RunEvent, self._clock.now_ns)
+        if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
+            self._ending = Event(telegram.event)
+
+    def _compare(self) -> None:
+        """Compare what the nodes say; plant and controller alone do not know which controller was asked for."""
+        store, now_ns = self._responder.store, self._clock.now_ns
+        plant: Ident | None = store.read(PltIdent, now_ns)[0]
+        controller: Ident | None = store.read(CtlIdent, now_ns)[0]
+        if plant is not None and controller is not None:
+            own = self._ident
+            found = plant.differences(controller) + plant.differences(own)
+            self.disagreements = found or controller.differences(own)
+
+    def _command(self) -> Telegram:
+        self.last_poll_ns = time.monotonic_ns()
+        self._life = (self._life + 1) & 0xF
+        if self._on_progress is not None:
+            self._on_progress(self.sim_time_s)
+        return SupCmd(command=SupCommand.STOP if self.disagreements else SupCommand.START, life=self._life)
+
+    def _own_ident(self) -> Ident:
+        return self._ident

@@ -1,0 +1,186 @@
+"""What the controller has said about its arithmetic: ``telemetry.json`` of a run folder, else CTL_STAT of the record.
+
+The file is written by another process that may have been killed: whatever is wrong with it, a run is judged by its
+record alone, so a file that is missing or broken only counts as missing. A controller that was started elsewhere
+leaves no file here: then the telegrams tell a little less.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag, CtlStat
+from railhil.supervisor.trace import Trace
+
+#: Name in the run folder.
+FILE_NAME = "telemetry.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Headroom:
+    """The quantity of the law that came nearest to the end of its format."""
+
+    name: str
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class TelemetrySummary:
+    """The part of the telemetry that stands in ``score.json``.
+
+    ``least_headroom`` is None without fixed point; ``cycles`` (program in RAM) and ``cycles_flash`` are those of
+    one control period, 0 for float64; ``cycle_share`` is their share of the control period from flash, 1 = all.
+    """
+
+    wraps: int
+    saturations: int
+    zero_divisions: int
+    least_headroom: Headroom | None
+    cycles: int
+    cycles_flash: int
+    cycle_share: float
+    lost_messages: int
+
+    def as_json(self) -> dict[str, Any]:
+        """As ``score.json`` has it."""
+        return asdict(self)
+
+    def sentence(self) -> str:
+        """One line for the terminal."""
+        least = self.least_headroom
+        words = [f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point"]
+        words += [f"{self.wraps} wraps", f"{self.saturations} saturations"]
+        if self.zero_divisions:
+            words.append(f"{self.zero_divisions} divisions by zero")
+        if self.lost_messages:
+            words.append(f"{self.lost_messages} messages lost")
+        if self.cycles:
+            words.append(f"{self.cycles} C28x cycles a step in RAM, {self.cycles_flash} from flash")
+            words.append(f"{self.cycle_share:.4%} of the control period")
+        return ", ".join(words)
+
+
+def summary(document: dict[str, Any]) -> TelemetrySummary:
+    """Summary of a telemetry document.
+
+    :raises LookupError, TypeError, ValueError, AttributeError, OverflowError: it is none.
+    """
+    bits = [
+        Headroom(str(row["name"]), int(row["headroom_bits"]))
+        for row in document["quantities"]
+        if row["headroom_bits"] is not None
+    ]
+    totals, cycles = document["totals"], document["cycles"]
+    share = float(cycles["share"])
+    if not math.isfinite(share):
+        raise ValueError(f"share of the control period: found {share}, allowed a number")
+    return TelemetrySummary(
+        int(totals["wraps"]),
+        int(totals["saturations"]),
+        int(totals["zero_divisions"]),
+        min(bits, key=lambda least: least.bits, default=None),
+        int(cycles["ram"]),
+        int(cycles["flash"]),
+        share,
+        int(document["lost_messages"]["total"]),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LawOrigin:
+    """What a law says of its own parameters: where they come from, and the perturbed runs (name of the scenario, seeds)
+    from which they were chosen."""
+
+    text: str
+    design_seeds: Mapping[str, range]
+
+
+def law_origin(document: dict[str, Any]) -> LawOrigin:
+    """Origin from a telemetry document, or from what ``python -m railhil.controller_node --check`` prints.
+
+    :raises LookupError, TypeError, ValueError, AttributeError: it is none.
+    """
+    seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
+    return LawOrigin(str(document["parameters_origin"]), seeds)
+
+
+_F = TypeVar("_F")
+
+
+def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
+    """What is made of the telemetry in a run folder; None when the controller has left none that can be read."""
+    try:
+        return made(json.loads((folder / FILE_NAME).read_text(encoding="utf-8")))
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError):
+        return None
+
+
+def read_summary(folder: Path) -> TelemetrySummary | None:
+    """Summary of the telemetry in a run folder; None when there is none that can be read."""
+    return _read(folder, summary)
+
+
+def read_origin(folder: Path) -> LawOrigin | None:
+    """Origin of the law's own parameters from a run folder; None when the controller has not said it there."""
+    return _read(folder, law_origin)
+
+
+@dataclass(frozen=True, slots=True)
+class ShownTelemetry:
+    """What stands in ``score.json`` when there is no file: what the CTL_STAT telegrams of the record tell.
+
+    ``happened``: names of the OverflowFlags that were set. ``cycles``: of one control period, program in RAM, 0 for
+    float64. ``quantities``: each as it was last shown, up to one rotation before the end; ``index`` is its row in the
+    controller's own ``telemetry.json``. Raw extremes (cut off downwards to the bits that a telegram carries) and
+    headroom are None when not shown yet, when the quantity was always 0, and without fixed point.
+    """
+
+    happened: tuple[str, ...]
+    least_headroom: Headroom | None
+    cycles: int
+    quantities: tuple[dict[str, int | bool | None], ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """As ``score.json`` has it; ``source`` tells it from :class:`TelemetrySummary`."""
+        return {"source": CtlStat.PORT, **asdict(self)}
+
+    def sentence(self) -> str:
+        """One line for the terminal."""
+        least = self.least_headroom
+        words = f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point"
+        return f"{words}, {', '.join(self.happened) or 'no overflow'}, as CTL_STAT tells it"
+
+
+def shown_telemetry(trace: Trace) -> ShownTelemetry | None:
+    """Telemetry from the CTL_STAT telegrams of a record; None when none of them is about a quantity."""
+    names = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
+    shown: dict[int, dict[str, int | bool | None]] = {}
+    for index, maximum, extreme, bits, *events in zip(
+        *(trace.raw(CtlStat.PORT, f"Telemetry{name}").tolist() for name in names), strict=True
+    ):
+        if index != NO_QUANTITY:
+            row = shown.setdefault(index, {"index": index, "minimum_raw": None, "maximum_raw": None})
+            known = bits != HEADROOM_UNUSED
+            row["maximum_raw" if maximum else "minimum_raw"] = extreme << 16 >> bits if known else None
+            row["headroom_bits"] = bits if known else None
+            row.update(zip(("wrapped", "saturated", "zero_division"), map(bool, events), strict=True))
+    if not shown:
+        return None
+    flags = int(np.bitwise_or.reduce(trace.raw(CtlStat.PORT, "OverflowFlags")))
+    return ShownTelemetry(
+        tuple((flag.name or "").lower() for flag in ControllerFlag if flag & flags),
+        min(
+            (Headroom(f"quantity {i}", bits) for i, row in shown.items() if (bits := row["headroom_bits"]) is not None),
+            key=lambda least: least.bits,
+            default=None,
+        ),
+        int(trace.raw(CtlStat.PORT, "StepCycles").max()),
+        tuple(shown[index] for index in sorted(shown)),
+    )

@@ -1,0 +1,107 @@
+"""The telegrams of a run as arrays: what the score, the table of signals and the plots are computed from."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterable
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.frame import Frame
+from railhil.bus.ident import Ident
+from railhil.bus.mvb import master_tail
+from railhil.bus.store import TrafficStore
+from railhil.dbc import wire_contract
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class Trace:
+    """Committed telegrams per port, with the simulation time of each.
+
+    Raw process data are kept as they came (16 to 40 bytes a telegram) and decoded in one go when asked for.
+    """
+
+    def __init__(self) -> None:
+        self._times_ns: dict[str, array[int]] = {}
+        self._data: dict[str, bytearray] = {}
+        #: Polls in the record.
+        self.polls = 0
+        self._missed_polls = 0
+        self._awaited: set[str] = set()
+
+    @property
+    def missed_polls(self) -> int:
+        """Polls that no good telegram followed before the port was polled again or the record ended."""
+        return self._missed_polls + len(self._awaited)
+
+    def polled(self, port: str) -> None:
+        """Take a poll of a port."""
+        self.polls += 1
+        self._missed_polls += port in self._awaited
+        self._awaited.add(port)
+
+    def add(self, port: str, time_ns: int, data: bytes) -> None:
+        """Append one telegram."""
+        times_ns = self._times_ns.get(port)
+        if times_ns is None:
+            times_ns = self._times_ns[port] = array("q")
+            self._data[port] = bytearray()
+        times_ns.append(time_ns)
+        self._awaited.discard(port)
+        self._data[port] += data
+
+    def count(self, port: str) -> int:
+        """Number of telegrams of a port."""
+        return len(self._times_ns.get(port, ()))
+
+    def times_s(self, port: str) -> FloatArray:
+        """Simulation time of each telegram of a port in s, shape (n,)."""
+        return np.array(self._times_ns.get(port, ()), dtype=np.int64) / 1e9
+
+    def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
+        """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
+        entry = wire_contract().port(port)
+        found = next((item for item in entry.signals if item.name == signal), None)
+        if found is None:
+            raise KeyError(f"{port}.{signal}")
+        data = np.frombuffer(bytes(self._data.get(port, b"")), dtype=np.uint8).reshape(-1, entry.data_bytes)
+        width = min(entry.data_bytes, 8)
+        block = data[:, found.block * 8 : found.block * 8 + width].astype(np.uint64)
+        word = np.zeros(len(block), dtype=np.uint64)
+        for column in range(width):
+            word = (word << np.uint64(8)) | block[:, column]
+        shift = width * 8 - (found.first_bit - found.block * 64) - found.length
+        values = ((word >> np.uint64(shift)) & np.uint64((1 << found.length) - 1)).astype(np.int64)
+        if found.signed:
+            sign = np.int64(1 << (found.length - 1))
+            values = (values ^ sign) - sign
+        return values
+
+    def values(self, port: str, signal: str) -> FloatArray:
+        """Physical values of a signal (raw * scale, in the unit of the port table), shape (n,)."""
+        scale = next(item.scale for item in wire_contract().port(port).signals if item.name == signal)
+        return np.asarray(self.raw(port, signal) * scale, dtype=np.float64)
+
+    def ident(self, telegram: type[Ident]) -> Ident | None:
+        """First handshake telegram of a node, None when it is not in the record."""
+        data = self._data.get(telegram.PORT)
+        return telegram.decode(bytes(data[:16])) if data else None
+
+
+def trace_of(frames: Iterable[tuple[int, Frame]]) -> Trace:
+    """Trace of recorded frames ``(time_ns, frame)`` in bus order."""
+    trace = Trace()
+    contract = wire_contract()
+    store = TrafficStore(contract.ports)
+    polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
+    for time_ns, frame in frames:
+        if frame.can_id == contract.poll_id:
+            if (asked := polls.get(frame.data)) is not None:
+                trace.polled(asked)
+            continue
+        port = store.feed(frame, time_ns)
+        if port is not None:
+            trace.add(port, time_ns, store.raw(port))
+    return trace

@@ -1,0 +1,40 @@
+"""Whether a run may judge its controller: not when the controller's parameters were chosen on that very run."""
+
+from __future__ import annotations
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.options import RunOptions
+from railhil.supervisor.telemetry import LawOrigin
+
+
+def seed_was_trained(scenario: Scenario, options: RunOptions, origin: LawOrigin | None) -> bool | None:
+    """True when the parameters were tuned, or the law's own ones designed, on this run.
+
+    :param origin: what the law says of its own parameters; None when it has not been heard.
+    :returns: None when nobody knows: a controller that has said nothing about its own parameters.
+    """
+    if not options.perturbed:
+        return False
+    if options.parameters is not None and options.parameters.seen([options.seed]):
+        return True
+    if origin is None:
+        return None
+    # Also with a parameter file: what it does not name stays the law's own.
+    return options.seed in origin.design_seeds.get(scenario.name, ())
+
+
+def check_unseen(scenario: Scenario, options: RunOptions, origin: LawOrigin | None = None) -> None:
+    """Refuse to judge parameters by a run that they were made from.
+
+    :param origin: as above.
+    :raises InputError: they were.
+    """
+    if not seed_was_trained(scenario, options, origin):
+        return
+    if options.parameters is not None:
+        options.parameters.check_unseen([options.seed])
+    chosen = "" if origin is None else f" ({origin.text})"
+    found = Words(f"{options.seed}, on which {options.controller}'s own parameters were chosen{chosen}")
+    allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+    raise InputError("command line", "--seed", found, allowed)

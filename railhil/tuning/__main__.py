@@ -1,0 +1,129 @@
+"""``python -m railhil.tuning`` (the same as ``railhil tune``)."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from railhil.cli.output import Output, accept_any_text, flush_output
+from railhil.common.command_line import parse
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import PASS, guarded
+from railhil.common.whole_file import check_writable, whole_file
+from railhil.scenarios.load import load
+from railhil.scenarios.parameters import load_parameters
+from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
+from railhil.tuning.shipped import shipped
+
+# What runs the bench is imported where it is used: the help and the list do without its extra libraries.
+
+_INTERRUPTED = 128 + signal.SIGINT
+
+
+@contextmanager
+def _complaining(path: Path) -> Iterator[None]:
+    """A file that cannot be written is bad input."""
+    try:
+        yield
+    except OSError as error:
+        why = (error.strerror or str(error)).lower()
+        raise InputError("command line", "--out", str(path), f"a file that can be written ({why})") from None
+
+
+def _list(console: Output) -> int:
+    for given in shipped():
+        console.say(f"{given.law}  {given.training_scenario}  {given.source}")
+    return PASS
+
+
+def _seeds(namespace: argparse.Namespace) -> range:
+    return range(namespace.first_seed, namespace.first_seed + namespace.runs)
+
+
+def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int:
+    from railhil.batch import Case
+    from railhil.tuning.evaluation import evaluate, show
+
+    given = load_parameters(file)
+    if namespace.law not in (None, given.law):
+        raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
+    scenario = load(namespace.scenario or given.training_scenario or DEFAULT_SCENARIO)
+    case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
+    show(console, evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds))
+    return PASS
+
+
+def _tune(namespace: argparse.Namespace, console: Output) -> int:
+    from railhil.tuning.document import document
+    from railhil.tuning.search import Box, Protocol, search
+
+    scenario = load(namespace.scenario or DEFAULT_SCENARIO)
+    protocol = Protocol(
+        scenario,
+        namespace.law,
+        namespace.indexing or "time",
+        namespace.seeds,
+        namespace.budget,
+        namespace.search_seed,
+    )
+    seen = sorted(set(protocol.seeds).intersection(_seeds(namespace)))
+    if seen and not namespace.allow_training_seeds:
+        raise InputError(
+            "command line",
+            "--first-seed, --runs",
+            Words(f"seed {seen[0]}, which is a training seed"),
+            "other seeds for the evaluation, or --allow-training-seeds, which its table then says",
+        )
+    file = Path(namespace.out or f"{protocol.law}_{scenario.name}.toml")
+    # Before the work, not after it.
+    with _complaining(file):
+        check_writable(file)
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    shown = Console(stderr=True)
+    with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:
+        task = bar.add_task("search", total=protocol.generations * protocol.population)
+        found = search(
+            protocol,
+            lambda evaluations, best: bar.update(task, completed=evaluations, description=f"objective {best:.4f}"),
+        )
+    with _complaining(file), whole_file(file) as draft:
+        draft.write_text(document(protocol, found), encoding="utf-8")
+    console.say(
+        f"{protocol.law} on {scenario.name}: objective {found.objective:.4f} on the training runs, "
+        f"{found.objective_default:.4f} with the law's own parameters; {found.evaluations} candidates, "
+        f"{found.infeasible} of them no law"
+    )
+    if edges := Box.of(protocol.law).at_bounds(found.values):
+        console.say(f"at a bound, where a wider one might give more: {', '.join(edges)}")
+    console.say(f"written: {file}")
+    if not found.complete:
+        console.say("stopped before the budget was used up", style="bold yellow")
+        return _INTERRUPTED
+    return _evaluate(namespace, file, console) if namespace.runs else PASS
+
+
+def main() -> int:
+    """Search, evaluate or list."""
+    accept_any_text()
+    namespace = parse(arguments())
+    check_combination(namespace)
+    console = Output()
+    try:
+        if namespace.list:
+            return _list(console)
+        if namespace.evaluate is not None:
+            return _evaluate(namespace, Path(namespace.evaluate), console)
+        return _tune(namespace, console)
+    finally:
+        flush_output()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil tune", main))

@@ -1,0 +1,109 @@
+"""The command line of ``railhil tune``."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import names as laws
+from railhil.controller_node.setpoint import INDEXINGS
+
+#: Evaluations of a search, at least two generations of the smallest population.
+_BUDGET_MIN, _BUDGET_MAX = 10, 1_000_000
+_RUNS_MAX = 1_000_000
+_SEEDS_MAX = 10_000
+DEFAULT_SCENARIO = "lvshun_tieshan"
+_EXIT_CODES = """\
+exit codes:
+  0    the search or the evaluation was made, whatever it found
+  2    usage or bad input; one line says what was found and what is allowed
+  4    TOOL ERROR: a defect of the search
+  130  stopped by Ctrl-C: the best parameters so far are written, and the file says so; 143 by SIGTERM (nothing is)"""
+_SEED_RANGE = re.compile(r"([0-9]{1,10})(?:-([0-9]{1,10}))?", re.ASCII)
+
+
+def seed_list(text: str) -> tuple[int, ...]:
+    """An option's type: ``0-7``, ``3,5,9`` or both, in order and each once."""
+    seeds: set[int] = set()
+    for part in text.split(","):
+        match = _SEED_RANGE.fullmatch(part.strip())
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
+        if not first <= last <= SEED_MAX or last - first >= _SEEDS_MAX:
+            allowed = f"seeds and ranges like 0-7,20 from 0 to {SEED_MAX}, at most {_SEEDS_MAX}"
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {allowed}")
+        seeds.update(range(first, last + 1))
+    return tuple(sorted(seeds))
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of the search."""
+    parser = OneLineParser(
+        prog="railhil tune",
+        description="Tune the parameters of a law on training runs, then compare them with its own on other runs.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument("law", nargs="?", metavar="LAW", help=f"control law: {', '.join(laws())}")
+    parser.add_argument(
+        "scenario", nargs="?", metavar="SCENARIO", help=f"shipped name or TOML file (default {DEFAULT_SCENARIO})"
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--evaluate", metavar="FILE", help="no search: compare this file with the law's own parameters")
+    what.add_argument("--list", action="store_true", help="no search: shipped parameter files and their paths")
+    parser.add_argument("--out", metavar="FILE", help="parameter file to write (default <law>_<scenario>.toml)")
+    parser.add_argument(
+        "--budget",
+        type=whole_number(_BUDGET_MIN, _BUDGET_MAX),
+        default=800,
+        metavar="N",
+        help="candidates to judge, each on all training runs (default 800)",
+    )
+    parser.add_argument(
+        "--seeds", type=seed_list, default=seed_list("0-7"), metavar="A-B,C", help="training runs (default 0-7)"
+    )
+    parser.add_argument(
+        "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default 0)"
+    )
+    parser.add_argument("--indexing", choices=INDEXINGS, help="set-point indexing (default time)")
+    parser.add_argument(
+        "--runs",
+        type=whole_number(0, _RUNS_MAX),
+        default=200,
+        metavar="N",
+        help="runs of the evaluation (default 200, 0 leaves it out)",
+    )
+    parser.add_argument(
+        "--first-seed",
+        type=whole_number(0, SEED_MAX),
+        default=1000,
+        metavar="N",
+        help="seeds of the evaluation from here on (default 1000)",
+    )
+    parser.add_argument(
+        "--arithmetic", choices=arithmetics(), default="float64", help="of the evaluation (default float64)"
+    )
+    parser.add_argument(
+        "--allow-training-seeds",
+        action="store_true",
+        help="also evaluate on training seeds; the table then says so",
+    )
+    return parser
+
+
+def check_combination(namespace: argparse.Namespace) -> None:
+    """Refuse options that do not go together. Raises InputError."""
+    if namespace.first_seed + namespace.runs - 1 > SEED_MAX:
+        raise InputError(
+            "command line", "--first-seed, --runs", namespace.first_seed, f"a last seed of at most {SEED_MAX}"
+        )
+    if namespace.list and namespace.law is not None:
+        raise InputError("command line", "--list", namespace.law, "no law beside it")
+    if namespace.evaluate is not None:
+        if namespace.out is not None:
+            raise InputError("command line", "--out", namespace.out, "no file to write beside --evaluate")
+        if namespace.runs == 0:
+            raise InputError("command line", "--runs", namespace.runs, "at least 1 beside --evaluate")
+    elif namespace.law is None and not namespace.list:
+        raise InputError("command line", "LAW", None, f"one of {', '.join(laws())}, --evaluate FILE or --list")

@@ -1,0 +1,70 @@
+"""The parameter file that a search writes, in the format of :mod:`railhil.scenarios.parameters`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import version
+from typing import Any
+
+from railhil.tuning import objective
+from railhil.tuning.search import Box, Found, Protocol
+from railhil.tuning.trials import ARITHMETIC, REFERENCE
+
+_HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
+_DIGITS = 6
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        # Escapes of JSON are escapes of TOML.
+        return json.dumps(value)
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    return repr(value)
+
+
+def _table(title: str, values: Mapping[str, Any]) -> str:
+    return f"\n[{title}]\n" + "".join(f"{key} = {_toml(value)}\n" for key, value in values.items())
+
+
+def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
+    """What the search says about itself; no time and no place, so the same search writes the same bytes."""
+    return {
+        "scenario_sha256": protocol.scenario.sha256,
+        "indexing": protocol.indexing,
+        "arithmetic": ARITHMETIC,
+        "method": f"differential evolution of scipy {version('scipy')}",
+        "search_seed": protocol.search_seed,
+        "budget": protocol.budget,
+        "population": protocol.population,
+        "generations": protocol.generations,
+        "evaluations": found.evaluations,
+        "infeasible": found.infeasible,
+        "at_bounds": Box.of(protocol.law).at_bounds(found.values),
+        "complete": found.complete,
+        "objective_version": objective.VERSION,
+        "objective_default": _rounded(found.objective_default),
+        "objective_tuned": _rounded(found.objective),
+        "scale_of": f"limits of the plan; medians of {REFERENCE} with its published parameters",
+    }
+
+
+def document(protocol: Protocol, found: Found) -> str:
+    """The file."""
+    scale = {key: _rounded(value) for key, value in asdict(found.scale).items()}
+    return (
+        _HEAD
+        + f"law = {_toml(protocol.law)}\n"
+        + _table("parameters", found.values)
+        + _table("training", {"scenario": protocol.scenario.name, "seeds": list(protocol.seeds)})
+        + _table("training.notes", notes(protocol, found))
+        + _table("training.notes.scale", scale)
+    )

@@ -1,0 +1,113 @@
+"""Default against tuned parameters on runs that the search has not seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from rich.table import Table
+
+from railhil.batch import BatchResult, Case, run_batch
+from railhil.campaign.statistics import quantile
+from railhil.cli.output import Output, table
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.laws import load
+from railhil.scenarios.parameters import ParameterSet
+
+#: Score -> its title, unit and digits.
+_SCORES = {
+    "itae": ("ITAE", "km/h s2", 0),
+    "energy_kj": ("energy", "kJ", 0),
+    "punctuality_s": ("time error", "s", 3),
+    "stop_error_m": ("stop error", "m", 3),
+    "comfort": ("comfort", "m/s2/km", 3),
+}
+_QUANTILES = (("median", 0.5), ("p95", 0.95))
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """Runs of one law with its own parameters and with those of a file, on the same seeds.
+
+    ``seen``: seeds among them on which the file's parameters were tuned.
+    """
+
+    case: Case
+    given: ParameterSet
+    seen: tuple[int, ...]
+    default: BatchResult
+    tuned: BatchResult
+
+
+def _designed_on(case: Case, seeds: range) -> list[int]:
+    """Seeds on which the law's own parameters were chosen: the file keeps those that it does not name."""
+    chosen = load(case.law).design_seeds.get(case.scenario.name, ())
+    return [seed for seed in chosen if seed in seeds]
+
+
+def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
+    """Refuse an evaluation on runs that the parameters, or the law's own, were made from. Raises InputError."""
+    given.check_unseen(seeds)
+    if designed := _designed_on(case, seeds):
+        found = Words(f"seed {designed[0]}, on which {case.law}'s own parameters were chosen")
+        allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
+        raise InputError("command line", "--first-seed", found, allowed)
+
+
+def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
+    """Run both.
+
+    :param case: its parameters are not looked at.
+    :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
+    """
+    if not allow_training_seeds:
+        check_seeds(case, given, seeds)
+    tuned = run_batch(replace(case, parameters=given), seeds)
+    default = run_batch(replace(case, parameters=None), seeds)
+    return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
+
+
+def quantiles(result: BatchResult, score: str) -> list[float]:
+    """Median and 95th percentile; a run that did not stop is infinitely bad in stop and time error."""
+    values = np.asarray(getattr(result, score), dtype=np.float64)
+    ordered = np.sort(np.where(np.isnan(values), np.inf, values))
+    return [quantile(ordered, share) for _, share in _QUANTILES]
+
+
+def _title(found: Evaluation) -> str:
+    case, seeds = found.case, found.tuned.seed
+    title = (
+        f"{case.law} on {case.scenario.name}, {len(seeds)} perturbed runs, seeds {seeds[0]} to {seeds[-1]}, "
+        f"{case.arithmetic}, indexed by {case.indexing}"
+    )
+    if found.seen:
+        title += f"\nTHESE ARE TRAINING RUNS: {len(found.seen)} of the seeds were used to make the parameters"
+    return title
+
+
+def _cells(found: Evaluation) -> Table:
+    made = table()
+    for name in ("score", "unit"):
+        made.add_column(name, no_wrap=True)
+    for who in ("default", "tuned"):
+        for name, _ in _QUANTILES:
+            made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
+    for name, (title, unit, digits) in _SCORES.items():
+        values = [*quantiles(found.default, name), *quantiles(found.tuned, name)]
+        made.add_row(title, unit, *(f"{value:.{digits}f}" if np.isfinite(value) else "no stop" for value in values))
+    return made
+
+
+def _shares(result: BatchResult) -> str:
+    runs = len(result.seed)
+    stopped = int(np.isfinite(result.stop_error_m).sum())
+    over = int((result.overspeed_mps > 0).sum())
+    return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
+
+
+def show(console: Output, found: Evaluation) -> None:
+    """Print the comparison."""
+    console.say(_title(found), style="bold red" if found.seen else "bold")
+    console.print(_cells(found))
+    console.say(f"default: {_shares(found.default)}")
+    console.say(f"tuned:   {_shares(found.tuned)}")

@@ -1,0 +1,191 @@
+"""The search: differential evolution over the bounds that a law declares, the same number of evaluations for every law.
+
+Candidates are rounded to six significant digits *before* they are judged, so what the file says is what was judged. A
+parameter whose bounds are positive and a factor of ten or more apart is searched on a logarithmic scale.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import differential_evolution
+
+from railhil.common.errors import InputError
+from railhil.controller_node.laws import load as load_law
+from railhil.scenarios import streams
+from railhil.scenarios.model import Scenario
+from railhil.tuning.objective import Scale
+from railhil.tuning.trials import Trials
+
+#: Differential evolution needs five candidates to choose from.
+_POPULATION_MIN, _POPULATION_MAX = 5, 40
+#: Bounds this far apart are searched on a logarithmic scale.
+_WIDE = 10.0
+#: Part of the range that counts as its bound.
+_EDGE = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Protocol:
+    """What is searched, on which runs, and for how long."""
+
+    scenario: Scenario
+    law: str
+    indexing: str = "time"
+    seeds: tuple[int, ...] = tuple(range(8))
+    budget: int = 800
+    search_seed: int = 0
+
+    @property
+    def population(self) -> int:
+        """Candidates of a generation, whatever the number of parameters."""
+        return min(max(math.isqrt(2 * self.budget), _POPULATION_MIN), _POPULATION_MAX)
+
+    @property
+    def generations(self) -> int:
+        """Generations, the first population included."""
+        return self.budget // self.population
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """The best parameters, and how they were found; ``complete`` is false after Ctrl-C."""
+
+    values: Mapping[str, float]
+    objective: float
+    objective_default: float
+    scale: Scale
+    evaluations: int
+    infeasible: int
+    complete: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """The bounds of a law's parameters, mapped to the unit cube."""
+
+    names: tuple[str, ...]
+    low: tuple[float, ...]
+    high: tuple[float, ...]
+    default: tuple[float, ...]
+
+    @classmethod
+    def of(cls, law: str) -> Box:
+        """Box of a law.
+
+        :raises InputError: an unknown law, or one that has nothing to tune.
+        """
+        kind = load_law(law)
+        if not kind.tunable:
+            raise InputError("command line", "LAW", law, "a law that declares tunable parameters")
+        defaults = kind.parameters_type()
+        low, high = zip(*kind.tunable.values(), strict=True)
+        return cls(tuple(kind.tunable), low, high, tuple(getattr(defaults, name) for name in kind.tunable))
+
+    def candidate(self, point: Sequence[float]) -> dict[str, float]:
+        """Parameters at a point of the unit cube, rounded to six digits."""
+        scaled = [_from_unit(low, high, x) for low, high, x in zip(self.low, self.high, point, strict=True)]
+        return {name: float(f"{value:.6g}") for name, value in zip(self.names, scaled, strict=True)}
+
+    def point(self, values: Sequence[float]) -> list[float]:
+        """Parameters as a point of the unit cube; what lies outside goes to the nearest bound."""
+        points = [_to_unit(*given) for given in zip(self.low, self.high, values, strict=True)]
+        return [min(max(x, 0.0), 1.0) for x in points]
+
+    def at_bounds(self, values: Mapping[str, float]) -> list[str]:
+        """Names of the parameters that a search has driven to a bound: a wider one might give more."""
+        point = self.point([values[name] for name in self.names])
+        return [name for name, x in zip(self.names, point, strict=True) if not _EDGE <= x <= 1 - _EDGE]
+
+
+def _wide(low: float, high: float) -> bool:
+    return low > 0 and high / low >= _WIDE
+
+
+def _from_unit(low: float, high: float, x: float) -> float:
+    return low * (high / low) ** x if _wide(low, high) else low + (high - low) * x
+
+
+def _to_unit(low: float, high: float, value: float) -> float:
+    if _wide(low, high):
+        return math.log(max(value, low) / low) / math.log(high / low)
+    return (value - low) / (high - low)
+
+
+def _first_population(box: Box, size: int, random: np.random.Generator) -> NDArray[np.float64]:
+    """The default parameters, and a Latin hypercube around them."""
+    columns = [(random.permutation(size) + random.random(size)) / size for _ in box.names]
+    population = np.column_stack(columns)
+    population[0] = box.point(box.default)
+    return population
+
+
+class _Best:
+    """Judges generations and keeps the best candidate there has been, the law's own parameters first."""
+
+    def __init__(self, box: Box, trials: Trials, progress: Callable[[int, float], None]) -> None:
+        self._box = box
+        self.trials = trials
+        self._progress = progress
+        self.values: Mapping[str, float] = dict(zip(box.names, box.default, strict=True))
+        self.objective = self.objective_default = trials.of_defaults()
+        self.evaluations = self.infeasible = 0
+
+    def generation(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Objectives at points of the unit cube, shape (parameters, candidates); infinite where there is no law."""
+        candidates = [self._box.candidate(point) for point in points.T.tolist()]
+        objectives = self.trials.of(candidates)
+        for values, found in zip(candidates, objectives, strict=True):
+            if found is not None and found < self.objective:
+                self.values, self.objective = values, found
+        self.evaluations += len(candidates)
+        self.infeasible += objectives.count(None)
+        self._progress(self.evaluations, self.objective)
+        return np.array([np.inf if found is None else found for found in objectives])
+
+
+def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda evaluations, best: None) -> Found:
+    """The best parameters that the budget finds, never worse on the training runs than the law's own.
+
+    Deterministic for one version of scipy. Ctrl-C ends the search; the generations until then count.
+
+    :param progress: called after each generation with the evaluations so far and the best objective.
+    :raises InputError: the law is unknown, has nothing to tune or does not fit the scenario or the indexing.
+    """
+    box = Box.of(protocol.law)
+    best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.indexing, protocol.seeds), progress)
+    random = streams.generator(protocol.search_seed, streams.TUNING)
+    settings: dict[str, Any] = {
+        # Neither a tolerance nor a local search: the budget alone decides when it ends.
+        "tol": 0.0,
+        "atol": 0.0,
+        "polish": False,
+        "updating": "deferred",
+        "vectorized": True,
+    }
+    complete = True
+    try:
+        differential_evolution(
+            best.generation,
+            [(0.0, 1.0)] * len(box.names),
+            maxiter=protocol.generations - 1,
+            init=_first_population(box, protocol.population, random),
+            seed=random,
+            **settings,
+        )
+    except KeyboardInterrupt:
+        complete = False
+    return Found(
+        best.values,
+        best.objective,
+        best.objective_default,
+        best.trials.scale,
+        best.evaluations,
+        best.infeasible,
+        complete,
+    )

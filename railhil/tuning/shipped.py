@@ -1,0 +1,15 @@
+"""Parameter files that come with the package: ``controller_node/laws/tuned/<scenario>/<law>.toml``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import railhil.controller_node.laws
+from railhil.scenarios.parameters import ParameterSet, load_parameters
+
+FOLDER = Path(railhil.controller_node.laws.__file__).parent / "tuned"
+
+
+def shipped() -> list[ParameterSet]:
+    """All of them, by scenario and law. Raises InputError for a file that is none."""
+    return [load_parameters(path) for path in sorted(FOLDER.glob("*/*.toml"))]

@@ -1,0 +1,172 @@
+"""Control loops of one law with different parameters, stepped together: one batch for a whole generation of candidates.
+
+A law is a text without branches on data (:mod:`railhil.controller_node.program`), so two parameter sets give the same
+operations with other constants, unless a parameter decides how many there are (a horizon). The recorded operations of
+loops that agree are put on top of each other; a constant on which they differ becomes one number for each train.
+float64 only; each train computes what it would compute alone, bit for bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhil.controller_node.arithmetic.base import Curve
+from railhil.controller_node.arithmetic.float64 import Float64Batch, Floats
+from railhil.controller_node.laws.base import BaliseReading
+from railhil.controller_node.loop import NO_BALISE
+from railhil.controller_node.program.evaluate import Evaluator
+from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram, Operation, Program, Table, Value
+
+_OUTPUT = "out."
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Each:
+    """In place of a constant or a curve: one for each train, shape (N,) or N functions."""
+
+    value: Any
+
+
+class _EachFloat64(Float64Batch):
+    """Double precision for N trains whose constants, tables and curves may differ."""
+
+    def table(self, name: str, constants: Sequence[Any]) -> Any:
+        values = [constant.value for constant in constants]
+        if any(isinstance(value, np.ndarray) for value in values):
+            values = np.broadcast_arrays(*values)
+        return np.array(values)
+
+    def at(self, table: Any, index: Any, offset: int = 0) -> Any:
+        if table.ndim == 2 and np.ndim(index) == 1:
+            return table[index + offset, np.arange(table.shape[1])]
+        return table[index + offset]
+
+    def locate(self, table: Any, a: Floats) -> Any:
+        if table.ndim == 1:
+            return super().locate(table, a)
+        return np.clip((table <= a).sum(axis=0) - 1, 0, len(table) - 2)
+
+    def curve(self, curve: Any, a: Floats) -> Floats:
+        if isinstance(curve, Curve):
+            return super().curve(curve, a)
+        arguments = np.broadcast_to(np.asarray(a, dtype=np.float64), (len(curve.value),)).tolist()
+        return np.array([function(x) for function, x in zip(curve.value, arguments, strict=True)])
+
+
+def _operand(value: Value) -> tuple[int, bool]:
+    return value.number, value.constant is None
+
+
+def _program_shape(program: Program) -> Any:
+    return (
+        [(name, value.number) for name, value in program.inputs],
+        [
+            (
+                operation.op,
+                operation.parameters,
+                [_operand(value) for value in operation.arguments],
+                None if operation.table is None else len(operation.table.constants),
+                operation.curve is None,
+            )
+            for operation in program.operations
+        ],
+        [(name, *_operand(value)) for name, value in program.outputs],
+    )
+
+
+def shape(programs: LawProgram) -> str:
+    """What two loops must have in common to be stepped together."""
+    return repr([_program_shape(part) for part in (programs.inputs, programs.start, programs.step)])
+
+
+class _Stack:
+    """Programs of one shape as a program with constants for each train, ``repeat`` trains for each program."""
+
+    def __init__(self, repeat: int) -> None:
+        self._repeat = repeat
+        self._tables: dict[int, Table] = {}
+
+    def program(self, parts: Sequence[Program]) -> Program:
+        first = parts[0]
+        operations = [self._operation(alike) for alike in zip(*(part.operations for part in parts), strict=True)]
+        outputs = [
+            (first.outputs[i][0], self._value([part.outputs[i][1] for part in parts]))
+            for i in range(len(first.outputs))
+        ]
+        return Program(first.name, first.inputs, operations, outputs)
+
+    def _operation(self, alike: Sequence[Operation]) -> Operation:
+        first = alike[0]
+        arguments = tuple(self._value(values) for values in zip(*(one.arguments for one in alike), strict=True))
+        table = None if first.table is None else self._table([one.table for one in alike])
+        curve: Any = first.curve
+        if curve is not None:
+            functions = [one.curve.function for one in alike if one.curve is not None]
+            curve = _Each([function for function in functions for _ in range(self._repeat)])
+        return replace(first, arguments=arguments, table=table, curve=curve)
+
+    def _value(self, values: Sequence[Value]) -> Value:
+        if values[0].constant is None:
+            return values[0]
+        return replace(values[0], constant=self._constant([value.constant for value in values]))
+
+    def _constant(self, constants: Sequence[Any]) -> Any:
+        numbers = [constant.value for constant in constants]
+        if numbers.count(numbers[0]) == len(numbers):
+            return constants[0]
+        return _Each(np.repeat(np.array(numbers, dtype=np.float64), self._repeat))
+
+    def _table(self, tables: Sequence[Any]) -> Table:
+        # Several look-ups share one table, and to compare all its rows takes time.
+        key = id(tables[0])
+        if key not in self._tables:
+            rows = zip(*(table.constants for table in tables), strict=True)
+            self._tables[key] = Table(tables[0].name, tuple(self._constant(row) for row in rows))
+        return self._tables[key]
+
+
+class _Outputs(NamedTuple):
+    """What the batch engine looks at."""
+
+    notch: NDArray[np.float64]
+
+
+class StackedLoop:
+    """In place of a :class:`~controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
+
+    :param programs: of one :func:`shape`, recorded with ``wide``.
+    """
+
+    def __init__(self, programs: Sequence[LawProgram], repeat: int) -> None:
+        self.arithmetic = _EachFloat64()
+        self.state: dict[str, Any] | None = None
+        self._track = programs[0].track
+        stack = _Stack(repeat)
+        self._inputs, self._start, self._step = (
+            Evaluator(stack.program([getattr(one, part) for one in programs]), self.arithmetic)
+            for part in ("inputs", "start", "step")
+        )
+
+    def step(
+        self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
+    ) -> tuple[dict[str, Any], _Outputs]:
+        """One control period: inputs of the laws by name, and their notches."""
+        number = self.arithmetic
+        wire = {
+            "k": k,
+            "speed_01mmps": number.from_raw(speed_01mmps, 0),
+            "position_01mm": number.from_raw(position_01mm, 0),
+        }
+        if self._track:
+            wire |= {name: number.from_raw(value, 0) for name, value in zip(BALISE_INPUTS, balise, strict=True)}
+        found = self._inputs.run(wire)
+        if self.state is None:
+            self.state = self._start.run(found)
+        after = self._step.run(self.state | found)
+        self.state = {name: value for name, value in after.items() if not name.startswith(_OUTPUT)}
+        return found, _Outputs(after[f"{_OUTPUT}notch"])

@@ -1,0 +1,82 @@
+"""The training runs: scores of many candidates at once, each on the same perturbed runs."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from railhil.batch import CHUNK, Case
+from railhil.batch.engine import Engine
+from railhil.common.errors import InputError
+from railhil.controller_node.program.model import LawProgram
+from railhil.controller_node.program.record import record
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.supervisor.score import Score
+from railhil.tuning.objective import Scale, objective
+from railhil.tuning.stacked import StackedLoop, shape
+
+#: Law whose published parameters set the scale of the objective.
+REFERENCE = "ipfc"
+#: The search computes in double precision.
+ARITHMETIC = "float64"
+
+
+class Trials:
+    """Training runs of one law.
+
+    :param seeds: of the perturbed runs.
+    """
+
+    def __init__(self, scenario: Scenario, law: str, indexing: str, seeds: Sequence[int]) -> None:
+        self._scenario = scenario
+        self._law = law
+        self._indexing = indexing
+        self._seeds = list(seeds)
+        published = record(scenario, REFERENCE, indexing, wide=True)
+        self.scale = Scale.of(scenario.plan, self._runs(REFERENCE, [published])[0])
+
+    def of_defaults(self) -> float:
+        """Objective of the law's own parameters.
+
+        :raises InputError: the law cannot be made for this scenario.
+        """
+        programs = record(self._scenario, self._law, self._indexing, wide=True)
+        return objective(self.scale, self._runs(self._law, [programs])[0])
+
+    def of(self, candidates: Sequence[Mapping[str, float]]) -> list[float | None]:
+        """Objective of each candidate, None for one with which the law cannot be made.
+
+        :raises InputError: the law refuses the names or types of the parameters.
+        """
+        alike: dict[str, list[tuple[int, LawProgram]]] = defaultdict(list)
+        for i, values in enumerate(candidates):
+            programs = self._programs(values)
+            if programs is not None:
+                alike[shape(programs)].append((i, programs))
+        found: list[float | None] = [None] * len(candidates)
+        # As many trains together as the batch engine likes best.
+        most = max(1, CHUNK // len(self._seeds))
+        for group in alike.values():
+            for first in range(0, len(group), most):
+                part = group[first : first + most]
+                for (i, _), scores in zip(part, self._runs(self._law, [one for _, one in part]), strict=True):
+                    found[i] = objective(self.scale, scores)
+        return found
+
+    def _programs(self, values: Mapping[str, float]) -> LawProgram | None:
+        given = ParameterSet(self._law, values, Path("search"))
+        try:
+            return record(self._scenario, self._law, self._indexing, wide=True, parameters=given)
+        except InputError as error:
+            # What a law says about parameters that do not go together.
+            if isinstance(error.__cause__, ValueError):
+                return None
+            raise
+
+    def _runs(self, law: str, programs: Sequence[LawProgram]) -> list[list[Score]]:
+        count = len(self._seeds)
+        case = Case(self._scenario, law, ARITHMETIC, self._indexing)
+        scores = Engine(case, StackedLoop(programs, count)).run(self._seeds * len(programs)).scores
+        return [scores[i : i + count] for i in range(0, len(scores), count)]
