@@ -17,7 +17,7 @@ METHOD = (
 )
 LIMIT_MB = 150.0
 _LOOK_S = 0.02
-_MODULES = {"hub": "railhil.bus.hub", "plant": "plant_sim", "controller": "controller_node"}
+_MODULES = {"hub": "railhil.bus.hub", "plant": "railhil.plant_sim", "controller": "railhil.controller_node"}
 
 
 def peak_mb(pid: int) -> float:

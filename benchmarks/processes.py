@@ -132,7 +132,7 @@ def attached_run(
     """
     cpus = os.sched_getaffinity(0)
     shared = {min(cpus)}
-    nodes = {"plant_sim": (*near, *_SLOW_START), "controller_node": far}
+    nodes = {"railhil.plant_sim": (*near, *_SLOW_START), "railhil.controller_node": far}
     with ExitStack() as stack:
         pids = list(hub_pids)
         for module, flags in nodes.items():

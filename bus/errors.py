@@ -11,6 +11,8 @@
 
 from __future__ import annotations
 
+from railhil.common.exit_codes import INVALID, USAGE
+
 
 class BusError(Exception):
     """Base of all bus errors; the text is one line that can be shown to a user as it stands."""
@@ -18,6 +20,8 @@ class BusError(Exception):
 
 class BusUnavailable(BusError):
     """The interface cannot be opened. Example: no such vcan, socket path in use, no hub at the path."""
+
+    exit_code = USAGE
 
 
 class BusOccupied(BusUnavailable):
@@ -27,6 +31,10 @@ class BusOccupied(BusUnavailable):
 class BusLost(BusError):
     """The interface was open and is gone. Example: the hub process was killed."""
 
+    exit_code = INVALID
+
 
 class PeerSilent(BusError):
     """Nobody answered within the watchdog. The text says who waited for whom, since when."""
+
+    exit_code = INVALID

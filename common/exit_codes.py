@@ -7,8 +7,6 @@ import signal
 import sys
 from collections.abc import Callable
 
-from railhil.bus.errors import BusLost, BusUnavailable, PeerSilent
-
 PASS = 0
 #: The run is good, the limits of the scenario are missed.
 FAIL = 1
@@ -21,14 +19,7 @@ TOOL_ERROR = 4
 
 
 def exit_code_of(error: BaseException) -> int:
-    """Exit code of an exception; exceptions may carry their own as ``exit_code``."""
-    # Here, because this module is what every command loads before it can end in good order.
-    from railhil.dbc import ContractError
-
-    if isinstance(error, (BusUnavailable, ContractError)):
-        return USAGE
-    if isinstance(error, (BusLost, PeerSilent)):
-        return INVALID
+    """Exit code of an exception: what its class carries as ``exit_code``; one that carries none is a defect."""
     return int(getattr(error, "exit_code", TOOL_ERROR))
 
 

@@ -1,4 +1,4 @@
-"""``python -m railhil.controller_node`` (the same as ``railhil node controller``): the train controller as one process."""
+"""``python -m railhil.controller_node`` (``railhil node controller``): the train controller as one process."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class Controller:
 
     :param law: name of a law (entry point group ``railhil.laws``).
     :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
-        another of :func:`~controller_node.arithmetic.names`.
+        another of :func:`~railhil.controller_node.arithmetic.names`.
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law; None: its own.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a

@@ -49,7 +49,7 @@ def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) ->
 class SetPoints(Generic[T]):
     """Set-points in km/h (Q ``SPEED_Q``) on one arithmetic.
 
-    Raises :class:`~scenarios.errors.InputError` for an unknown indexing, and for the distance indexing of a run that
+    Raises :class:`~railhil.common.errors.InputError` for an unknown indexing, and for the distance indexing of a run that
     is shorter than ``DISTANCE_FROM_M``.
     """
 

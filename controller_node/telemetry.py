@@ -1,7 +1,7 @@
 """What every named quantity of a law has done: extremes, headroom, wraps, saturations, divisions by zero.
 
 Fidelity demand: each variable of a fixed-point controller reports its range in use and every event that falsified it.
-The values come from :meth:`~controller_node.arithmetic.base.Arithmetic.note`, the events from the arithmetic itself.
+The values come from :meth:`~railhil.controller_node.arithmetic.base.Arithmetic.note`, the events from the arithmetic itself.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Telemetry:
     The arithmetic must have a list in ``noted``; :meth:`take` empties it.
 
     :param quantities: in the order in which the law notes them, at least one
-        (:attr:`~controller_node.program.model.LawProgram.quantities`).
+        (:attr:`~railhil.controller_node.program.model.LawProgram.quantities`).
     """
 
     def __init__(self, quantities: Sequence[Quantity]) -> None:

@@ -30,6 +30,9 @@ _AT = re.compile(r"^(\d+)\.([0-7]):(\d+)$")
 class ContractError(Exception):
     """The port table or the DBC is unusable; one line: file, key, found, allowed."""
 
+    #: Bad input; the number of :data:`railhil.common.exit_codes.USAGE`, which this room does not know.
+    exit_code = 2
+
 
 @dataclass(frozen=True, slots=True)
 class Signal:

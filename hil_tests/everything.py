@@ -47,7 +47,9 @@ def parts() -> list[Part]:
             {"CAN tools": debian.install_can_tools, "compilers": debian.install_compilers},
             beside=True,
         ),
-        Part("compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/compose"], beside=True),
+        Part(
+            "compose", "Docker", [*docker, *_PYTEST, "-m", "needs_docker", "hil_tests/transport/compose"], beside=True
+        ),
         Part("compose", "Docker on kernel CAN", [*machine, "hil_tests.transport.compose.vcan_runs"], beside=True),
     ]
 

@@ -1,4 +1,4 @@
-"""``python -m railhil.plant_sim`` (the same as ``railhil node plant``): the train and its line as one process on the bus."""
+"""``python -m railhil.plant_sim`` (``railhil node plant``): the train and its line as one process on the bus."""
 
 from __future__ import annotations
 

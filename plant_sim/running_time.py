@@ -2,8 +2,8 @@
 
 The train pulls with its whole traction limit until it meets the ceiling, keeps to the ceiling as far as its force
 allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic
-(the deceleration is given, the force follows), resistance and traction are those of :mod:`railhil.plant_sim.forces`. There
-is no actuator lag: the result is a bound, to be compared with published running times.
+(the deceleration is given, the force follows), resistance and traction are those of :mod:`railhil.plant_sim.forces`.
+There is no actuator lag: the result is a bound, to be compared with published running times.
 
 Integration over distance: ``d(v^2)/dx = 2 a(v, x)``, midpoint rule; cells end at every change of limit and at every
 point where braking from one limit to another begins, and are finer behind the departure, where speed changes fastest.

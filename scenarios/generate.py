@@ -65,7 +65,7 @@ class CurveLimits:
 def generate(line: Line, train: Train, distance_m: float, running_time_s: float, limits: CurveLimits) -> TargetCurve:
     """A curve that stops after exactly ``distance_m`` and ``running_time_s``, starting at position 0.
 
-    Raises :class:`~scenarios.envelope.CurveError` when the running time is shorter than the fastest
+    Raises :class:`~railhil.scenarios.envelope.CurveError` when the running time is shorter than the fastest
     possible, when the train cannot climb or hold a grade, or when the distance is too short for the
     smoothing.
     """
@@ -87,7 +87,7 @@ def generate(line: Line, train: Train, distance_m: float, running_time_s: float,
 
 
 def fastest_time_s(line: Line, train: Train, distance_m: float, limits: CurveLimits) -> float:
-    """Shortest running time under the same limits. Raises :class:`~scenarios.envelope.CurveError`."""
+    """Shortest running time under the same limits. Raises :class:`~railhil.scenarios.envelope.CurveError`."""
     builder = _Builder(line, train, distance_m, limits)
     return builder.curve(builder.top_mps)[-1][0]
 

@@ -26,7 +26,7 @@ def names() -> list[str]:
 def load(name_or_path: str | Path) -> model.Scenario:
     """The scenario of a shipped name, or of a path that ends in ``.toml``.
 
-    Raises :class:`~scenarios.errors.InputError` (one line) for anything in the files that is not allowed.
+    Raises :class:`~railhil.common.errors.InputError` (one line) for anything in the files that is not allowed.
     """
     return _build(read_parts(find(name_or_path)))
 

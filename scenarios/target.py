@@ -62,7 +62,7 @@ def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2:
 
 
 class Target:
-    """Evaluates one :class:`~scenarios.model.TargetCurve`.
+    """Evaluates one :class:`~railhil.scenarios.model.TargetCurve`.
 
     Times are seconds from departure, scalar or array of any shape; results are m/s2, m/s, m of the same
     shape. ``stop_time_s`` is the first time after departure at which the speed falls to zero,

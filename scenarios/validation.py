@@ -1,4 +1,4 @@
-"""pydantic's findings as one :class:`~scenarios.errors.InputError`: the first that explains the others."""
+"""pydantic's findings as one :class:`~railhil.common.errors.InputError`: the first that explains the others."""
 
 from __future__ import annotations
 

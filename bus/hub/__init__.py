@@ -6,7 +6,7 @@ module       what it holds
 ``wire``     the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
 ``link``     the client's end of a connection: whole packets, deadlines
-``client``   :class:`~bus.hub.client.HubBus`, the python-can plugin ``railhil``
+``client``   :class:`~railhil.bus.hub.client.HubBus`, the python-can plugin ``railhil``
 ``ports``    the hub's end of a connection: never blocks, bounded queue
 ``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` what waits for it
 ``switch``   the loop that carries packets from one port to all others

@@ -65,10 +65,10 @@ class HubBus(can.BusABC):
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
-        Without ``channel`` it is the user's own default path, see :func:`~bus.hub.address.default_channel`.
+        Without ``channel`` it is the user's own default path, see :func:`~railhil.bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is only just starting. ``name``: shown in the hub's
         messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
-        classic frames ``wake_on`` comes (see :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
+        classic frames ``wake_on`` comes (:mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
         may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the
         hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and
         the like) have no meaning here and are ignored.

@@ -1,9 +1,9 @@
 """Another python-can bus as a port of the hub: what makes it a gateway.
 
-The bus is a :class:`railhil.bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over and takes
-them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the port's own:
-waiting for a bus that is down, and reading one through python-can's own driver. The hub is not a node of the control
-path, and nothing else reads the link meanwhile.
+The bus is a :class:`railhil.bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over
+and takes them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the
+port's own: waiting for a bus that is down, and reading one through python-can's own driver. The hub is not a node of
+the control path, and nothing else reads the link meanwhile.
 
 ::
 
@@ -55,8 +55,8 @@ class BusPort(Port):
     without), ``local_error_frames`` (not carried on), ``rx_lost`` (frames of the bus that the switch did not read in
     time), beside those of the link.
 
-    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); else for a moment for
-        a full one and not at all for a missing one, so that nothing old is sent later.
+    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); else for a
+        moment for a full one and not at all for a missing one, so that nothing old is sent later.
     :param report: takes one line.
     :raises BusUnavailable: the bus cannot be opened.
     """

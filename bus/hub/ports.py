@@ -1,6 +1,7 @@
 """The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
 
-:class:`Port` is all that the switch knows, so that another python-can bus can be a port too (:mod:`railhil.bus.hub.gateway`).
+:class:`Port` is all that the switch knows, so that another python-can bus can be a port too
+(:mod:`railhil.bus.hub.gateway`).
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from railhil.bus.link.base import FAILURES, Link
 
 
 class BatchLink(Link):
-    """:class:`~bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames`` and ``recv_frames``.
+    """:class:`~railhil.bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames`` and ``recv_frames``.
 
     A failure is final: the hub is gone, and the run with it.
     """

@@ -39,7 +39,7 @@ _BATCH_FRAMES = 64
 
 
 class KernelLink(SingleLink):
-    """:class:`~bus.link.base.Link` on a ``socketcan`` interface.
+    """:class:`~railhil.bus.link.base.Link` on a ``socketcan`` interface.
 
     An interface that is taken down and up again keeps its socket and what is queued in it; one that is unplugged and
     plugged in again (another interface index) is opened anew.

@@ -27,7 +27,7 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 class SingleLink(Link):
-    """:class:`~bus.link.base.Link` on an interface that takes and gives single frames.
+    """:class:`~railhil.bus.link.base.Link` on an interface that takes and gives single frames.
 
     :param reopen: opens the interface again after a failure; None: a failure is final.
     """

@@ -58,7 +58,7 @@ class StuckAdapter(can.CanTimeoutError):
 
 
 class SlcanLink(SingleLink):
-    """:class:`~bus.link.base.Link` on an ``slcan`` interface.
+    """:class:`~railhil.bus.link.base.Link` on an ``slcan`` interface.
 
     ``counters`` beyond those of the link: ``adapter_refused`` frames that the adapter answered with BELL (its transmit
     queue is full, or it is off the bus), ``adapter_stuck`` pauses in which it took nothing, ``garbage`` lines that are

@@ -35,7 +35,7 @@ def names() -> list[str]:
 def make(name: str, *, batch: bool = False) -> Arithmetic[Any]:
     """A fresh arithmetic (its counters at zero), for one train or, with ``batch``, for arrays over N trains.
 
-    Raises :class:`~scenarios.errors.InputError` (one line) for an unknown name.
+    Raises :class:`~railhil.common.errors.InputError` (one line) for an unknown name.
     """
     classes = _MANY_TRAINS if batch else _ONE_TRAIN
     if name not in classes:

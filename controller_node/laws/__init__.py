@@ -6,8 +6,8 @@ from importlib.metadata import entry_points
 from typing import Any
 
 from railhil.common.errors import InputError, nearest_key
+from railhil.common.law_order import in_order
 from railhil.controller_node.laws.base import Law
-from railhil.supervisor.law_order import in_order
 
 GROUP = "railhil.laws"
 
@@ -20,7 +20,7 @@ def names() -> list[str]:
 def load(name: str) -> type[Law[Any, Any]]:
     """Class of the law of that name.
 
-    Raises :class:`~scenarios.errors.InputError` (one line, with the names there are) for an unknown name, or an entry
+    Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an entry
     point that cannot be imported or is no law.
     """
     found = {entry.name: entry for entry in entry_points(group=GROUP)}

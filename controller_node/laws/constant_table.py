@@ -147,7 +147,7 @@ class LawTable(Generic[Table]):
     def make(self, parameters: Any, control_period_s: float, notch_max: float) -> Table:
         """The table at an operating point: from the file at its own, else computed.
 
-        Raises :class:`~scenarios.errors.InputError` (one line) when the file is not what the generator wrote for
+        Raises :class:`~railhil.common.errors.InputError` (one line) when the file is not what the generator wrote for
         this law, and what ``compute`` raises.
         """
         own = (self.parameters, self.control_period_s, self.notch_max)

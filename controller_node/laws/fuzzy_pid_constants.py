@@ -169,6 +169,6 @@ TABLE = LawTable("fuzzy_pid", FuzzyPidConstants, FuzzyPidParameters(), 0.5, 7.0,
 def make_constants(parameters: FuzzyPidParameters, period_s: float, notch_max: float) -> FuzzyPidConstants:
     """As :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~scenarios.errors.InputError` (one line) when that table is not as it was generated.
+    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
     """
     return TABLE.make(parameters, period_s, notch_max)

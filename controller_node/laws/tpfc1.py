@@ -72,7 +72,7 @@ TABLE = LawTable("tpfc1", Tpfc1Constants, Tpfc1Parameters(), 0.5, 7.0, compute_c
 def make_constants(parameters: Tpfc1Parameters, period_s: float, notch_max: float) -> Tpfc1Constants:
     """As :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~scenarios.errors.InputError` (one line) when that table is not as it was generated.
+    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
     """
     return TABLE.make(parameters, period_s, notch_max)
 

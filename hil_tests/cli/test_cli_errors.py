@@ -15,6 +15,7 @@ import can
 import pytest
 
 from hil_tests.support.cli import Done, Started, railhil, wait_for
+from hil_tests.support.paths import ROOT
 from railhil import cli
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
@@ -37,7 +38,6 @@ from railhil.supervisor.run import Run
 from railhil.supervisor.session import Session
 
 Railhil = Callable[..., Done]
-ROOT = Path(cli.__file__).resolve().parents[2]
 DBC = ROOT / "dbc" / "railhil.dbc"
 
 
@@ -390,9 +390,8 @@ def test_dbc_files(here):
 
 
 def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
-    for package in ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor"):
-        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
-    path = tmp_path / "dbc" / "railhil.dbc"
+    shutil.copytree(ROOT / "railhil", tmp_path / "railhil", ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "railhil" / "dbc" / "railhil.dbc"
     path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
     for name in (["run"], ["scenarios"], ["node", "plant"]):
         done = railhil(*name, cwd=tmp_path)

@@ -22,8 +22,8 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.cli.commands import parser
-from railhil.cli.output import Output
 from railhil.cli.show import print_scores, print_verdict
+from railhil.common.output import Output
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load, names
 from railhil.supervisor.folder import RecordFailed, write_folder

@@ -25,7 +25,7 @@ def test_a_command_alone_is_as_among_all(name, capsys):
 def test_a_command_loads_no_library_that_it_does_not_use():
     """Each would cost every start of a command, and in an emulated machine seconds."""
     code = (
-        "import sys; from supervisor.cli import commands; from scenarios.load import load; commands.parser('run');"
+        "import sys; from railhil.cli import commands; from railhil.scenarios.load import load; commands.parser('run');"
         "load('lvshun_tieshan'); print(*(name for name in sys.argv[1:] if name in sys.modules))"
     )
     names = ("cantools", "yaml", "matplotlib", "numba", "pandas", "scipy", "numpy")

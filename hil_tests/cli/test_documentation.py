@@ -6,22 +6,21 @@ import re
 from argparse import ArgumentParser, _SubParsersAction
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from railhil.cli import commands
 from railhil.cli import programs as outside
 
-_ROOT = Path(outside.__file__).resolve().parents[2]
-_PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(_ROOT)) for page in _ROOT.glob("docs/**/*.md")))
+_PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(ROOT)) for page in ROOT.glob("docs/**/*.md")))
 #: Where the command line of a program stands, when not in its ``__main__``.
 _ARGUMENTS = {
     "railhil.campaign": "railhil.campaign.command",
     "railhil.tuning": "railhil.tuning.command",
     "railhil.machines.vcan": "railhil.machines.vcan",
-    "plant_sim": "railhil.plant_sim.command",
-    "controller_node": "railhil.controller_node.command",
+    "railhil.plant_sim": "railhil.plant_sim.command",
+    "railhil.controller_node": "railhil.controller_node.command",
 }
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
@@ -59,11 +58,11 @@ def _command_lines(text: str) -> list[tuple[str, str]]:
 
 @pytest.mark.parametrize("page", _PAGES)
 def test_links_lead_somewhere(page):
-    for target in _LINK.findall((_ROOT / page).read_text(encoding="utf-8")):
+    for target in _LINK.findall((ROOT / page).read_text(encoding="utf-8")):
         if target.startswith(("http://", "https://")):
             continue
         name, _, anchor = target.partition("#")
-        path = (_ROOT / page).parent / name if name else _ROOT / page
+        path = (ROOT / page).parent / name if name else ROOT / page
         assert path.exists(), target
         if anchor:
             headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)
@@ -72,7 +71,7 @@ def test_links_lead_somewhere(page):
 
 @pytest.mark.parametrize("page", _PAGES)
 def test_options_of_printed_commands_exist(page):
-    for command, rest in _command_lines((_ROOT / page).read_text(encoding="utf-8")):
+    for command, rest in _command_lines((ROOT / page).read_text(encoding="utf-8")):
         if command in _options():
             unknown = [option for option in _OPTION.findall(rest) if option not in _options()[command]]
             assert not unknown, f"railhil {command}{rest}"
@@ -81,7 +80,7 @@ def test_options_of_printed_commands_exist(page):
 def test_code_blocks_name_only_commands_that_exist():
     seen = 0
     for page in _PAGES:
-        for block in re.findall(r"^```\n(.*?)^```", (_ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
+        for block in re.findall(r"^```\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
                 match = re.match(r"\s*railhil (?:(?:bus|node) )?[a-z][a-z-]*(?= |$)", line)

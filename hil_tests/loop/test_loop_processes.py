@@ -137,7 +137,8 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("module", "role"), [("plant_sim", "plant"), ("controller_node", "controller"), ("railhil.bus.hub", "hub")]
+    ("module", "role"),
+    [("railhil.plant_sim", "plant"), ("railhil.controller_node", "controller"), ("railhil.bus.hub", "hub")],
 )
 def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, role):
     folder = tmp_path / "run"
@@ -165,7 +166,7 @@ def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
     log = folder / "frames.log"
     wait_for(lambda: log.exists() and log.stat().st_size > 800_000)
-    run.child("controller_node").send_signal(signal.SIGKILL)
+    run.child("railhil.controller_node").send_signal(signal.SIGKILL)
     done, seconds = run.finish()
     assert (done.exit_code, seconds < END_S) == (3, True)
     trace = trace_of(read_log(log))

@@ -122,7 +122,7 @@ def test_realtime_scheduling_can_be_left_out(scenarios: Path) -> None:
 
 def test_a_pause_of_the_plant_is_flagged(scenarios: Path, tmp_path: Path) -> None:
     """K2. Simulation time stands still with the plant, so no telegram ages: what is left to do is to say so."""
-    done, document = stopped_in_motion(scenarios / "quick.toml", tmp_path / "run", "4", "plant_sim")
+    done, document = stopped_in_motion(scenarios / "quick.toml", tmp_path / "run", "4", "railhil.plant_sim")
     timing = document["run"]["timing"]
     assert timing["source"] == "plant"
     assert timing["lateness"]["max_ms"] > STOPPED_S * 1e3 * 0.9
@@ -145,7 +145,7 @@ def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> No
 
 def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenarios: Path, tmp_path: Path) -> None:
     """The train's watch cuts traction after 64 ms and brakes after 256 ms; late answers are not taken for new ones."""
-    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "1", "controller_node")
+    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "1", "railhil.controller_node")
     lateness = document["run"]["timing"]["lateness"]
     assert (done.exit_code == 3) is (lateness["late_share"] > LATE_SHARE_MAX), document["line"]
     notch = next(item for item in document["run"]["timing"]["answers"] if item["port"] == "NOTCH_CMD")
@@ -172,8 +172,8 @@ def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tm
         subprocess.Popen([sys.executable, "-m", *words], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         for words in (
             ("railhil.bus.hub", "-c", channel),
-            ("plant_sim", scenario, *pace, *bus),
-            ("controller_node", scenario, *bus),
+            ("railhil.plant_sim", scenario, *pace, *bus),
+            ("railhil.controller_node", scenario, *bus),
         )
     ]
     try:

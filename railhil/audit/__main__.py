@@ -13,10 +13,10 @@ from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch.perturbed_runs import FIRST_SEED
-from railhil.cli.output import Output, accept_any_text
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.output import Output, accept_any_text
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws

@@ -10,7 +10,7 @@ from railhil.audit.effect import Effect
 from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import QuantityError
 from railhil.batch.perturbed_runs import SCORES
-from railhil.cli.output import Output, table
+from railhil.common.output import Output, table
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.supervisor.score import Score

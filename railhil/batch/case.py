@@ -40,8 +40,8 @@ class Case:
 class BatchResult:
     """What N runs give, arrays of shape (N,), in the order of the seeds.
 
-    Scores in the units of :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``, ``saturations`` and
-    ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16) only when asked
+    Scores in the units of :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``, ``saturations``
+    and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16) only when asked
     for: one array for each run, one code for each control period.
     """
 

@@ -36,4 +36,5 @@ def passing_mps(target: Any, position_m: float) -> float:
         target.jerk_mps3[piece],
     )
     i, s = _piece(target, target.time_s[piece] + after_s)
-    return target.speed_mps[i] + s * (target.accel_mps2[i] + s * target.jerk_mps3[i] / 2)
+    speed_mps: float = target.speed_mps[i] + s * (target.accel_mps2[i] + s * target.jerk_mps3[i] / 2)
+    return speed_mps

@@ -30,8 +30,8 @@ Ints = NDArray[np.int64]
 
 
 class TargetTable(NamedTuple):
-    """Pieces of a target curve as arrays, as :class:`railhil.scenarios.target.Target` computes them; ``moving``: pieces that
-    begin before the stop."""
+    """Pieces of a target curve as arrays, as :class:`railhil.scenarios.target.Target` computes them; ``moving``:
+    pieces that begin before the stop."""
 
     time_s: Any
     accel_mps2: Any

@@ -12,9 +12,9 @@ from rich.console import Console
 from railhil.campaign.command import arguments, check_combination, request_from
 from railhil.campaign.extras import need
 from railhil.campaign.plan import Request, make_plan
-from railhil.cli.output import Output, accept_any_text, flush_output
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.output import Output, accept_any_text, flush_output
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.supervisor.errors import not_written
 

@@ -36,7 +36,7 @@ def _one_of(names: Callable[[], Sequence[str]]) -> AfterValidator:
 
 
 class _Request(BaseModel):
-    """:class:`~hil_tests.campaign.plan.Request` as JSON, with the bounds of the command line."""
+    """:class:`~railhil.campaign.plan.Request` as JSON, with the bounds of the command line."""
 
     model_config = ConfigDict(extra="forbid", strict=True)
     scenario: str = Field(min_length=1)
@@ -61,7 +61,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """A campaign that has begun: its identity (:attr:`~hil_tests.campaign.plan.Plan.identity`) and its request."""
+    """A campaign that has begun: its identity (:attr:`~railhil.campaign.plan.Plan.identity`) and its request."""
 
     campaign: dict[str, Any]
     request: Request

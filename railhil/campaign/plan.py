@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+import railhil
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, nearest_key
 from railhil.controller_node import laws as registered
@@ -30,7 +31,7 @@ ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 #: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
-_OWN_CODE = ("batch", "campaign/table.py", "campaign/work.py")
+_OWN_CODE = ("batch", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +87,7 @@ class Chunk:
 @lru_cache(maxsize=1)
 def batch_sha256() -> str:
     """Hash over the code beyond the bench's own that the figures depend on (paths and contents, in path order)."""
-    root = Path(__file__).resolve().parent.parent
+    root = Path(railhil.__file__).parent
     digest = hashlib.sha256()
     for name in _OWN_CODE:
         place = root / name

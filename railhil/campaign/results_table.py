@@ -104,7 +104,8 @@ def read_results(path: Path) -> pa.Table:
 
 def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:
     """A column as float64, NaN where it is null."""
-    return table[name].to_numpy(zero_copy_only=False).astype(np.float64)
+    column: np.ndarray[Any, np.dtype[np.float64]] = table[name].to_numpy(zero_copy_only=False).astype(np.float64)
+    return column
 
 
 def rows_of(table: pa.Table, label: str) -> pa.Table:

@@ -9,7 +9,7 @@ from typing import Any
 from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES
-from railhil.cli.output import Output, table
+from railhil.common.output import Output, table
 
 _TITLES = {
     "itae": "ITAE",

@@ -10,9 +10,9 @@ import pyarrow as pa
 from numpy.typing import NDArray
 
 from railhil.batch.perturbed_runs import SCORES
+from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
-from railhil.campaign.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
 from railhil.campaign.worst import worst_runs
 
 #: Key and probability of each quantile.

@@ -16,16 +16,16 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
 from railhil.bus.ident import ARITHMETICS
 from railhil.bus.select import BusChoice, choose_bus
-from railhil.cli.output import Output
 from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
 from railhil.common.errors import InputError, Words, nearest_key
 from railhil.common.exit_codes import USAGE
+from railhil.common.law_order import in_order
+from railhil.common.output import Output
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
-from railhil.supervisor.law_order import in_order
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult

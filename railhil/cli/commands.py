@@ -7,14 +7,14 @@ import sys
 from importlib import import_module
 from importlib.metadata import version
 
-from railhil.cli.output import accept_any_text, flush_output
 from railhil.common.command_line import OneLineParser, parse
+from railhil.common.output import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
-#: The modules in the order of the help; each has one command of its own name, but for ``outside``.
-_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "outside", "bus")
+#: The modules in the order of the help; each has one command of its own name, but for ``programs``.
+_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "programs", "bus")
 #: Command -> module that has it.
-_MODULE_OF = {name: name for name in _MODULES if name != "outside"} | {"node": "outside"}
+_MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
@@ -30,7 +30,7 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     root.add_argument("--version", action="version", version=f"railhil {version('railhil')}")
     commands = root.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name in (_MODULE_OF[command],) if command in _MODULE_OF else _MODULES:
-        import_module(f"supervisor.cli.{name}").add_parser(commands)
+        import_module(f"railhil.cli.{name}").add_parser(commands)
     return root
 
 

@@ -17,9 +17,9 @@ from railhil.cli.bus_run import (
     run_options,
 )
 from railhil.cli.controller_check import check_controllers
-from railhil.cli.output import Output
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.errors import InputError, Words
+from railhil.common.output import Output
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from railhil import dbc
 from railhil.common.errors import InputError, Words
 
 
@@ -46,7 +47,7 @@ def check_foreign_dbc(file: str) -> None:
     """
     path = Path(file)
     theirs = {(message.frame_id, message.is_extended_frame): message for message in _load(path).messages}
-    ours = _load(Path(__file__).resolve().parents[2] / "dbc" / "railhil.dbc")
+    ours = _load(Path(dbc.__file__).with_name("railhil.dbc"))
     for message in ours.messages:
         other = theirs.get((message.frame_id, message.is_extended_frame))
         key = f"message {message.name} ({message.frame_id:#05x})"

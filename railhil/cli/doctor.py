@@ -16,8 +16,8 @@ from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
 from railhil.cli.bus_run import require_interface
-from railhil.cli.output import Output, print_json, table
 from railhil.common.exit_codes import PASS, USAGE
+from railhil.common.output import Output, print_json, table
 from railhil.dbc import wire_contract
 from railhil.supervisor.doctor.finding import Finding
 from railhil.supervisor.doctor.kernelcan import kernel_can

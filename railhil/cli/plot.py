@@ -6,9 +6,9 @@ import argparse
 from pathlib import Path
 
 from railhil.bus.telegrams import SimTruth
-from railhil.cli.output import Output
 from railhil.cli.record import checked_record
 from railhil.common.errors import InputError, Words
+from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.errors import not_written
 

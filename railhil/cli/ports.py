@@ -6,8 +6,8 @@ import argparse
 
 from railhil.bus.load import bus_load
 from railhil.cli.dbcfile import check_foreign_dbc
-from railhil.cli.output import Output, print_json, table
 from railhil.common.errors import InputError
+from railhil.common.output import Output, print_json, table
 from railhil.dbc import Port, wire_contract
 
 #: The table has a column with each port's purpose from this width on.

@@ -13,7 +13,7 @@ import sys
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import hold_back_interrupts
 
-NODES = {"plant": "plant_sim", "controller": "controller_node"}
+NODES = {"plant": "railhil.plant_sim", "controller": "railhil.controller_node"}
 #: Command -> module that is run, and its line in the help.
 PROGRAMS = {
     "audit": (

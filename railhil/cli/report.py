@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from railhil.cli.output import Output
 from railhil.cli.record import checked_record
 from railhil.common.errors import InputError, Words
+from railhil.common.output import Output
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run

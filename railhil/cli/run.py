@@ -17,9 +17,9 @@ from railhil.cli.bus_run import (
     run_options,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
-from railhil.cli.output import Output, print_json
 from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
+from railhil.common.output import Output, print_json
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
 from railhil.supervisor.folder import run_folder, score_json

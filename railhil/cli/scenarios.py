@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.output import Output, print_json, table
+from railhil.common.output import Output, print_json, table
 from railhil.scenarios.load import load, names
 from railhil.scenarios.model import Scenario
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.table import Table
 
-from railhil.cli.output import Output, table
+from railhil.common.output import Output, table
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+import railhil
 from railhil.bus.ident import PROFILES
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
@@ -31,7 +32,7 @@ from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
-_PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
+_PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
 #: Columns of ``signals.csv``: header and the signal behind it.
 _COLUMNS = (
     ("true_position_m", SimTruth.PORT, "TruePos"),
@@ -108,7 +109,7 @@ def discard_folder(folder: Path, made: bool) -> None:
 
 def code_sha256() -> str:
     """Hash over the source of the bench and its tables (paths and contents, in path order)."""
-    root = Path(__file__).resolve().parent.parent
+    root = Path(railhil.__file__).parent
     digest = hashlib.sha256()
     for package in _PACKAGES:
         for path in sorted((root / package).rglob("*")):

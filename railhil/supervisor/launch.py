@@ -31,10 +31,10 @@ def start_nodes(nodes: Nodes, options: RunOptions, choice: BusChoice, folder: Pa
         # A plant that is told nothing would ask by itself.
         plant += _scheduling(options, NODE_PRIORITY) or ["--realtime-priority", "0"]
         plant += ["--timing-file", str(folder / TIMING)]
-    nodes.start("plant", "plant_sim", plant + choice.arguments)
+    nodes.start("plant", "railhil.plant_sim", plant + choice.arguments)
     if options.foreign:
         return
     task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     law = [*options.law_arguments, *task, "--telemetry", str(folder / TELEMETRY)]
     law += _scheduling(options, NODE_PRIORITY)
-    nodes.start("controller", "controller_node", [options.scenario, *law, *choice.arguments])
+    nodes.start("controller", "railhil.controller_node", [options.scenario, *law, *choice.arguments])

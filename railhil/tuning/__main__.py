@@ -12,10 +12,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from railhil.cli.output import Output, accept_any_text, flush_output
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
+from railhil.common.output import Output, accept_any_text, flush_output
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters

@@ -8,9 +8,9 @@ import numpy as np
 from rich.table import Table
 
 from railhil.batch import BatchResult, Case, run_batch
-from railhil.campaign.statistics import quantile
-from railhil.cli.output import Output, table
+from railhil.batch.statistics import quantile
 from railhil.common.errors import InputError, Words
+from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
 from railhil.scenarios.parameters import ParameterSet
 

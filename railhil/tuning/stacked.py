@@ -38,7 +38,7 @@ class _EachFloat64(Float64Batch):
     def table(self, name: str, constants: Sequence[Any]) -> Any:
         values = [constant.value for constant in constants]
         if any(isinstance(value, np.ndarray) for value in values):
-            values = np.broadcast_arrays(*values)
+            values = list(np.broadcast_arrays(*values))
         return np.array(values)
 
     def at(self, table: Any, index: Any, offset: int = 0) -> Any:
@@ -137,7 +137,7 @@ class _Outputs(NamedTuple):
 
 
 class StackedLoop:
-    """In place of a :class:`~controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
+    """In place of a :class:`~railhil.controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
 
     :param programs: of one :func:`shape`, recorded with ``wide``.
     """

@@ -1,6 +1,7 @@
 """What the containers have left that ran on a kernel with CAN: the same bytes, and nothing else.
 
-Tests, but not found by pytest: :mod:`hil_tests.transport.compose.vcan_runs` names them, after it has made what they look at.
+Tests, but not found by pytest: :mod:`hil_tests.transport.compose.vcan_runs` names them, after it has made what they
+look at.
 """
 
 from __future__ import annotations

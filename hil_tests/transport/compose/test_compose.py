@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from hil_tests.transport.compose.engine import PROJECT, SERVICES, Up, compose, containers, docker, traces_on_host, up
 from railhil.bench import local_run
 from railhil.scenarios.load import load
@@ -17,8 +18,7 @@ from railhil.supervisor.framelog import sha256_of
 
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
-_ROOT = Path(__file__).parents[2]
-_NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "docker")
+_NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "railhil", "docker")
 _FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
           "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
@@ -31,9 +31,9 @@ def project(tmp_path_factory) -> Iterator[Path]:
     """A fresh copy of the project, as after a clone: without ``./runs``; its image is built."""
     folder = tmp_path_factory.mktemp("compose") / "project"
     for name in _NEEDED:
-        shutil.copytree(_ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
     for name in _FILES:
-        shutil.copy(_ROOT / name, folder / name)
+        shutil.copy(ROOT / name, folder / name)
     built = compose(folder, "build")
     assert built.returncode == 0, built.stdout[-2000:] + built.stderr[-2000:]
     before = traces_on_host()

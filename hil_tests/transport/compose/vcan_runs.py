@@ -1,4 +1,4 @@
-"""The compose file on a kernel with CAN, then the tests of what it left: ``python -m hil_tests.transport.compose.vcan_runs``
+"""The compose file on a kernel with CAN, and tests of it: ``python -m hil_tests.transport.compose.vcan_runs``
 
 Where an engine answers already, it is used, and the host's kernel must have the interfaces can0 (up) and can1 (down).
 Else all of it runs in a virtual machine (:mod:`railhil.machines.docker_vm`), where everything is slow; so only
@@ -20,6 +20,7 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from hil_tests.support.paths import ROOT
 from railhil.machines import debian, docker_vm
 from railhil.machines.compiled import compile_by
 from railhil.machines.docker_engine import docker_engine, engine_answers
@@ -27,7 +28,6 @@ from railhil.machines.docker_engine import docker_engine, engine_answers
 _SCRIPT = Path(__file__).with_name("on_vcan.sh")
 _TESTS = Path(__file__).with_name("on_vcan.py")
 _SHORT = Path(__file__).with_name("short_move.toml")
-_ROOT = Path(__file__).parents[2]
 #: What compose reads; the image is built before.
 _PROJECT = (
     "docker-compose.yml",
@@ -39,7 +39,7 @@ _PROJECT = (
 _TIMEOUT_S = 2400.0
 _INTERFACES = "ip link add can0 type vcan && ip link add can1 type vcan && ip link set can0 up"
 #: Programs in Python that run there outside the containers.
-_IN_THE_MACHINE = ("railhil.machines.docker_engine", "controller_node")
+_IN_THE_MACHINE = ("railhil.machines.docker_engine", "railhil.controller_node")
 #: linux/if.h
 _IFF_UP = 1
 #: Name the folder and the cases to the tests.
@@ -53,10 +53,10 @@ def _copy(project: Path) -> None:
     """What compose needs of the project, with the short scenario among the mounted ones."""
     project.mkdir()
     for name in _PROJECT:
-        if (_ROOT / name).is_dir():
-            shutil.copytree(_ROOT / name, project / name, ignore=shutil.ignore_patterns("__pycache__"))
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, project / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
-            shutil.copy(_ROOT / name, project / name)
+            shutil.copy(ROOT / name, project / name)
     shutil.copy(_SHORT, project / "scenarios")
     (project / "runs").mkdir()
 
@@ -76,7 +76,7 @@ def _on_this_kernel(words: list[str]) -> int:
     with docker_engine() as environment:
         variables = {**os.environ, **environment}
         build = [*environment["RAILHIL_COMPOSE"].split(), "build", "-q"]
-        if subprocess.run(build, cwd=_ROOT, env=variables, timeout=_TIMEOUT_S, check=False).returncode != 0:
+        if subprocess.run(build, cwd=ROOT, env=variables, timeout=_TIMEOUT_S, check=False).returncode != 0:
             raise debian.MachineError("the image does not build")
         return subprocess.run(words, env=variables, timeout=_TIMEOUT_S, check=False).returncode
 
@@ -106,7 +106,7 @@ def run(cases: Sequence[str]) -> int:
             raise debian.MachineError(f"{_SCRIPT.name} ended with {code}")
         tests = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(_TESTS)]
         variables = {**os.environ, FOLDER_VARIABLE: name, CASES_VARIABLE: " ".join(cases)}
-        return subprocess.run(tests, cwd=_ROOT, env=variables, check=False).returncode
+        return subprocess.run(tests, cwd=ROOT, env=variables, check=False).returncode
 
 
 def main() -> int:

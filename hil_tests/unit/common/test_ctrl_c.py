@@ -6,15 +6,14 @@ import os
 import signal
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from railhil.cli import programs as outside
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded, hold_back_interrupts
 
-_ROOT = Path(outside.__file__).resolve().parents[2]
 _TIMEOUT_S = 60
 #: What every program with modules of weight loads early.
 _WEIGHTS = ("numpy.py", "can.py", "argparse.py")
@@ -30,14 +29,15 @@ os.execv(sys.executable, [sys.executable, "-m", *sys.argv[1:]])
 
 
 @pytest.mark.parametrize(
-    "module", ["railhil.cli", "controller_node", "plant_sim", "railhil.machines.adapter", "railhil.bus.hub"]
+    "module",
+    ["railhil.cli", "railhil.controller_node", "railhil.plant_sim", "railhil.machines.adapter", "railhil.bus.hub"],
 )
 def test_ctrl_c_while_the_modules_load(tmp_path, monkeypatch, module):
     for name in _WEIGHTS:
         (tmp_path / name).write_text("raise KeyboardInterrupt")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path), prepend=os.pathsep)
     done = subprocess.run(
-        [sys.executable, "-m", module], capture_output=True, text=True, check=False, timeout=_TIMEOUT_S, cwd=_ROOT
+        [sys.executable, "-m", module], capture_output=True, text=True, check=False, timeout=_TIMEOUT_S, cwd=ROOT
     )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
@@ -53,7 +53,7 @@ def test_ctrl_c_on_the_way_into_another_program(module):
         text=True,
         check=False,
         timeout=_TIMEOUT_S,
-        cwd=_ROOT,
+        cwd=ROOT,
     )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 

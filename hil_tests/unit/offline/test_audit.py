@@ -20,7 +20,7 @@ from railhil.audit.shadow import QuantityError, ShadowRun, compare_codes, errors
 from railhil.audit.standstill import standstill
 from railhil.audit.tables import show
 from railhil.batch.perturbed_runs import Outcomes
-from railhil.cli.output import Output
+from railhil.common.output import Output
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters
 from railhil.controller_node.cost import cost_of

@@ -15,8 +15,8 @@ from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.summary import training_sentence
 from railhil.campaign.work import task_of
+from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
-from railhil.supervisor.law_order import in_order
 
 
 @pytest.fixture(scope="module")

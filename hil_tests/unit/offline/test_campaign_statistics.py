@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import binom, binomtest
 
-from railhil.campaign.statistics import Estimate, differences, estimate, order_ranks, quantile, share
+from railhil.batch.statistics import Estimate, differences, estimate, order_ranks, quantile, share
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import csv
 from dataclasses import replace
 from itertools import pairwise
 from math import sqrt
-from pathlib import Path
 
 import pytest
 

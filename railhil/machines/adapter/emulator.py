@@ -99,7 +99,8 @@ class Emulator:
         wait_s = [_LOOK_S, *(max(0, due_ns - now_ns) / 1e9 for due_ns in self._later.values())]
         # Asked anew each time: the link may have opened its interface again.
         bus_fd = self._link.bus.fileno()
-        readers, writers = [bus_fd], []
+        readers: list[int] = [bus_fd]
+        writers: list[int] = []
         for line, wanted, ends in ((self._from_host, read, readers), (self._to_host, write, writers)):
             if wanted and line.room_bytes(now_ns):
                 ends.append(self._terminal.fileno())

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from railhil.supervisor.law_order import LAW_ORDER
+from railhil.common.law_order import LAW_ORDER
 
 #: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points, markers. The first belong to the
 #: laws of LAW_ORDER, what is left to others.
@@ -75,7 +75,7 @@ def styles(laws: Sequence[str]) -> list[Style]:
 
     :param laws: law of each run, in the order of the runs.
     :returns: all different for up to 28 runs; the first two of a law do not depend on what else is drawn when the law
-        is one of :data:`~scenarios.laws.LAW_ORDER`.
+        is one of :data:`~railhil.scenarios.laws.LAW_ORDER`.
     """
     places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
     others = [law for law in dict.fromkeys(laws) if law not in places]
