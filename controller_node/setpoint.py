@@ -49,8 +49,8 @@ def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) ->
 class SetPoints(Generic[T]):
     """Set-points in km/h (Q ``SPEED_Q``) on one arithmetic.
 
-    Raises :class:`~railhil.common.errors.InputError` for an unknown indexing, and for the distance indexing of a run that
-    is shorter than ``DISTANCE_FROM_M``.
+    Raises :class:`~railhil.common.errors.InputError` for an unknown indexing, and for the distance indexing of a run
+    that is shorter than ``DISTANCE_FROM_M``.
     """
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, indexing: str, horizon: int) -> None:

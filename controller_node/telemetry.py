@@ -1,7 +1,8 @@
 """What every named quantity of a law has done: extremes, headroom, wraps, saturations, divisions by zero.
 
 Fidelity demand: each variable of a fixed-point controller reports its range in use and every event that falsified it.
-The values come from :meth:`~railhil.controller_node.arithmetic.base.Arithmetic.note`, the events from the arithmetic itself.
+The values come from :meth:`~railhil.controller_node.arithmetic.base.Arithmetic.note`, the events from the arithmetic
+itself.
 """
 
 from __future__ import annotations

@@ -20,8 +20,8 @@ def names() -> list[str]:
 def load(name: str) -> type[Law[Any, Any]]:
     """Class of the law of that name.
 
-    Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an entry
-    point that cannot be imported or is no law.
+    Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an
+    entry point that cannot be imported or is no law.
     """
     found = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name not in found:

@@ -50,7 +50,8 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """``result = op(arguments)``, named after the method of :class:`~railhil.controller_node.arithmetic.base.Arithmetic`.
+    """``result = op(arguments)``, named after the method of
+    :class:`~railhil.controller_node.arithmetic.base.Arithmetic`.
 
     ``parameters`` are the numbers of the call that are no operands: formats, shift counts, the offset into a table,
     the last index. ``dot`` has its coefficients first, then as many values.

@@ -185,8 +185,8 @@ class LawRanges:
 def analyse_law(program: LawProgram, state_bounds: Mapping[str, tuple[float, float]]) -> LawRanges:
     """Intervals of a law that runs for ever on inputs inside :data:`WIRE`.
 
-    :param state_bounds: what :meth:`~railhil.controller_node.laws.base.Law.state_bounds` says; all other state variables
-        begin with the law's start and grow period by period until nothing grows any more.
+    :param state_bounds: what :meth:`~railhil.controller_node.laws.base.Law.state_bounds` says; all other state
+        variables begin with the law's start and grow period by period until nothing grows any more.
     """
     inputs = analyse(program.inputs, WIRE)
     given = {name: inputs.of(value) for name, value in program.inputs.outputs}

@@ -1,7 +1,7 @@
 """An arithmetic that computes nothing: it writes down the operations and checks their formats.
 
-The operands are :class:`~railhil.controller_node.program.model.Value`. Formats follow from the inputs and the constants, so a
-law that adds a Q20 to a Q24, or names a quantity with another format than it has, is refused here.
+The operands are :class:`~railhil.controller_node.program.model.Value`. Formats follow from the inputs and the
+constants, so a law that adds a Q20 to a Q24, or names a quantity with another format than it has, is refused here.
 """
 
 from __future__ import annotations

@@ -133,8 +133,8 @@ def _lines(path: Path) -> list[str]:
 def read_rows(folder: Path, profile: str | None = None) -> dict[str, list[Row]]:
     """Rows of every ``*.jsonl`` and ``*.jsonl.gz`` of a folder, by function.
 
-    Raises :class:`~railhil.common.errors.InputError` when there are none, for a file that cannot be read and for a line that
-    is no row of its function or, with a ``profile``, lacks what that one must give.
+    Raises :class:`~railhil.common.errors.InputError` when there are none, for a file that cannot be read and for a line
+    that is no row of its function or, with a ``profile``, lacks what that one must give.
     """
     rows: dict[str, list[Row]] = defaultdict(list)
     for path in sorted([*folder.glob("*.jsonl"), *folder.glob("*.jsonl.gz")]):
