@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from railhil.bus.administrator import Administrator
+from railhil.bus.administrator import REPLY_NS, WATCHDOG_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
@@ -50,6 +50,10 @@ class PlantOptions:
     fd: bool = False
     #: How long the other nodes may take to appear, on the wall clock.
     appear_s: float = 25.0
+    #: Realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
+    reply_ns: int = REPLY_NS
+    #: A node that is silent for this long on the wall clock is lost; at a slow pace the supervisor has longer.
+    watchdog_ns: int = WATCHDOG_NS
 
 
 class PlantNode:
@@ -82,6 +86,8 @@ class PlantNode:
             self._pacer,
             [port for port in contract.ports if port.source == "plant"],
             fd=options.fd,
+            watchdog_ns=options.watchdog_ns,
+            reply_ns=options.reply_ns,
         )
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
         clock_port = contract.clock_port.name
@@ -99,7 +105,8 @@ class PlantNode:
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
-        self._supervisor = SupervisorWatch(endpoint, schedule.ticks(SupCmd.PORT) * self._tick_ns, options.rate)
+        sup_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
+        self._supervisor = SupervisorWatch(endpoint, sup_period_ns, options.rate, watchdog_ns=options.watchdog_ns)
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
         self._ended: Event | None = None

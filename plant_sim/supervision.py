@@ -25,11 +25,12 @@ class SupervisorWatch:
 
     :param period_ns: simulation time between two polls of the supervisor.
     :param rate: simulated seconds per wall second, 0 in lockstep.
+    :param watchdog_ns: wall time that it may be silent at least.
     """
 
-    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float) -> None:
+    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float, *, watchdog_ns: int = WATCHDOG_NS) -> None:
         self._endpoint = endpoint
-        self.limit_ns = max(WATCHDOG_NS, round(_PERIODS * period_ns / rate)) if rate else WATCHDOG_NS
+        self.limit_ns = max(watchdog_ns, round(_PERIODS * period_ns / rate)) if rate else watchdog_ns
         self._heard_ns = time.monotonic_ns()
         self._was_down = False
 

@@ -12,13 +12,11 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-import railhil.plant_sim.node
-from railhil.bus.administrator import REPLY_NS, Administrator
+from railhil.bus.administrator import REPLY_NS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
@@ -72,7 +70,9 @@ def run_on(
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
-    plant_options = PlantOptions(seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s)
+    plant_options = PlantOptions(
+        seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s, reply_ns=reply_ns
+    )
 
     def run_the_controller() -> int:
         node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
@@ -83,8 +83,6 @@ def run_on(
             _write_counters(folder, "controller", {**link.counters, **node.counters})
 
     def run_the_plant() -> int:
-        # Of this fork only.
-        railhil.plant_sim.node.Administrator = partial(Administrator, reply_ns=reply_ns)
         link = open_link(dict(config), "plant")
         node = PlantNode(scenario, plant_options, link)
         try:

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from railhil.bus import administrator as administrator_module
 from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import PeerSilent
@@ -27,8 +26,14 @@ class Wall:
     def __init__(self) -> None:
         self.now_ns = 0
 
+    def monotonic(self) -> float:
+        return self.now_ns / 1e9
+
     def monotonic_ns(self) -> int:
         return self.now_ns
+
+    def sleep(self, seconds: float) -> None:
+        raise AssertionError("the administrator waits in receive")
 
 
 class FakeEndpoint:
@@ -40,25 +45,25 @@ class FakeEndpoint:
         self.sent: list[Frame] = []
         self.batches: list[int] = []
         self.pending: list[tuple[int, Frame]] = []
-        self._wall = wall
+        self.wall = wall
         self._answer = answer
 
     def send(self, frames: Sequence[Frame]) -> None:
         self.sent += frames
         self.batches.append(len(frames))
         for frame in frames:
-            self.pending += [(self._wall.now_ns + delay_ns, item) for delay_ns, item in self._answer(frame)]
+            self.pending += [(self.wall.now_ns + delay_ns, item) for delay_ns, item in self._answer(frame)]
         self.pending.sort(key=lambda entry: entry[0])
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """One frame per call, as python-can's recv gives them."""
         assert timeout_s is not None
-        limit_ns = self._wall.now_ns + round(timeout_s * 1e9)
+        limit_ns = self.wall.now_ns + round(timeout_s * 1e9)
         if self.pending and self.pending[0][0] <= limit_ns:
             due_ns, frame = self.pending.pop(0)
-            self._wall.now_ns = max(self._wall.now_ns, due_ns)
+            self.wall.now_ns = max(self.wall.now_ns, due_ns)
             return [frame]
-        self._wall.now_ns = limit_ns
+        self.wall.now_ns = limit_ns
         return []
 
     def close(self) -> None:
@@ -70,10 +75,8 @@ def frames_of(telegram: Telegram) -> list[Frame]:
 
 
 @pytest.fixture
-def wall(monkeypatch: pytest.MonkeyPatch) -> Wall:
-    clock = Wall()
-    monkeypatch.setattr(administrator_module, "time", clock)
-    return clock
+def wall() -> Wall:
+    return Wall()
 
 
 def make(
@@ -81,7 +84,7 @@ def make(
 ) -> tuple[Administrator, TrafficStore]:
     store = TrafficStore([NOTCH, STAT])
     ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(endpoint, store, lambda: now_ns, Pacer(rate), ports, fd=fd), store
+    return Administrator(endpoint, store, lambda: now_ns, Pacer(rate, endpoint.wall), ports, fd=fd), store
 
 
 def controller(delay_ns: int = 1000, notch: int = 5) -> Callable[[Frame], list[tuple[int, Frame]]]:
