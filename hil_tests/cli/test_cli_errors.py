@@ -48,9 +48,8 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
     handler = signal.getsignal(signal.SIGTERM)
 
     def call(*arguments: str | Path) -> Done:
-        monkeypatch.setattr(sys, "argv", ["railhil", *map(str, arguments)])
         try:
-            code = cli.main()
+            code = cli.main([str(word) for word in arguments])
         except SystemExit as end:
             code = int(end.code or 0)
         said = capsys.readouterr()
@@ -288,7 +287,7 @@ def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
 
 def test_a_program_that_the_installation_lacks(monkeypatch):
     """The container image leaves the tests out, and the audit with them."""
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "railhil.audit", None)
     with pytest.raises(InputError, match=r"^railhil: command: found 'railhil.audit', allowed a program of this inst"):
         outside.become_program(["audit", "lvshun_tieshan"])
 

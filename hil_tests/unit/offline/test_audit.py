@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from types import SimpleNamespace
@@ -270,9 +271,8 @@ def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(monke
     assert found["divisions by zero in the perturbed runs"] == ("2", False)
     assert not result.met
     assert document(result)["effect_counters"] == {"wraps": 1, "saturations": 10, "zero_divisions": 2}
-    out = StringIO()
-    monkeypatch.setattr("sys.stdout", out)
-    show(Output(), result)
+    with redirect_stdout(StringIO()) as out:
+        show(Output(), result)
     assert "iq in all of them: 1 wraps, 10 saturations, 2 divisions by zero" in out.getvalue()
 
 

@@ -86,8 +86,7 @@ def test_a_missed_bar_is_exit_code_1(short, capsys, monkeypatch):
         return result
 
     monkeypatch.setattr(command, "audit", spoiled)
-    monkeypatch.setattr("sys.argv", ["audit", str(short), "--runs", "0"])
-    assert command.main() == 1
+    assert command.main([str(short), "--runs", "0"]) == 1
     out = capsys.readouterr().out
     assert "FAIL" in out
     assert out.rstrip().endswith("NOT all bars met")
@@ -122,9 +121,8 @@ def test_a_file_that_fails_later_is_one_line_and_leaves_nothing(short, tmp_path,
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("pathlib.Path.replace", gone)
-    monkeypatch.setattr("sys.argv", ["audit", str(short), "--runs", "0", "--json", str(tmp_path / "a.json")])
     with pytest.raises(Exception, match=r"--json: .*no space left on device") as caught:
-        command.main()
+        command.main([str(short), "--runs", "0", "--json", str(tmp_path / "a.json")])
     assert caught.value.exit_code == 2
     assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
 

@@ -154,6 +154,5 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
     monkeypatch.setattr(plant_program, "open_link", lambda _config, _name: link)
     monkeypatch.setattr(plant_program, "run_plant", lambda *_: done.append("run"))
     (tmp_path / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
-    monkeypatch.setattr("sys.argv", ["plant", str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"])
-    assert plant_program.main() == 0
+    assert plant_program.main([str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"]) == 0
     assert done == ["run", "close", "tell"]
