@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.administrator import REPLY_NS
-from railhil.bus.link import Patience, open_link
+from railhil.bus.link import Link, Patience, open_link
 from railhil.bus.link.outage import PATIENCE
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
@@ -56,6 +56,7 @@ def run_on(
     appear_s: float = 25.0,
     reply_ns: int = REPLY_NS,
     patience: Patience = PATIENCE,
+    open_recorder: Callable[[dict[str, Any], str], Link] = open_link,
 ) -> tuple[RunResult, list[int | None]]:
     """One run: plant and controller in processes of their own, the supervisor in this one.
 
@@ -69,6 +70,7 @@ def run_on(
     :param controller_command: a program to start in place of our controller node; it finds the bus by itself.
     :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
         the place to disturb the bus from.
+    :param open_recorder: makes the supervisor's link.
     :param patience: of plant and controller with their interfaces.
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
@@ -114,7 +116,8 @@ def run_on(
             attach=True,
             appear_s=appear_s,
         )
-        result = Run(scenario, options, BusChoice(dict(config), "the test's"), folder, on_progress).execute()
+        choice = BusChoice(dict(config), "the test's")
+        result = Run(scenario, options, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         for node in nodes:

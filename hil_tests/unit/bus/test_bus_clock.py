@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hil_tests.clock import SetClock
 from railhil.bus.clock import BusClock, Pacer, from_time_sync, to_time_sync
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
@@ -210,26 +211,9 @@ def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
 # -- pacing -----------------------------------------------------------------------------------------------------------
 
 
-class FakeTime:
-    """Monotonic clock that only sleeping and explicit work move; sleeping oversleeps a little."""
-
-    def __init__(self, oversleep_ns: int) -> None:
-        self.now_ns = 5_000
-        self.oversleep_ns = oversleep_ns
-
-    def monotonic(self) -> float:
-        return self.now_ns / 1e9
-
-    def monotonic_ns(self) -> int:
-        return self.now_ns
-
-    def sleep(self, duration_s: float) -> None:
-        self.now_ns += round(duration_s * 1e9) + self.oversleep_ns
-
-
 @pytest.mark.parametrize("rate", [0.5, 1.0, 10.0])
 def test_pacer_deadlines_are_absolute(rate: float) -> None:
-    wall = FakeTime(oversleep_ns=70_000)
+    wall = SetClock(5_000, oversleep_ns=70_000)
     pacer = Pacer(rate, wall)
     pacer.start()
     late_ns = []
@@ -245,6 +229,6 @@ def test_pacer_deadlines_are_absolute(rate: float) -> None:
 
 
 def test_pacer_in_lockstep_never_waits() -> None:
-    wall = FakeTime(oversleep_ns=0)
+    wall = SetClock(5_000)
     assert Pacer(0.0, wall).wait(10**12) == 0
     assert wall.now_ns == 5_000

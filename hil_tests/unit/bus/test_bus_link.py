@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hil_tests.clock import SetClock
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
 from railhil.bus.link import Link, open_link
@@ -79,25 +80,9 @@ class FullBus(can.BusABC):
         self._is_shutdown = True
 
 
-class Sleeper:
-    """A clock that only sleeping moves; knows how long each sleep was."""
-
-    def __init__(self) -> None:
-        self.slept_s: list[float] = []
-
-    def monotonic(self) -> float:
-        return sum(self.slept_s)
-
-    def monotonic_ns(self) -> int:
-        return round(self.monotonic() * 1e9)
-
-    def sleep(self, seconds: float) -> None:
-        self.slept_s.append(seconds)
-
-
 @pytest.fixture
-def wall() -> Sleeper:
-    return Sleeper()
+def wall() -> SetClock:
+    return SetClock()
 
 
 def speeds(*values: int) -> list[Frame]:
@@ -105,7 +90,7 @@ def speeds(*values: int) -> list[Frame]:
 
 
 @pytest.mark.parametrize("full", [0, 1, 39])
-def test_a_full_queue_is_retried(wall: Sleeper, full: int) -> None:
+def test_a_full_queue_is_retried(wall: SetClock, full: int) -> None:
     bus = FullBus(full)
     link = SingleLink(bus, wall=wall)
     link.send(speeds(1))
@@ -115,7 +100,7 @@ def test_a_full_queue_is_retried(wall: Sleeper, full: int) -> None:
     assert wall.monotonic() == pytest.approx(full * 0.0005)
 
 
-def test_the_retry_is_bounded_and_leaves_no_backlog(wall: Sleeper) -> None:
+def test_the_retry_is_bounded_and_leaves_no_backlog(wall: SetClock) -> None:
     """After the bound the old value is given up: what leaves later is the newest, once."""
     bus = FullBus(1000)
     link = SingleLink(bus, wall=wall)
@@ -128,7 +113,7 @@ def test_the_retry_is_bounded_and_leaves_no_backlog(wall: Sleeper) -> None:
     assert (link.counters["sent"], link.counters["send_dropped"]) == (1, 1)
 
 
-def test_all_frames_of_one_send_share_the_bound(wall: Sleeper) -> None:
+def test_all_frames_of_one_send_share_the_bound(wall: SetClock) -> None:
     """A tick of eight frames on a bus without a second node must not take eight times as long."""
     link = SingleLink(FullBus(1000), wall=wall)
     link.send(speeds(*range(8)))
@@ -136,7 +121,7 @@ def test_all_frames_of_one_send_share_the_bound(wall: Sleeper) -> None:
     assert wall.monotonic() == pytest.approx(0.02, abs=0.001)
 
 
-def test_enobufs_is_recognised_by_its_cause_too(wall: Sleeper) -> None:
+def test_enobufs_is_recognised_by_its_cause_too(wall: SetClock) -> None:
     error = can.CanOperationError("Failed to transmit")
     error.__cause__ = OSError(errno.ENOBUFS, "No buffer space available")
     bus = FullBus(2, error)
@@ -147,7 +132,7 @@ def test_enobufs_is_recognised_by_its_cause_too(wall: Sleeper) -> None:
 @pytest.mark.parametrize(
     "error", [can.CanOperationError("down", errno.ENETDOWN), can.CanError("gone"), OSError(errno.ENODEV, "no device")]
 )
-def test_any_other_error_is_a_lost_bus(wall: Sleeper, error: Exception) -> None:
+def test_any_other_error_is_a_lost_bus(wall: SetClock, error: Exception) -> None:
     link = SingleLink(FullBus(1, error), wall=wall)
     with pytest.raises(BusLost, match=r"^full bus: cannot send: "):
         link.send(speeds(1))
