@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import railhil.controller_node.loop
+from hil_tests.plug import plug_in
 from hil_tests.support.cli import railhil
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
@@ -180,15 +180,17 @@ def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
-def test_a_plugged_in_law_that_may_wrap_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever wrote it: a sum that feeds back into itself, without a limit."""
+class Growing(Ipfc[Any]):
+    """A sum that feeds back into itself, without a limit."""
 
-    class Growing(Ipfc[Any]):
-        def step(self, state: Any, inputs: Any) -> Any:
-            after, outputs = super().step(state, inputs)
-            return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
+    def step(self, state: Any, inputs: Any) -> Any:
+        after, outputs = super().step(state, inputs)
+        return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
 
-    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Growing)
+
+def test_a_plugged_in_law_that_may_wrap_does_not_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever wrote it."""
+    plug_in(tmp_path, monkeypatch, growing=Growing)
     with pytest.raises(InputError, match=r"which ends at 2048, .*operations that may wrap: \d"):
         Controller(SCENARIO, "growing", "iq")
     Controller(SCENARIO, "growing", "float64")
