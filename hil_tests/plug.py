@@ -8,8 +8,22 @@ from typing import Any
 
 import pytest
 
+from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.laws import GROUP
-from railhil.controller_node.laws.base import Law
+from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.program.tracer import Tracer
+
+
+class Wrapping(Ipfc[Any]):
+    """IPFC with a product that wraps in every period; its record does not show it, else it would not start."""
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        """One control period, wrapped."""
+        ar = self._ar
+        if not isinstance(ar, Tracer):
+            ar.mpy(ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 1.5, 30)), 30)
+        return super().step(state, inputs)
 
 
 def plug_in(folder: Path, patch: pytest.MonkeyPatch, **laws: type[Law[Any, Any]]) -> None:

@@ -7,9 +7,9 @@ import json
 import pytest
 
 from benchmarks.figures import QUICK_TOML
+from hil_tests.plug import Wrapping, plug_in
 from hil_tests.support.cli import railhil
 from railhil.audit import __main__ as command
-from railhil.audit.result import Bar, audit
 
 KEYS = {
     "scenario",
@@ -79,14 +79,9 @@ def test_an_audit_from_the_command_line(short, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["audit.json", "short.toml"]
 
 
-def test_a_missed_bar_is_exit_code_1(short, capsys, monkeypatch):
-    def spoiled(*given):
-        result = audit(*given)
-        result.bars.append(Bar("a demand", "7", "0", False))
-        return result
-
-    monkeypatch.setattr(command, "audit", spoiled)
-    assert command.main([str(short), "--runs", "0"]) == 1
+def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    assert command.main([str(short), "--controller", "wrapping", "--runs", "0"]) == 1
     out = capsys.readouterr().out
     assert "FAIL" in out
     assert out.rstrip().endswith("NOT all bars met")

@@ -7,12 +7,10 @@ from math import ceil
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.plug import plug_in
+from hil_tests.plug import Wrapping, plug_in
 from railhil.batch.perturbed_runs import FIRST_SEED, SCORES, outcomes
 from railhil.bench import direct_run, local_run
-from railhil.controller_node.arithmetic.base import Constant, Counters
-from railhil.controller_node.laws.ipfc import Ipfc
-from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.load import load
 
 
@@ -32,16 +30,6 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
     assert {name: getattr(direct.score, name) for name in SCORES} == {
         name: getattr(local.score, name) for name in SCORES
     }
-
-
-class Wrapping(Ipfc):
-    """The law, with a product that wraps in every period; its record does not show it, else it would not start."""
-
-    def step(self, state, inputs):
-        ar = self._ar
-        if not isinstance(ar, Tracer):
-            ar.mpy(ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 1.5, 30)), 30)
-        return super().step(state, inputs)
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
