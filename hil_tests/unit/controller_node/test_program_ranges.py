@@ -243,15 +243,15 @@ def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
 
 @pytest.mark.parametrize("odometer_mm", [-(2**31), -200_000_001, 200_000_000, 2**31 - 1])
 def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: int) -> None:
-    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"))
     seen: list[int] = []
-    step = node.controller.step
 
-    def watched(k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
-        seen.append(position_01mm)
-        return step(k, speed_01mmps, position_01mm, *balise)
+    class Watched(Controller):
+        def step(self, k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
+            seen.append(position_01mm)
+            return super().step(k, speed_01mmps, position_01mm, *balise)
 
-    node.controller.step = watched  # type: ignore[method-assign]
+    controller = Watched(SCENARIO, indexing="distance")
+    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"), controller)
     for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):
             node.handle(frame)
