@@ -20,7 +20,7 @@ from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.plant import Plant, PlantError
-from railhil.plant_sim.supervision import RunEndpoint, SupervisorWatch
+from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
@@ -52,7 +52,9 @@ class PlantOptions:
     appear_s: float = 25.0
     #: Realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
     reply_ns: int = REPLY_NS
-    #: A node that is silent for this long on the wall clock is lost; at a slow pace the supervisor has longer.
+    #: Realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it has longer.
+    silence_ns: int = SILENCE_NS
+    #: Lockstep: a node that has not answered for this long on the wall clock is lost.
     watchdog_ns: int = WATCHDOG_NS
 
 
@@ -106,7 +108,9 @@ class PlantNode:
         self._status_tick = -1
         self._appear_s = options.appear_s
         sup_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
-        self._supervisor = SupervisorWatch(endpoint, sup_period_ns, options.rate, watchdog_ns=options.watchdog_ns)
+        self._supervisor = SupervisorWatch(
+            endpoint, sup_period_ns, options.rate, silence_ns=options.silence_ns, watchdog_ns=options.watchdog_ns
+        )
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
         self._ended: Event | None = None

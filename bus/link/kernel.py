@@ -18,7 +18,7 @@ import can
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
-from railhil.bus.link.outage import PATIENCE, Patience
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 
 _SO_RXQ_OVFL = 40
@@ -52,9 +52,9 @@ class KernelLink(SingleLink):
         reopen: Callable[[], can.BusABC] | None = None,
         say: Callable[[str], None] | None = None,
         *,
-        patience: Patience = PATIENCE,
+        timeouts: Timeouts = TIMEOUTS,
     ) -> None:
-        super().__init__(bus, reopen, say, patience=patience)
+        super().__init__(bus, reopen, say, timeouts=timeouts)
         self._lost_before = 0
         self._failure: OSError | None = None
         self._use_socket()

@@ -9,7 +9,7 @@ from railhil.bus.wallclock import WallClock
 
 
 @dataclass(frozen=True, slots=True)
-class Patience:
+class Timeouts:
     """How long a link waits, in s on the wall clock.
 
     :ivar give_up_s: for an interface that is down, and in lockstep for a full transmit queue; then the node ends.
@@ -25,7 +25,7 @@ class Patience:
 
 
 #: Of every link that is not told otherwise.
-PATIENCE = Patience()
+TIMEOUTS = Timeouts()
 
 
 class Outage:
@@ -36,14 +36,14 @@ class Outage:
     """
 
     def __init__(
-        self, reason: str, *, bus_off: bool = False, patience: Patience = PATIENCE, wall: WallClock = time
+        self, reason: str, *, bus_off: bool = False, timeouts: Timeouts = TIMEOUTS, wall: WallClock = time
     ) -> None:
         self.reason = reason
         self.bus_off = bus_off
-        self._patience = patience
+        self._timeouts = timeouts
         self._wall = wall
         self._since_s = wall.monotonic()
-        self._look_s = self._since_s + (0.0 if bus_off else patience.look_again_s)
+        self._look_s = self._since_s + (0.0 if bus_off else timeouts.look_again_s)
 
     @property
     def lasted_s(self) -> float:
@@ -53,7 +53,7 @@ class Outage:
     @property
     def hopeless(self) -> bool:
         """True when a node has waited long enough."""
-        return self.lasted_s > self._patience.give_up_s
+        return self.lasted_s > self._timeouts.give_up_s
 
     def until_look_s(self) -> float:
         """Wall time until the interface should be looked at again, at least 0."""
@@ -61,4 +61,4 @@ class Outage:
 
     def looked(self) -> None:
         """It was looked at, and it is not back."""
-        self._look_s = self._wall.monotonic() + self._patience.look_again_s
+        self._look_s = self._wall.monotonic() + self._timeouts.look_again_s

@@ -16,7 +16,7 @@ import can
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.link.base import FAILURES, Link
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
-from railhil.bus.link.outage import PATIENCE, Outage, Patience
+from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.wallclock import WallClock
 
 #: A full transmit queue (ENOBUFS) is tried again this far apart; python-can raises it at once.
@@ -39,12 +39,12 @@ class SingleLink(Link):
         reopen: Callable[[], can.BusABC] | None = None,
         say: Callable[[str], None] | None = None,
         *,
-        patience: Patience = PATIENCE,
+        timeouts: Timeouts = TIMEOUTS,
         wall: WallClock = time,
     ) -> None:
         super().__init__(bus, say)
         self._reopen = reopen
-        self._patience = patience
+        self._timeouts = timeouts
         self._wall = wall
         self._outage: Outage | None = None
         # Frames that came while a send waited for the bus.
@@ -73,7 +73,7 @@ class SingleLink(Link):
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`."""
         give_up_s = self._wall.monotonic() + (
-            self._patience.give_up_s if self.lossless else self._patience.queue_full_s
+            self._timeouts.give_up_s if self.lossless else self._timeouts.queue_full_s
         )
         for frame in frames:
             self._send_one(frame, give_up_s)
@@ -107,7 +107,7 @@ class SingleLink(Link):
                 self.counters["send_retries"] += 1
                 if self._wall.monotonic() >= give_up_s:
                     if self.lossless:
-                        raise self._lost(f"transmit queue full for {self._patience.give_up_s:g} s") from error
+                        raise self._lost(f"transmit queue full for {self._timeouts.give_up_s:g} s") from error
                     break
                 self.while_waiting()
                 self._wall.sleep(_SEND_RETRY_S)
@@ -217,8 +217,8 @@ class SingleLink(Link):
 
     def _go_out(self, reason: str, *, bus_off: bool = False) -> None:
         self.counters["outages"] += 1
-        self._outage = Outage(reason, bus_off=bus_off, patience=self._patience, wall=self._wall)
-        self._say(f"{self.where} is down ({reason}); nothing is sent, waiting up to {self._patience.give_up_s:g} s")
+        self._outage = Outage(reason, bus_off=bus_off, timeouts=self._timeouts, wall=self._wall)
+        self._say(f"{self.where} is down ({reason}); nothing is sent, waiting up to {self._timeouts.give_up_s:g} s")
 
     def _came_back(self) -> None:
         assert self._outage is not None
@@ -234,7 +234,7 @@ class SingleLink(Link):
         outage = self._outage
         assert outage is not None
         if outage.hopeless:
-            raise self._lost(f"{outage.reason}; not back within {self._patience.give_up_s:g} s")
+            raise self._lost(f"{outage.reason}; not back within {self._timeouts.give_up_s:g} s")
         wait_s = outage.until_look_s()
         if outage.bus_off:
             frames = self._heard(max(wait_s, 0.01))

@@ -24,7 +24,7 @@ from typing import Any
 import can
 
 from railhil.bus.frame import Frame
-from railhil.bus.link.outage import PATIENCE, Patience
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
@@ -70,9 +70,9 @@ class SlcanLink(SingleLink):
         reopen: Callable[[], can.BusABC] | None = None,
         say: Callable[[str], None] | None = None,
         *,
-        patience: Patience = PATIENCE,
+        timeouts: Timeouts = TIMEOUTS,
     ) -> None:
-        super().__init__(bus, reopen, say, patience=patience)
+        super().__init__(bus, reopen, say, timeouts=timeouts)
         self._use_port()
 
     @property
@@ -276,7 +276,7 @@ class SlcanLink(SingleLink):
             return
         self._answers = True
         self.counters["adapter_refused"] += refused
-        if refused and self.lossless and time.monotonic() > self._opened_s + self._patience.opening_s:
+        if refused and self.lossless and time.monotonic() > self._opened_s + self._timeouts.opening_s:
             raise self._lost("the adapter has refused a frame (transmit queue full, or bus-off), lockstep cannot go on")
         if self._asked:
             self._goes_on()

@@ -11,7 +11,7 @@ import pytest
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import BRS, FD, REMOTE, Frame
-from railhil.bus.link import Patience, open_link, slcan
+from railhil.bus.link import Timeouts, open_link, slcan
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcan import STALE_NS, SlcanLink
 from railhil.bus.link.slcanline import from_line, to_line
@@ -33,10 +33,10 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     port.pull_out()
 
 
-def opened(terminal: Terminal, **patience: float) -> SlcanLink:
+def opened(terminal: Terminal, **timeouts: float) -> SlcanLink:
     """A link on the port; what python-can says to open the channel is read."""
     config = {"interface": "slcan", "channel": str(terminal.link), "bitrate": 500_000, "sleep_after_open": 0}
-    link = open_link(config, "node", patience=Patience(**patience))
+    link = open_link(config, "node", timeouts=Timeouts(**timeouts))
     assert isinstance(link, SlcanLink)
     assert heard(terminal, 5)[-1] == b"O"
     return link

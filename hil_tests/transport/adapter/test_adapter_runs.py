@@ -14,7 +14,7 @@ from hil_tests.support.adapter_rig import Rig, Timetable
 from hil_tests.support.cli import command, railhil
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
-from railhil.bus.link import Patience
+from railhil.bus.link import Timeouts
 from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
@@ -221,7 +221,7 @@ def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path):
     folder.mkdir()
     result, exit_codes = run_on(
         rig.hub, move, folder, seed=_SEED, pace="realtime", rate=2.0, controller_config=rig.adapter,
-        on_progress=Timetable(rig, {5.0: "unplug"}), patience=Patience(give_up_s=3.0),
+        on_progress=Timetable(rig, {5.0: "unplug"}), timeouts=Timeouts(give_up_s=3.0),
     )  # fmt: skip
     assert exit_codes == [3, 0]
     trace = trace_of(read_log(folder / "frames.log"))

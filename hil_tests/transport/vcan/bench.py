@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.administrator import REPLY_NS
-from railhil.bus.link import Link, Patience, open_link
-from railhil.bus.link.outage import PATIENCE
+from railhil.bus.link import Link, Timeouts, open_link
+from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.scheduling import cycle
@@ -55,7 +55,7 @@ def run_on(
     on_progress: Callable[[float], None] | None = None,
     appear_s: float = 25.0,
     reply_ns: int = REPLY_NS,
-    patience: Patience = PATIENCE,
+    timeouts: Timeouts = TIMEOUTS,
     open_recorder: Callable[[dict[str, Any], str], Link] = open_link,
 ) -> tuple[RunResult, list[int | None]]:
     """One run: plant and controller in processes of their own, the supervisor in this one.
@@ -71,7 +71,7 @@ def run_on(
     :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
         the place to disturb the bus from.
     :param open_recorder: makes the supervisor's link.
-    :param patience: of plant and controller with their interfaces.
+    :param timeouts: of plant and controller with their interfaces.
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
@@ -82,7 +82,7 @@ def run_on(
     def run_the_controller() -> int:
         node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
         link = open_link(
-            dict(config if controller_config is None else controller_config), "controller", patience=patience
+            dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
         )
         try:
             return run_controller(node, link)
@@ -90,7 +90,7 @@ def run_on(
             _write_counters(folder, "controller", {**link.counters, **node.counters})
 
     def run_the_plant() -> int:
-        link = open_link(dict(config), "plant", patience=patience)
+        link = open_link(dict(config), "plant", timeouts=timeouts)
         node = PlantNode(scenario, plant_options, link)
         try:
             node.run()

@@ -14,7 +14,7 @@ from railhil.bus.errors import BusLost, BusOccupied
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.ident import Role
 from railhil.bus.link.errorframe import describe
-from railhil.bus.link.outage import Patience
+from railhil.bus.link.outage import Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
@@ -101,7 +101,7 @@ def adapter() -> Adapter:
 
 @pytest.fixture
 def link(adapter: Adapter, said: list[str]) -> SingleLink:
-    return SingleLink(adapter.open(), adapter.open, said.append, patience=Patience(look_again_s=0.01))
+    return SingleLink(adapter.open(), adapter.open, said.append, timeouts=Timeouts(look_again_s=0.01))
 
 
 def speeds(*values: int) -> list[Frame]:
@@ -146,8 +146,8 @@ def test_in_lockstep_the_very_frame_waits_for_the_adapter(link, adapter):
 
 @pytest.mark.parametrize("lossless", [False, True])
 def test_an_adapter_that_never_comes_back_ends_the_node(adapter, lossless):
-    patience = Patience(look_again_s=0.01, give_up_s=0.05)
-    link = SingleLink(adapter.open(), adapter.open, patience=patience)
+    timeouts = Timeouts(look_again_s=0.01, give_up_s=0.05)
+    link = SingleLink(adapter.open(), adapter.open, timeouts=timeouts)
     link.lossless = lossless
     adapter.plugged = False
     with pytest.raises(BusLost, match=r"^adapter: Input/output error.*; not back within"):  # noqa: PT012
@@ -172,7 +172,7 @@ def test_the_time_without_frames_is_told_once_with_the_first_frame(link, adapter
 
 
 def test_a_full_queue_drops_the_old_value_and_in_lockstep_waits(adapter):
-    link = SingleLink(adapter.open(), adapter.open, patience=Patience(queue_full_s=0.001))
+    link = SingleLink(adapter.open(), adapter.open, timeouts=Timeouts(queue_full_s=0.001))
     adapter.full = 10_000
     link.send(speeds(1))
     assert link.counters["send_dropped"] == 1

@@ -95,7 +95,7 @@ def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(short: S
     controller = ControllerNode(short, ControllerOptions())
     bus = Interrupted([controller.handle, session.handle], from_poll=10, polls=20, is_down=is_down)
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.
-    plant = PlantNode(short, PlantOptions(rate=20.0, reply_ns=2_000_000, watchdog_ns=0), bus)
+    plant = PlantNode(short, PlantOptions(rate=20.0, reply_ns=2_000_000, silence_ns=0), bus)
     if is_down:
         assert plant.run().ends_run
         assert plant.administrator.counters["missed_polls"] >= 20
