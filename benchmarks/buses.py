@@ -102,15 +102,19 @@ GATEWAY = Transport("hub, gateway, hub", "gateway", _gateway)
 KERNEL = Transport("kernel vcan", "vcan", _vcan)
 
 
-def transports() -> tuple[list[Transport], list[Missing]]:
-    """The transports that are measured on this machine, and those that are not, with the reason."""
+def transports(*, emulated: bool | None = None, vcan: bool | None = None) -> tuple[list[Transport], list[Missing]]:
+    """The transports that are measured on a machine, and those that are not, with the reason.
+
+    :param emulated: whether its processor is emulated; None: that of this machine.
+    :param vcan: whether its kernel has :data:`VCAN`; None: that of this machine.
+    """
     found, missing = [SOCKET_PAIR, UNIX_HUB], []
-    if is_emulated():
+    if is_emulated() if emulated is None else emulated:
         # Starting their processes would take minutes there, and elsewhere they can be had as they are.
         missing += [Missing(way.name, "left out on an emulated machine") for way in (TCP_HUB, GATEWAY)]
     else:
         found += [TCP_HUB, GATEWAY]
-    if vcan_available(VCAN):
+    if vcan_available(VCAN) if vcan is None else vcan:
         found.append(KERNEL)
     else:
         why = f"this kernel has no {VCAN}: railhil vcan -- python -m benchmarks --only transports"

@@ -18,8 +18,8 @@ def compiler() -> str | None:
     return next(filter(None, map(shutil.which, _COMPILERS)), None)
 
 
-def c_loop(folder: Path) -> Path | Missing:
-    """``c/loop.c`` compiled into ``folder`` with -O2, or the word that there is no compiler.
+def c_loop(folder: Path, source: Path = _SOURCE) -> Path | Missing:
+    """The loop, ``c/loop.c``, compiled into ``folder`` with -O2, or the word that there is no compiler.
 
     :raises MeasurementError: the compiler refuses it.
     """
@@ -27,9 +27,9 @@ def c_loop(folder: Path) -> Path | Missing:
     if found is None:
         return Missing("the plain C loop", f"no C compiler ({', '.join(_COMPILERS)}): no ratio to C below")
     program = folder / "loop"
-    command = [found, "-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-o", str(program), str(_SOURCE)]
+    command = [found, "-O2", "-std=c99", "-Wall", "-Wextra", "-Werror", "-o", str(program), str(source)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=_COMPILE_S, check=False)
     if done.returncode != 0:
         said = [line for line in done.stderr.splitlines() if "error" in line] or ["no message"]
-        raise MeasurementError(f"{_SOURCE.name} does not compile: {said[0]}")
+        raise MeasurementError(f"{source.name} does not compile: {said[0]}")
     return program

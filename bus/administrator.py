@@ -6,7 +6,6 @@ that is later than ``reply_ns`` is a missed telegram that ages.
 
 from __future__ import annotations
 
-import time
 from collections import Counter
 from collections.abc import Callable, Iterable
 
@@ -33,7 +32,10 @@ class Administrator:
 
     :param store: mailboxes for the ports that are polled.
     :param now_ns: simulation time, asked at each reception.
+    :param pacer: pace of the run, and the wall clock of every time-out.
     :param fd: send the CAN FD form.
+    :param watchdog_ns: lockstep: wall time without an answer after which a peer is lost.
+    :param reply_ns: realtime: wall time after which an answer comes too late.
     """
 
     def __init__(
@@ -53,6 +55,7 @@ class Administrator:
         self._store = store
         self._now_ns = now_ns
         self._pacer = pacer
+        self._monotonic_ns = pacer.wall.monotonic_ns
         self._sources = {port.name: TelegramSource(port, fd) for port in published}
         # Identifiers of the frame that completes a telegram, classic and CAN FD.
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in wire_contract().ports}
@@ -85,7 +88,7 @@ class Administrator:
         self._queue.append(master_frame(port.f_code, port.address))
         self.flush()
         limit_ns = self._reply_ns if self._pacer.rate else self._watchdog_ns
-        committed = self._wait_for(port, time.monotonic_ns() + limit_ns)
+        committed = self._wait_for(port, self._monotonic_ns() + limit_ns)
         if committed:
             return True
         self.counters["missed_polls"] += 1
@@ -98,10 +101,10 @@ class Administrator:
 
     def _discard_late(self) -> None:
         """Drop what came after the reply time-out: taken for the next answer, it would make each one a poll late."""
-        deadline_ns = time.monotonic_ns() + self._reply_ns
+        deadline_ns = self._monotonic_ns() + self._reply_ns
         while frames := self._endpoint.receive(0.0):
             self.counters["late_frames"] += len(frames)
-            if time.monotonic_ns() >= deadline_ns:
+            if self._monotonic_ns() >= deadline_ns:
                 return
 
     def _wait_for(self, port: Port, deadline_ns: int) -> bool | None:
@@ -110,7 +113,7 @@ class Administrator:
         name, last_ids = port.name, self._last_ids[port.name]
         give_up_ns = 0
         while True:
-            now_wall_ns = time.monotonic_ns()
+            now_wall_ns = self._monotonic_ns()
             remaining_ns = deadline_ns - now_wall_ns
             if remaining_ns <= 0:
                 if self._pacer.rate:
@@ -143,11 +146,11 @@ class Administrator:
         :raises BusOccupied: somebody else polls on this bus, or two nodes answer as one device.
         """
         missing = set(devices)
-        deadline_ns = time.monotonic_ns() + timeout_ns
-        while missing and time.monotonic_ns() < deadline_ns:
+        deadline_ns = self._monotonic_ns() + timeout_ns
+        while missing and self._monotonic_ns() < deadline_ns:
             self._endpoint.send([master_frame(F_DEVICE_STATUS, device) for device in sorted(missing)])
-            round_ns = time.monotonic_ns() + interval_ns
-            while missing and (remaining_ns := round_ns - time.monotonic_ns()) > 0:
+            round_ns = self._monotonic_ns() + interval_ns
+            while missing and (remaining_ns := round_ns - self._monotonic_ns()) > 0:
                 missing -= self._status_answers(self._endpoint.receive(remaining_ns / 1e9)).keys()
         if not missing:
             self._refuse_doubles(set(devices))
@@ -185,11 +188,11 @@ class Administrator:
     def _late_answers(self) -> Counter[int]:
         """Answers until none has come for a while."""
         found: Counter[int] = Counter()
-        now_s = time.monotonic_ns() / 1e9
+        now_s = self._monotonic_ns() / 1e9
         end_s, quiet_s = now_s + 10 * _SCAN_ANSWER_S, now_s + _SCAN_ANSWER_S
         while now_s < min(end_s, quiet_s) and (frames := self._endpoint.receive(quiet_s - now_s)):
             answers = self._status_answers(frames)
-            now_s = time.monotonic_ns() / 1e9
+            now_s = self._monotonic_ns() / 1e9
             if answers:
                 found += answers
                 quiet_s = now_s + _SCAN_ANSWER_S

@@ -11,6 +11,7 @@ from railhil.bus.frame import BRS, FD, Frame
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import check_sequence, master_tail
 from railhil.bus.telegrams import TimeSync
+from railhil.bus.wallclock import WallClock
 from railhil.dbc import wire_contract
 
 _FRACTION = 65536
@@ -166,15 +167,17 @@ class Pacer:
     """Waits for the wall clock: absolute deadlines on the monotonic clock, so lateness never accumulates.
 
     :param rate: simulated seconds per wall second; 0 means lockstep, ``wait`` then returns at once.
+    :param wall: the clock to wait on.
     """
 
-    def __init__(self, rate: float = 0.0) -> None:
+    def __init__(self, rate: float = 0.0, wall: WallClock = time) -> None:
         self.rate = rate
+        self.wall = wall
         self._start_ns = 0
 
     def start(self) -> None:
         """Simulation time 0 is now."""
-        self._start_ns = time.monotonic_ns()
+        self._start_ns = self.wall.monotonic_ns()
 
     def deadline_ns(self, sim_ns: int) -> int:
         """Monotonic time at which ``sim_ns`` is due."""
@@ -186,7 +189,7 @@ class Pacer:
             return 0
         deadline_ns = self.deadline_ns(sim_ns)
         while True:
-            remaining_ns = deadline_ns - time.monotonic_ns()
+            remaining_ns = deadline_ns - self.wall.monotonic_ns()
             if remaining_ns <= 0:
                 return -remaining_ns
-            time.sleep(remaining_ns / 1e9)
+            self.wall.sleep(remaining_ns / 1e9)

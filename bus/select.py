@@ -78,10 +78,11 @@ def arguments_from_config(config: dict[str, Any]) -> list[str]:
     return arguments + (["--bus-kwargs", *extra] if extra else [])
 
 
-def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -> BusChoice:
+def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, vcan: bool | None = None) -> BusChoice:
     """Select the bus for a command.
 
     :param private_hub: socket path at which the caller can start a hub of its own; without it the default hub is used.
+    :param vcan: whether the kernel has vcan0; None: looked at when nothing else names a bus.
     """
     given = config_from_namespace(namespace)
     reason = "given on the command line"
@@ -98,7 +99,7 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None) -
     config = _configured({})
     if config.get("interface"):
         return BusChoice(config, "from python-can's configuration", arguments=arguments_from_config(config))
-    if vcan_available():
+    if vcan_available() if vcan is None else vcan:
         config = {"interface": "socketcan", "channel": _DEFAULT_VCAN}
         return BusChoice(config, "the kernel has vcan0", arguments=arguments_from_config(config))
     reason = "no vcan0 in this kernel: user-space hub"

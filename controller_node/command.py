@@ -6,6 +6,7 @@ import argparse
 import json
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from can.cli import add_bus_arguments
@@ -41,9 +42,9 @@ def arguments() -> argparse.ArgumentParser:
     return parser
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
-    namespace = parse(arguments())
+    namespace = parse(arguments(), words)
     scenario = load(namespace.scenario)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     if namespace.check:

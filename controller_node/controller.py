@@ -74,7 +74,7 @@ class Controller:
 
     :param law: name of a law (entry point group ``railhil.laws``).
     :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
-        another of :func:`~railhil.controller_node.arithmetic.names`.
+        another of :func:`~railhil.controller_node.arithmetic.names`; or a fresh arithmetic itself.
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law; None: its own.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
@@ -85,11 +85,11 @@ class Controller:
         self,
         scenario: Scenario,
         law: str = "ipfc",
-        arithmetic: str = "iq",
+        arithmetic: str | Arithmetic[Any] = "iq",
         indexing: str = "time",
         parameters: ParameterSet | None = None,
     ) -> None:
-        number = make(arithmetic)
+        number = make(arithmetic) if isinstance(arithmetic, str) else arithmetic
         self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing, parameters)
         self._number = number
         self._code: int | None = None
@@ -140,7 +140,7 @@ class Controller:
 class BatchController:
     """Controllers of N trains on the same scenario, stepped together; same law, same results as N controllers.
 
-    Parameters, attributes and errors as :class:`Controller`, plus ``trains``, the number N.
+    Parameters, attributes and errors as :class:`Controller`, plus ``trains``, the number N; the arithmetic by its name.
     """
 
     def __init__(

@@ -89,12 +89,13 @@ def mailboxes() -> tuple[Mailbox, ...]:
 class ControllerNode:
     """Reacts to frames; holds no socket, so it runs in a process or in memory alike.
 
+    :param controller: what computes the notch; None: the law of the options.
     :raises InputError: an option that the chip cannot have.
     """
 
-    def __init__(self, scenario: Scenario, options: ControllerOptions) -> None:
+    def __init__(self, scenario: Scenario, options: ControllerOptions, controller: Controller | None = None) -> None:
         contract = wire_contract()
-        self.controller = Controller(
+        self.controller = controller or Controller(
             scenario, options.controller, options.arithmetic, options.indexing, options.parameters
         )
         self.options = options

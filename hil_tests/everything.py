@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from hil_tests import parts as running
 from hil_tests.parts import Part
@@ -66,20 +66,30 @@ def _install_tools(chosen: Sequence[Part]) -> list[str]:
     return missing
 
 
-def main() -> int:
-    """Run all parts, or those named; 0 when everything that could run passed and nothing that must run was missing."""
+def main(
+    words: Sequence[str] | None = None,
+    suite: Sequence[Part] | None = None,
+    run: Callable[[Sequence[Part]], list[int]] = running.run,
+) -> int:
+    """Run all parts, or those named; 0 when everything that could run passed and nothing that must run was missing.
+
+    Args:
+        words: the command line; None: this process's own.
+        suite: the parts there are; None: those of :func:`parts`.
+        run: runs parts and returns their exit codes.
+    """
     parser = OneLineParser(prog="python -m hil_tests.everything", epilog=None)
-    every = parts()
+    every = parts() if suite is None else list(suite)
     keys = list(dict.fromkeys(part.key for part in every))
     parser.add_argument("part", nargs="*", metavar="PART", help=f"{', '.join(keys)}; default: all")
-    wanted = parser.parse_args().part
+    wanted = parser.parse_args(words).part
     for name in wanted:
         if name not in keys:
             parser.error(f"found {name!r}, allowed: {', '.join(keys)}")
     chosen = [part for part in every if part.key in wanted or not wanted]
     failed: list[str] = []
     missing = _install_tools(chosen)
-    for part, code in zip(chosen, running.run(chosen), strict=True):
+    for part, code in zip(chosen, run(chosen), strict=True):
         if code == _NO_CAPABILITY:
             missing.append(part.name)
         elif code != 0:

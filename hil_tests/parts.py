@@ -34,25 +34,29 @@ class Part:
     beside: bool = False
 
 
-def run(parts: Sequence[Part]) -> list[int]:
+def run(parts: Sequence[Part], *, cores: int | None = None, end_s: float = _END_S) -> list[int]:
     """Run the parts and return their exit codes.
 
     Neighbours that may run beside each other do so where this process may use two cores: each key is a lane in which
     its parts come one after the other. What such a part says is printed whole, in the order of ``parts``, as soon as it
     and all before it have ended. All other parts run alone, and what they say is printed as they say it.
 
+    Args:
+        cores: processors that may be used; None: those of this process.
+        end_s: a part that is told to end is killed after this long.
+
     Raises:
         KeyboardInterrupt, SystemExit: by Ctrl-C or SIGTERM, after every part has been ended the same way; what those
             side by side have said until then is printed.
     """
     codes: list[int] = []
-    for group in _groups(parts):
+    for group in _groups(parts, len(os.sched_getaffinity(0)) if cores is None else cores):
         lanes = {part.key for part in group}
-        codes += _side_by_side(group) if len(lanes) > 1 else [_alone(part) for part in group]
+        codes += _side_by_side(group, end_s) if len(lanes) > 1 else [_alone(part, end_s) for part in group]
     return codes
 
 
-def _groups(parts: Sequence[Part]) -> list[list[Part]]:
+def _groups(parts: Sequence[Part], cores: int) -> list[list[Part]]:
     """The parts in groups of neighbours that may run side by side."""
     groups: list[list[Part]] = []
     for part in parts:
@@ -60,7 +64,7 @@ def _groups(parts: Sequence[Part]) -> list[list[Part]]:
             groups[-1].append(part)
         else:
             groups.append([part])
-    if len(os.sched_getaffinity(0)) < _CORES:
+    if cores < _CORES:
         return [[part] for part in parts]
     return groups
 
@@ -98,7 +102,7 @@ class _Running:
 
 
 @contextmanager
-def _ended_with_us(running: Sequence[_Running]) -> Iterator[None]:
+def _ended_with_us(running: Sequence[_Running], end_s: float) -> Iterator[None]:
     """End all that still run when this process is told to end: by the same signal, and killed if they do not.
 
     ``running`` may grow in the block.
@@ -110,7 +114,7 @@ def _ended_with_us(running: Sequence[_Running]) -> Iterator[None]:
         try:
             for one in running:
                 _signal(one, number)
-            deadline_s = time.monotonic() + _END_S
+            deadline_s = time.monotonic() + end_s
             for one in running:
                 with suppress(subprocess.TimeoutExpired):
                     one.wait(max(0.0, deadline_s - time.monotonic()))
@@ -127,10 +131,10 @@ def _signal(one: _Running, number: int) -> None:
         os.killpg(one.process.pid, number)
 
 
-def _alone(part: Part) -> int:
+def _alone(part: Part, end_s: float) -> int:
     """Run a part that prints for itself."""
     running: list[_Running] = []
-    with _ended_with_us(running):
+    with _ended_with_us(running, end_s):
         print(f"\n=== {part.name} ===", flush=True)
         running.append(_Running(part))
         code = running[0].wait()
@@ -138,7 +142,7 @@ def _alone(part: Part) -> int:
     return code
 
 
-def _side_by_side(parts: Sequence[Part]) -> list[int]:
+def _side_by_side(parts: Sequence[Part], end_s: float) -> list[int]:
     """Run lanes of parts, with the output of each in a file until it is printed."""
     lanes: dict[str, list[Part]] = {}
     for part in parts:
@@ -164,7 +168,7 @@ def _side_by_side(parts: Sequence[Part]) -> list[int]:
                 print(f"{one.first_line()}\n{one.said()}{one.last_line()}", flush=True)
 
         try:
-            with _ended_with_us(running):
+            with _ended_with_us(running, end_s):
                 for lane in lanes.values():
                     start_next(lane)
                 while ends.get_map():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from can.cli import add_bus_arguments
@@ -57,9 +58,9 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
             node.timing.write(timing_file)
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Run one scenario; exit code 0 when it came to its end."""
-    namespace = parse(arguments())
+    namespace = parse(arguments(), words)
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
     scenario = load(namespace.scenario)

@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from railhil.bus.administrator import Administrator
+from railhil.bus.administrator import REPLY_NS, WATCHDOG_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
@@ -20,7 +20,7 @@ from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.plant import Plant, PlantError
-from railhil.plant_sim.supervision import RunEndpoint, SupervisorWatch
+from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
@@ -50,6 +50,12 @@ class PlantOptions:
     fd: bool = False
     #: How long the other nodes may take to appear, on the wall clock.
     appear_s: float = 25.0
+    #: Realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
+    reply_ns: int = REPLY_NS
+    #: Realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it has longer.
+    silence_ns: int = SILENCE_NS
+    #: Lockstep: a node that has not answered for this long on the wall clock is lost.
+    watchdog_ns: int = WATCHDOG_NS
 
 
 class PlantNode:
@@ -82,6 +88,8 @@ class PlantNode:
             self._pacer,
             [port for port in contract.ports if port.source == "plant"],
             fd=options.fd,
+            watchdog_ns=options.watchdog_ns,
+            reply_ns=options.reply_ns,
         )
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
         clock_port = contract.clock_port.name
@@ -99,7 +107,10 @@ class PlantNode:
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
-        self._supervisor = SupervisorWatch(endpoint, schedule.ticks(SupCmd.PORT) * self._tick_ns, options.rate)
+        sup_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
+        self._supervisor = SupervisorWatch(
+            endpoint, sup_period_ns, options.rate, silence_ns=options.silence_ns, watchdog_ns=options.watchdog_ns
+        )
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
         self._ended: Event | None = None

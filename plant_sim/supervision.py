@@ -8,6 +8,8 @@ from typing import Protocol
 from railhil.bus.administrator import WATCHDOG_NS
 from railhil.bus.link import Endpoint
 
+#: Realtime: wall time without an answer after which it counts as lost.
+SILENCE_NS = 2_000_000_000
 #: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
 _PERIODS = 2.5
 
@@ -25,11 +27,21 @@ class SupervisorWatch:
 
     :param period_ns: simulation time between two polls of the supervisor.
     :param rate: simulated seconds per wall second, 0 in lockstep.
+    :param silence_ns: realtime: wall time that it may be silent at least.
+    :param watchdog_ns: lockstep: that of the bus administrator.
     """
 
-    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float) -> None:
+    def __init__(
+        self,
+        endpoint: RunEndpoint,
+        period_ns: int,
+        rate: float,
+        *,
+        silence_ns: int = SILENCE_NS,
+        watchdog_ns: int = WATCHDOG_NS,
+    ) -> None:
         self._endpoint = endpoint
-        self.limit_ns = max(WATCHDOG_NS, round(_PERIODS * period_ns / rate)) if rate else WATCHDOG_NS
+        self.limit_ns = max(silence_ns, round(_PERIODS * period_ns / rate)) if rate else watchdog_ns
         self._heard_ns = time.monotonic_ns()
         self._was_down = False
 

@@ -79,9 +79,11 @@ def local_run(
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
     task_period_ms: int = 0,
+    law: Controller | None = None,
 ) -> BenchRun:
     """One run through codec and stores.
 
+    :param law: what computes the notch in the place of the law that the other options name.
     :param task_period_ms: as the controller's option.
     :param drawn: draw the scenario's perturbations with the seed.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
@@ -98,7 +100,7 @@ def local_run(
         fd=fd,
     )
     options = ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms, parameters=parameters)
-    node = ControllerNode(scenario, options)
+    node = ControllerNode(scenario, options, law)
 
     def to_controller(frame: Frame) -> list[Frame]:
         frames = [frame] if wire is None else wire(frame)

@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable
 
 from railhil.bus.frame import Frame
+from railhil.bus.wallclock import WallClock
 
 #: Most frames that wait for one bus.
 LIMIT_FRAMES = 4096
@@ -20,8 +21,9 @@ class Backlog:
     :param lossless: frames wait as long as it takes; else none older than :data:`STALE_NS` is given out.
     """
 
-    def __init__(self, lossless: bool) -> None:
+    def __init__(self, lossless: bool, wall: WallClock = time) -> None:
         self._lossless = lossless
+        self._wall = wall
         self._waiting: deque[tuple[int, list[Frame]]] = deque()
         self.frames = 0
 
@@ -30,7 +32,7 @@ class Backlog:
 
     def add(self, frames: list[Frame]) -> int:
         """Put frames at the end; returns how many had to make room for them."""
-        self._waiting.append((time.monotonic_ns(), frames))
+        self._waiting.append((self._wall.monotonic_ns(), frames))
         self.frames += len(frames)
         dropped = 0
         while self.frames > LIMIT_FRAMES:
@@ -39,7 +41,7 @@ class Backlog:
 
     def drop_stale(self) -> int:
         """Forget what is too old; returns how many frames."""
-        oldest_ns = time.monotonic_ns() - STALE_NS
+        oldest_ns = self._wall.monotonic_ns() - STALE_NS
         dropped = 0
         while not self._lossless and self._waiting and self._waiting[0][0] < oldest_ns:
             dropped += self._drop_first()

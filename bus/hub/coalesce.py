@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 
 from railhil.bus.hub.wire import CLASSIC_SIZE, MAX_PACKET_SIZE
+from railhil.bus.wallclock import WallClock
 
 #: Longest time that a packet is held back.
 HOLD_S = 0.02
@@ -23,9 +24,10 @@ class Coalescer:
     :param wake_on: packed classic frames (16 bytes); a packet that ends with one is handed over at once.
     """
 
-    def __init__(self, limit_frames: int, wake_on: frozenset[bytes]) -> None:
+    def __init__(self, limit_frames: int, wake_on: frozenset[bytes], wall: WallClock = time) -> None:
         self._limit_bytes = min(limit_frames * CLASSIC_SIZE, MAX_PACKET_SIZE)
         self._wake_on = wake_on
+        self._wall = wall
         self._held = bytearray()
         self._since_s = 0.0
 
@@ -38,7 +40,7 @@ class Coalescer:
         ready: list[bytes] = []
         if len(held) + len(packet) > MAX_PACKET_SIZE:
             ready = self.flush()
-        now_s = time.monotonic()
+        now_s = self._wall.monotonic()
         if not held:
             self._since_s = now_s
         held += packet

@@ -14,5 +14,6 @@ any other     :mod:`railhil.bus.link.single` is waited for and opened again
 
 from railhil.bus.link.base import Endpoint, Link
 from railhil.bus.link.opening import open_link
+from railhil.bus.link.outage import Timeouts
 
-__all__ = ["Endpoint", "Link", "open_link"]
+__all__ = ["Endpoint", "Link", "Timeouts", "open_link"]

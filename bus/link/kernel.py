@@ -18,6 +18,7 @@ import can
 
 from railhil.bus.frame import Frame
 from railhil.bus.hub.wire import FD_SIZE, pack_frame, unpack_frames
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 
 _SO_RXQ_OVFL = 40
@@ -46,9 +47,14 @@ class KernelLink(SingleLink):
     """
 
     def __init__(
-        self, bus: can.BusABC, reopen: Callable[[], can.BusABC] | None = None, say: Callable[[str], None] | None = None
+        self,
+        bus: can.BusABC,
+        reopen: Callable[[], can.BusABC] | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        timeouts: Timeouts = TIMEOUTS,
     ) -> None:
-        super().__init__(bus, reopen, say)
+        super().__init__(bus, reopen, say, timeouts=timeouts)
         self._lost_before = 0
         self._failure: OSError | None = None
         self._use_socket()

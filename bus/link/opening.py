@@ -10,12 +10,14 @@ import can
 
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.link.base import Link
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
 
 
-def open_link(config: dict[str, Any], name: str = "bus") -> Link:
+def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts = TIMEOUTS) -> Link:
     """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
 
     :param name: the node, which begins each line about an outage on standard error.
+    :param timeouts: how long an interface that is down is waited for; the hub is not: it ends the run.
     :raises BusUnavailable: one line that names interface and channel.
     """
 
@@ -37,17 +39,17 @@ def open_link(config: dict[str, Any], name: str = "bus") -> Link:
         if type(bus).__name__ == "SocketcanBus":
             from railhil.bus.link.kernel import KernelLink
 
-            return KernelLink(bus, reopen, say)
+            return KernelLink(bus, reopen, say, timeouts=timeouts)
         has_port = isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int)
         if has_port and type(bus).__name__ == "slcanBus":
             # A port of this machine; one behind socket:// or on Windows goes python-can's way. So does an adapter of
             # another protocol: robotell keeps its port under the same name.
             from railhil.bus.link.slcan import SlcanLink
 
-            return SlcanLink(bus, reopen, say)
+            return SlcanLink(bus, reopen, say, timeouts=timeouts)
         from railhil.bus.link.single import SingleLink
 
-        return SingleLink(bus, reopen, say)
+        return SingleLink(bus, reopen, say, timeouts=timeouts)
     except Exception as error:
         # An interface without its driver library raises anything (kvaser: NameError).
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"

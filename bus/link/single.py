@@ -16,10 +16,10 @@ import can
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.link.base import FAILURES, Link
 from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
-from railhil.bus.link.outage import GIVE_UP_S, Outage
+from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
+from railhil.bus.wallclock import WallClock
 
-#: A full transmit queue (ENOBUFS) is retried for so long, this far apart; python-can raises it at once.
-SEND_RETRY_MAX_S = 0.02
+#: A full transmit queue (ENOBUFS) is tried again this far apart; python-can raises it at once.
 _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.005
@@ -30,17 +30,26 @@ class SingleLink(Link):
     """:class:`~railhil.bus.link.base.Link` on an interface that takes and gives single frames.
 
     :param reopen: opens the interface again after a failure; None: a failure is final.
+    :param wall: the clock to wait on; links that wait in the kernel have the machine's own.
     """
 
     def __init__(
-        self, bus: can.BusABC, reopen: Callable[[], can.BusABC] | None = None, say: Callable[[str], None] | None = None
+        self,
+        bus: can.BusABC,
+        reopen: Callable[[], can.BusABC] | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        timeouts: Timeouts = TIMEOUTS,
+        wall: WallClock = time,
     ) -> None:
         super().__init__(bus, say)
         self._reopen = reopen
+        self._timeouts = timeouts
+        self._wall = wall
         self._outage: Outage | None = None
         # Frames that came while a send waited for the bus.
         self._stash: list[Frame] = []
-        self._heard_ns = time.monotonic_ns()
+        self._heard_ns = self._wall.monotonic_ns()
         self._was_out = False
         self._gap_ns = 0
 
@@ -63,7 +72,9 @@ class SingleLink(Link):
 
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`."""
-        give_up_s = time.monotonic() + (GIVE_UP_S if self.lossless else SEND_RETRY_MAX_S)
+        give_up_s = self._wall.monotonic() + (
+            self._timeouts.give_up_s if self.lossless else self._timeouts.queue_full_s
+        )
         for frame in frames:
             self._send_one(frame, give_up_s)
 
@@ -94,12 +105,12 @@ class SingleLink(Link):
                     self._went_down(error, "send")
                     continue
                 self.counters["send_retries"] += 1
-                if time.monotonic() >= give_up_s:
+                if self._wall.monotonic() >= give_up_s:
                     if self.lossless:
-                        raise self._lost(f"transmit queue full for {GIVE_UP_S:g} s") from error
+                        raise self._lost(f"transmit queue full for {self._timeouts.give_up_s:g} s") from error
                     break
                 self.while_waiting()
-                time.sleep(_SEND_RETRY_S)
+                self._wall.sleep(_SEND_RETRY_S)
             else:
                 self.counters["sent"] += 1
                 return
@@ -151,7 +162,7 @@ class SingleLink(Link):
 
     def _note_heard(self) -> None:
         """Frames of other nodes have come; the first after an outage say how long there were none."""
-        now_ns = time.monotonic_ns()
+        now_ns = self._wall.monotonic_ns()
         if self._was_out:
             self._was_out = False
             self._gap_ns += now_ns - self._heard_ns
@@ -181,7 +192,7 @@ class SingleLink(Link):
             if frame.can_id & BUS_OFF:
                 self.counters["bus_off"] += 1
                 if self._outage is None:
-                    self._go_out(Outage("bus-off: too many errors on the wire; waiting for its restart", bus_off=True))
+                    self._go_out("bus-off: too many errors on the wire; waiting for its restart", bus_off=True)
             elif frame.can_id & RESTARTED:
                 if self._outage is not None:
                     self._came_back()
@@ -199,15 +210,15 @@ class SingleLink(Link):
         if self._reopen is None:
             raise self._lost(f"cannot {action}: {text}") from error
         if self._outage is None:
-            self._go_out(Outage(text))
+            self._go_out(text)
         else:
             # Bus-off, and now the interface itself.
             self._outage.bus_off = False
 
-    def _go_out(self, outage: Outage) -> None:
+    def _go_out(self, reason: str, *, bus_off: bool = False) -> None:
         self.counters["outages"] += 1
-        self._outage = outage
-        self._say(f"{self.where} is down ({outage.reason}); nothing is sent, waiting up to {GIVE_UP_S:g} s")
+        self._outage = Outage(reason, bus_off=bus_off, timeouts=self._timeouts, wall=self._wall)
+        self._say(f"{self.where} is down ({reason}); nothing is sent, waiting up to {self._timeouts.give_up_s:g} s")
 
     def _came_back(self) -> None:
         assert self._outage is not None
@@ -223,16 +234,16 @@ class SingleLink(Link):
         outage = self._outage
         assert outage is not None
         if outage.hopeless:
-            raise self._lost(f"{outage.reason}; not back within {GIVE_UP_S:g} s")
+            raise self._lost(f"{outage.reason}; not back within {self._timeouts.give_up_s:g} s")
         wait_s = outage.until_look_s()
         if outage.bus_off:
             frames = self._heard(max(wait_s, 0.01))
             outage.looked()
             return frames
         if timeout_s is not None and timeout_s < wait_s:
-            time.sleep(timeout_s)
+            self._wall.sleep(timeout_s)
             return []
-        time.sleep(wait_s)
+        self._wall.sleep(wait_s)
         if self._try_again():
             self._came_back()
         else:

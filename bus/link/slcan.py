@@ -24,7 +24,7 @@ from typing import Any
 import can
 
 from railhil.bus.frame import Frame
-from railhil.bus.link.outage import Outage
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
@@ -38,8 +38,6 @@ _GOODBYE_S = 0.5
 _SAY_S = 0.2
 _CHUNK_BYTES = 4096
 _UNANSWERED_MAX = 64
-#: So long after the port was opened, answers may be those to the commands that opened the channel.
-_OPENING_S = 1.0
 #: Stands among the unanswered frames for a question about the adapter's state.
 _QUESTION_NS = 0
 #: After this long without a byte from it the adapter is asked for its state.
@@ -67,9 +65,14 @@ class SlcanLink(SingleLink):
     """
 
     def __init__(
-        self, bus: can.BusABC, reopen: Callable[[], can.BusABC] | None = None, say: Callable[[str], None] | None = None
+        self,
+        bus: can.BusABC,
+        reopen: Callable[[], can.BusABC] | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        timeouts: Timeouts = TIMEOUTS,
     ) -> None:
-        super().__init__(bus, reopen, say)
+        super().__init__(bus, reopen, say, timeouts=timeouts)
         self._use_port()
 
     @property
@@ -273,7 +276,7 @@ class SlcanLink(SingleLink):
             return
         self._answers = True
         self.counters["adapter_refused"] += refused
-        if refused and self.lossless and time.monotonic() > self._opened_s + _OPENING_S:
+        if refused and self.lossless and time.monotonic() > self._opened_s + self._timeouts.opening_s:
             raise self._lost("the adapter has refused a frame (transmit queue full, or bus-off), lockstep cannot go on")
         if self._asked:
             self._goes_on()
@@ -296,7 +299,7 @@ class SlcanLink(SingleLink):
         if flags & _BUS_ERROR and self._outage is None:
             self.counters["bus_off"] += 1
             reason = f"the adapter reports bus errors, status {flags:02X}: bus-off, wrong bit rate or no second node"
-            self._go_out(Outage(reason, bus_off=True))
+            self._go_out(reason, bus_off=True)
         elif not flags & _BUS_ERROR and self._outage is not None and self._outage.bus_off:
             self._came_back()
 

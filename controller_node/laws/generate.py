@@ -23,7 +23,7 @@ TABLES: tuple[LawTable[Any], ...] = (
 )
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, tables: Sequence[LawTable[Any]] = TABLES) -> int:
     """Write or check every table; says which constants their formats hold coarsely."""
     parser = argparse.ArgumentParser(
         prog="python -m railhil.controller_node.laws.generate", description="Constant tables."
@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--check", action="store_true", help="write nothing, exit code 1 when a table is out of date")
     check = parser.parse_args(arguments).check
     stale = 0
-    for table in TABLES:
+    for table in tables:
         text = table.text()
         if not check:
             table.path.parent.mkdir(exist_ok=True)

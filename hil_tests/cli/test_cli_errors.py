@@ -11,7 +11,6 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import can
 import pytest
 
 from hil_tests.support.cli import Done, Started, railhil, wait_for
@@ -30,7 +29,6 @@ from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.dbc import wire_contract
 from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
 from railhil.scenarios.load import load
-from railhil.supervisor import recorder_link as join
 from railhil.supervisor.folder import run_folder
 from railhil.supervisor.framelog import log_line, sha256_of
 from railhil.supervisor.options import RunOptions
@@ -48,9 +46,8 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
     handler = signal.getsignal(signal.SIGTERM)
 
     def call(*arguments: str | Path) -> Done:
-        monkeypatch.setattr(sys, "argv", ["railhil", *map(str, arguments)])
         try:
-            code = cli.main()
+            code = cli.main([str(word) for word in arguments])
         except SystemExit as end:
             code = int(end.code or 0)
         said = capsys.readouterr()
@@ -206,20 +203,15 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
     assert [path.name for path in tmp_path.rglob("*")] == ["mine"]
 
 
-def test_interface_without_its_driver(monkeypatch, tmp_path):
+def test_interface_without_its_driver(tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
-
-    def broken(**_config: object) -> None:
-        raise NameError("name 'canGetNumberOfChannels' is not defined")
-
-    monkeypatch.setattr(can, "Bus", broken)
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
     run = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path)
-    with pytest.raises(BusUnavailable, match="bus kvaser:0 cannot be opened: name 'canGet"):
+    with pytest.raises(BusUnavailable, match=r"^bus kvaser:0 cannot be opened: ."):
         run.execute()
 
 
-def test_attach_with_nobody_there(monkeypatch, tmp_path):
+def test_attach_with_nobody_there(tmp_path):
     """Frames of somebody else on the bus do not keep the wait going."""
 
     class Chatter:
@@ -230,10 +222,10 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
         def receive(self, timeout_s: float) -> list[Frame]:
             return [Frame(0x7FF, b"\0")]
 
-    monkeypatch.setattr(join, "open_link", lambda _config, _name: Chatter())
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
     options = RunOptions("lvshun_tieshan", attach=True, appear_s=0.3)
-    result = Run(load("lvshun_tieshan"), options, choice, tmp_path).execute()
+    run = Run(load("lvshun_tieshan"), options, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
+    result = run.execute()
     assert (result.exit_code, result.frames) == (3, 0)
     assert result.line == "no plant on socketcan:can0 within 0.3 s"
 
@@ -288,7 +280,7 @@ def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
 
 def test_a_program_that_the_installation_lacks(monkeypatch):
     """The container image leaves the tests out, and the audit with them."""
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "railhil.audit", None)
     with pytest.raises(InputError, match=r"^railhil: command: found 'railhil.audit', allowed a program of this inst"):
         outside.become_program(["audit", "lvshun_tieshan"])
 

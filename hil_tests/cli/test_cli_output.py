@@ -9,6 +9,7 @@ import shlex
 import signal
 import subprocess
 import xml.etree.ElementTree as ET
+from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -140,18 +141,17 @@ def test_full_output_is_one_line():
     assert done.stderr == "railhil: OSError: [Errno 28] No space left on device\n"
 
 
-def printed(monkeypatch, arguments: list[str]) -> str:
+def printed(arguments: list[str]) -> str:
     """Standard output of a command in this process."""
-    text = io.StringIO()
-    monkeypatch.setattr("sys.stdout", text)
-    namespace = parser().parse_args(arguments)
-    assert namespace.work(namespace) == 0
+    with redirect_stdout(io.StringIO()) as text:
+        namespace = parser().parse_args(arguments)
+        assert namespace.work(namespace) == 0
     return text.getvalue()
 
 
 @pytest.mark.parametrize("arguments", [["ports"], ["ports", "trn_speed"], ["scenarios"], ["doctor", "--quick"]])
-def test_json_output_is_json_and_ascii(monkeypatch, arguments):
-    text = printed(monkeypatch, [*arguments, "--json"])
+def test_json_output_is_json_and_ascii(arguments):
+    text = printed([*arguments, "--json"])
     assert text.isascii()
     assert json.loads(text)
 
@@ -166,12 +166,11 @@ def test_timing_that_python_can_prints_does_not_spoil_json():
 @pytest.mark.parametrize("columns", [60, 80, 200])
 def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     monkeypatch.setenv("COLUMNS", str(columns))
-    text = io.StringIO()
-    monkeypatch.setattr("sys.stdout", text)
     label = "ipfc float64 (measured)" if columns > 60 else "from the log"
     other = replace(_SCORE, energy_kj=107442.0)
     long = "ipfc_plus+1a2b3c4d tuned (on this seed) (measured)"
-    print_scores(Output(), lvshun, [(label, _SCORE), (long, other)])
+    with redirect_stdout(io.StringIO()) as text:
+        print_scores(Output(), lvshun, [(label, _SCORE), (long, other)])
     lines = text.getvalue().splitlines()
     table = lines[1:]
     assert max(map(len, table)) <= columns
@@ -190,8 +189,8 @@ def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
 @pytest.mark.parametrize("columns", [60, 80, 120])
 def test_names_are_never_cut(monkeypatch, columns):
     monkeypatch.setenv("COLUMNS", str(columns))
-    ports = printed(monkeypatch, ["ports"])
-    scenarios = printed(monkeypatch, ["scenarios"])
+    ports = printed(["ports"])
+    scenarios = printed(["scenarios"])
     assert "…" not in ports + scenarios
     for name in ("TIME_SYNC", "NOTCH_CMD", "SIM_TRUTH", "supervisor"):
         assert name in ports
@@ -211,21 +210,19 @@ def test_no_colour_where_none_is_wanted(monkeypatch):
     ):
         for key, value in environment.items():
             monkeypatch.setenv(key, value)
-        text = io.StringIO()
-        monkeypatch.setattr("sys.stdout", text)
-        print_verdict(Output(), "FAIL", "late")
+        with redirect_stdout(io.StringIO()) as text:
+            print_verdict(Output(), "FAIL", "late")
         assert ("\x1b[1;31m" in text.getvalue()) is coloured
         assert "FAIL: late" in text.getvalue()
 
 
-def test_text_of_users_is_printed_as_it_is(monkeypatch, lvshun):
+def test_text_of_users_is_printed_as_it_is(lvshun):
     """Brackets and colons are markup and emoji for rich; an unknown closing tag would even raise."""
-    text = io.StringIO()
-    monkeypatch.setattr("sys.stdout", text)
     odd = "[/x] [bold]a[/] :train:"
     row = replace(lvshun.published[0], controller=odd)
-    print_scores(Output(), replace(lvshun, title=odd, published=(row,)), [(odd, _SCORE)])
-    print_verdict(Output(), "FAIL", odd)
+    with redirect_stdout(io.StringIO()) as text:
+        print_scores(Output(), replace(lvshun, title=odd, published=(row,)), [(odd, _SCORE)])
+        print_verdict(Output(), "FAIL", odd)
     assert text.getvalue().count(odd) == 4
 
 

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -22,10 +23,8 @@ def part(key: str, name: str, script: str, *, beside: bool = True) -> Part:
     return Part(key, name, ["sh", "-c", script], beside=beside)
 
 
-@pytest.fixture(autouse=True)
-def enough_cores(monkeypatch):
-    """Any machine that runs these tests."""
-    monkeypatch.setattr(parts, "_CORES", 1)
+#: Any machine that runs these tests has enough cores.
+run = partial(parts.run, cores=2)
 
 
 @pytest.fixture
@@ -51,7 +50,7 @@ def test_parts_of_different_keys_run_at_the_same_time_and_are_printed_whole_in_o
     second = f"echo c; {meet(other, one)} echo d"
     third = f"echo e; touch {tmp_path}/third"
     suite = [part("x", "first", first), part("y", "second", second), part("y", "third", third)]
-    assert parts.run(suite) == [3, 0, 0]
+    assert run(suite) == [3, 0, 0]
     assert printed() == [
         "=== side by side, each printed at its end: first; second, then third ===",
         "=== first ===", "a", "b", "=== first: exit code 3",
@@ -62,33 +61,29 @@ def test_parts_of_different_keys_run_at_the_same_time_and_are_printed_whole_in_o
 
 def test_parts_of_one_key_never_run_side_by_side(tmp_path, printed):
     held = f"mkdir {tmp_path}/held && sleep 0.2 && rmdir {tmp_path}/held"
-    assert parts.run([part("x", "a", "true"), part("y", "b", held), part("y", "c", held)]) == [0, 0, 0]
+    assert run([part("x", "a", "true"), part("y", "b", held), part("y", "c", held)]) == [0, 0, 0]
     # One key alone prints as it goes.
-    assert parts.run([part("y", "b", held), part("y", "c", held)]) == [0, 0]
+    assert run([part("y", "b", held), part("y", "c", held)]) == [0, 0]
     assert printed()[-4:] == ["=== b ===", "=== b: exit code 0", "=== c ===", "=== c: exit code 0"]
 
 
 @pytest.mark.parametrize("cores", [1, 2])
-def test_only_neighbours_that_may_and_only_where_there_are_two_cores(cores, monkeypatch):
-    monkeypatch.setattr(parts, "_CORES", 2)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(cores)))
+def test_only_neighbours_that_may_and_only_where_there_are_two_cores(cores):
     suite = [part("x", "a", "", beside=False), part("x", "b", "", beside=False), part("y", "c", ""), part("z", "d", "")]
-    names = [[one.name for one in group] for group in parts._groups(suite)]
+    names = [[one.name for one in group] for group in parts._groups(suite, cores)]
     assert names == ([["a"], ["b"], ["c", "d"]] if cores == 2 else [["a"], ["b"], ["c"], ["d"]])
 
 
-def ended_by(number: int, suite: Sequence[Part], started: Sequence[Path], output: Path) -> int:
+def ended_by(number: int, suite: Sequence[Part], started: Sequence[Path], output: Path, end_s: float = 60.0) -> int:
     """Exit code of the suite in a process that gets a signal when all those files are there."""
 
     def process() -> None:
         with output.open("w") as said:
             os.dup2(said.fileno(), 1)
             sys.stdout = said
-            sys.argv = ["everything"]
-            everything.parts = lambda: list(suite)
             code = 1
             try:
-                code = guarded("everything", everything.main)
+                code = guarded("everything", lambda: everything.main([], suite, partial(run, end_s=end_s)))
             except SystemExit as error:
                 code = int(error.code or 0)
         os._exit(code)
@@ -124,21 +119,19 @@ def test_signal_ends_all_with_what_they_have_started_and_prints_what_they_have_s
     assert [Path(f"/proc/{file.read_text().strip()}").exists() for file in files] == [False, False]
 
 
-def test_part_that_does_not_end_is_killed(tmp_path, monkeypatch):
-    monkeypatch.setattr(parts, "_END_S", 0.2)
+def test_part_that_does_not_end_is_killed(tmp_path):
     stubborn = f"trap '' TERM; touch {tmp_path}/a; while :; do sleep 0.05; done"
     suite = [part("a", "a", stubborn), part("b", "b", f"touch {tmp_path}/b; exec sleep 600")]
-    assert ended_by(signal.SIGTERM, suite, [tmp_path / "a", tmp_path / "b"], tmp_path / "out") == 128 + signal.SIGTERM
+    code = ended_by(signal.SIGTERM, suite, [tmp_path / "a", tmp_path / "b"], tmp_path / "out", end_s=0.2)
+    assert code == 128 + signal.SIGTERM
     assert "=== a: exit code -9 after" in (tmp_path / "out").read_text()
 
 
 @pytest.mark.parametrize(("demanded", "code"), [("", 0), ("1", 1)])
 def test_missing_capability_fails_only_where_all_are_demanded(monkeypatch, printed, demanded, code):
     monkeypatch.setenv("RAILHIL_REQUIRE_ALL", demanded)
-    monkeypatch.setattr(sys, "argv", ["everything"])
     suite = [part("a", "a", "exit 77"), part("b", "b", "true")]
-    monkeypatch.setattr(everything, "parts", lambda: suite)
-    assert everything.main() == code
+    assert everything.main([], suite) == code
     assert printed()[-2:] == [
         "MISSING CAPABILITY: a: its tests did NOT run on this machine",
         "1 passed, 0 failed, 1 skipped",
@@ -146,7 +139,7 @@ def test_missing_capability_fails_only_where_all_are_demanded(monkeypatch, print
 
 
 def test_machines_and_engines_of_the_suite_are_two_lanes_at_its_end():
-    groups = parts._groups(everything.parts())
+    groups = parts._groups(everything.parts(), 2)
     assert [[one.key for one in group] for group in groups] == [
         ["anywhere"],
         ["anywhere"],

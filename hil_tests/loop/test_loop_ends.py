@@ -7,12 +7,11 @@ import dataclasses
 import numpy as np
 import pytest
 
-from railhil.bus import administrator as administrator_module
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth, SupCmd, SupCommand
+from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.node import PlantNode, PlantOptions
@@ -32,41 +31,32 @@ def session(lvshun):
     )
 
 
-def plant_with(lvshun, session, controller) -> PlantNode:
-    return PlantNode(lvshun, PlantOptions(), LocalBus([controller, session.handle]))
+def plant_with(lvshun, session, controller, **options) -> PlantNode:
+    return PlantNode(lvshun, PlantOptions(**options), LocalBus([controller, session.handle]))
 
 
-def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session, monkeypatch):
+def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session):
     """It passes the handshake and then is silent: the train never moves, so no stop is to be waited for."""
-    monkeypatch.setattr(administrator_module, "WATCHDOG_NS", 1)
     node = ControllerNode(lvshun, ControllerOptions())
 
     def half_finished(frame: Frame) -> list[Frame]:
         return [] if frame in (NOTCH_POLL, STATUS_POLL) else node.handle(frame)
 
-    plant = plant_with(lvshun, session, half_finished)
-    plant.administrator._watchdog_ns = 1_000_000
+    plant = plant_with(lvshun, session, half_finished, watchdog_ns=1_000_000)
     with pytest.raises(PeerSilent, match="controller"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST
     assert plant.plant.tick < 10
 
 
-def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controller(lvshun, session):
+def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controller(lvshun):
+    def changes_its_mind(sim_time_s: float) -> None:
+        if sim_time_s > 0.3:
+            session.disagreements.append("the supervisor has changed its mind")
+
+    given = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "on_progress": changes_its_mind}
+    session = Session(lvshun, lambda line: None, seed=0, perturbed=False, **given)
     node = ControllerNode(lvshun, ControllerOptions())
-    orders = {"polls": 0}
-    command = session._command
-
-    def stopping() -> SupCmd:
-        orders["polls"] += 1
-        answer = command()
-        if orders["polls"] > 3:
-            answer.command = SupCommand.STOP
-        return answer
-
-    word = SupCmd.port().f_code << 12 | SupCmd.port().address
-    source, _ = session._responder._answers[word]
-    session._responder._answers[word] = (source, stopping)
     assert plant_with(lvshun, session, node.handle).run() is Event.ENDED_BY_SUPERVISOR
     assert session.ended is Event.ENDED_BY_SUPERVISOR
     assert node.ended is Event.ENDED_BY_SUPERVISOR
@@ -90,8 +80,8 @@ def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s
             asked.append(plant.plant.tick)
         return node.handle(frame)
 
-    plant = PlantNode(scenario, PlantOptions(rate=rate), LocalBus([listening, session.handle]))
-    plant.administrator._reply_ns = 10**10
+    options = PlantOptions(rate=rate, reply_ns=10**10)
+    plant = PlantNode(scenario, options, LocalBus([listening, session.handle]))
     assert plant.run() is session.ended is Event.ENDED_NOT_STOPPED
     assert asked == ticks
     last_event = max(i for i, frame in enumerate(heard) if frame.can_id == RunEvent.port().can_ids[0])
@@ -127,8 +117,7 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
     def dying(frame: Frame) -> list[Frame]:
         return [] if frame == STATUS_POLL and plant.plant.tick == 17 else node.handle(frame)
 
-    plant = plant_with(scenario, session, dying)
-    plant.administrator._watchdog_ns = 1_000_000
+    plant = plant_with(scenario, session, dying, watchdog_ns=1_000_000)
     with pytest.raises(PeerSilent, match=r"controller \(CTL_STAT\)"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-import railhil.controller_node.controller
-import railhil.controller_node.loop
 from hil_tests.support.cli import Started, railhil, wait_for
+from hil_tests.support.plug import plug_in
 from railhil.bench import BenchRun, local_run
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
 from railhil.common.exit_codes import FAIL
 from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.node import ControllerNode, ControllerOptions
@@ -38,11 +38,15 @@ _WRAPS_ABOVE_KMH = math.sqrt(8)
 
 
 class Squared(Ipfc[Any]):
-    """The law with one quantity more, in a format that is too small: the square of the speed in Q28."""
+    """The law with one quantity more, in a format that is too small: the square of the speed in Q28.
+
+    Its record shows the square of zero, else it would not start.
+    """
 
     def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
         answer = super().step(state, inputs)
-        self._ar.note("squared", self._ar.mpy(inputs.speed, inputs.speed, 2 * SPEED_Q - 28), 28, "km2/h2")
+        speed = self._ar.const(Constant("zero", 0.0, SPEED_Q)) if isinstance(self._ar, Tracer) else inputs.speed
+        self._ar.note("squared", self._ar.mpy(speed, speed, 2 * SPEED_Q - 28), 28, "km2/h2")
         return answer
 
 
@@ -50,10 +54,9 @@ class Squared(Ipfc[Any]):
 def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """A run of :class:`Squared`."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(railhil.controller_node.loop, "load", lambda name: Squared)
-        # Else it would not start.
-        patch.setattr(railhil.controller_node.controller, "refuse_wraps", lambda *given: None)
-        return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
+        folder = tmp_path_factory.mktemp("wrapped")
+        plug_in(folder, patch, squared=Squared)
+        return local_run(lvshun, folder, seed=1, controller="squared")
 
 
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
@@ -112,9 +115,9 @@ def test_a_wrap_in_the_last_step_fails_the_run(
     lvshun: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Control periods begin in ticks 0 and 50, CTL_STAT is due in tick 48, and the run ends in tick 53."""
-    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Late)
+    plug_in(tmp_path, monkeypatch, late=Late)
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.52, overtime_max_s=0.0)
-    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path)
+    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path, controller="late")
     assert run.telemetry["steps"] == 2
     assert run.trace.times_s(CtlStat.PORT).tolist() == [0.0, 0.16, 0.32, 0.48, 0.53]
     assert "fixed-point wrap in the controller, reported at 0.53 s" in run.score.failures

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import signal
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,16 +15,17 @@ from railhil.common.exit_codes import guarded
 Campaign = Callable[..., Done]
 
 
-def campaign_here(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Campaign:
+def campaign_here(capsys: pytest.CaptureFixture[str]) -> Campaign:
     """The command; its arguments are those of the command line."""
-    monkeypatch.setattr("signal.signal", lambda *given: None)
 
     def call(*arguments: str | Path) -> Done:
-        monkeypatch.setattr(sys, "argv", ["campaign", *map(str, arguments)])
+        handler = signal.getsignal(signal.SIGTERM)
         try:
-            code = guarded("railhil campaign", command.main)
+            code = guarded("railhil campaign", lambda: command.main([str(word) for word in arguments]))
         except SystemExit as end:
             code = int(end.code or 0)
+        finally:
+            signal.signal(signal.SIGTERM, handler)
         said = capsys.readouterr()
         return Done(code, said.out, said.err)
 

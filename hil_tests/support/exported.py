@@ -20,7 +20,6 @@ from railhil.controller_node.laws.base import SATISFACTION_Q, SOFTENING_Q, Balis
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.record import leaves
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
 
 #: As the issue asks for them, with each compiler.
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")
@@ -126,15 +125,10 @@ class CompiledController(Controller):
     The Python controller is made for what is not computed (cost and names of telemetry) and never stepped.
     """
 
-    folder: Path
-    bundle: Bundle
-
-    def __init__(
-        self, scenario: Scenario, law: str, arithmetic: str, indexing: str, parameters: ParameterSet | None
-    ) -> None:
-        super().__init__(scenario, law, arithmetic, indexing, parameters)
-        self.library = ctypes.CDLL(str(self.folder / f"lib{law}.so"))
-        structures = _structures(self.bundle)
+    def __init__(self, scenario: Scenario, folder: Path, bundle: Bundle, indexing: str) -> None:
+        super().__init__(scenario, "ipfc", "iq", indexing)
+        self.library = ctypes.CDLL(str(folder / "libipfc.so"))
+        structures = _structures(bundle)
         self._in, self._state, self._out, self._events = (
             structures[group]() for group in ("in", "state", "out", "events")
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -69,10 +69,10 @@ def _complaining(path: Path) -> Iterator[None]:
         raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Audit and print; exit code 1 when a bar is missed."""
     accept_any_text()
-    namespace = parse(arguments())
+    namespace = parse(arguments(), words)
     scenario = load(namespace.scenario)
     file = None if namespace.json is None else Path(namespace.json)
     if file is not None:

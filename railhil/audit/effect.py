@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from statistics import median
 
-from railhil.batch.perturbed_runs import SCORES, outcomes
+from railhil.batch.perturbed_runs import SCORES, Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.score import Score
@@ -71,4 +71,9 @@ def effect(scenario: Scenario, runs: int, *, controller: str, arithmetic: str, i
         outcomes(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
         for name in (arithmetic, "float64")
     )
+    return compared(audited, reference)
+
+
+def compared(audited: Outcomes, reference: Outcomes) -> Effect:
+    """Compare the scores of the same draws."""
     return Effect([_effect(name, audited.scores, reference.scores) for name in SCORES], audited.arithmetic)

@@ -28,10 +28,11 @@ CHUNK = 2048
 _SEED_MAX = 2**32 - 1
 
 
-def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False) -> BatchResult:
-    """Run a case with each seed, any number of them, in chunks of :data:`CHUNK`.
+def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, chunk: int = CHUNK) -> BatchResult:
+    """Run a case with each seed, any number of them.
 
     :param keep_notches: keep the notch codes of each run.
+    :param chunk: runs that go on together; the results do not depend on it.
     :raises scenarios.errors.InputError: numba is missing, or law, arithmetic, indexing or parameters do not fit.
     :raises ValueError: a seed outside 32 bit.
     :raises plant_sim.plant.PlantError: the simulation failed.
@@ -42,7 +43,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False) -
     if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
         raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
     engine = Engine(case)
-    chunks = [engine.run(seeds[i : i + CHUNK]) for i in range(0, len(seeds), CHUNK)]
+    chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
     return _result(case, seeds, chunks, keep_notches)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -74,10 +75,10 @@ def _run(namespace: argparse.Namespace) -> int:
     return PASS
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Run, go on with or verify a campaign."""
     accept_any_text()
-    namespace = parse(arguments())
+    namespace = parse(arguments(), words)
     check_combination(namespace)
     need("pyarrow", "campaign")
     try:

@@ -39,9 +39,17 @@ class ClusterLost(Exception):
 
 
 @contextmanager
-def connected(address: str, say: Callable[[str], None]) -> Iterator[DaskEngine]:
+def connected(
+    address: str,
+    say: Callable[[str], None],
+    *,
+    work: Callable[[Task], tuple[str, bytes]] = run_task,
+    connect_s: float = _CONNECT_S,
+) -> Iterator[DaskEngine]:
     """The engine at a scheduler.
 
+    :param work: what a worker does with a task.
+    :param connect_s: how long somebody may take to answer at the address.
     :raises scenarios.errors.InputError: it is no address, or nobody answers there.
     """
     allowed = "tcp://HOST:PORT of a running dask scheduler"
@@ -53,23 +61,23 @@ def connected(address: str, say: Callable[[str], None]) -> Iterator[DaskEngine]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
         # A client that fails to connect stays behind half made and complains when the process ends.
-        asyncio.run(_knock(address))
-        client = Client(address, timeout=_CONNECT_S, set_as_default=False, name="railhil-campaign")
+        asyncio.run(_knock(address, connect_s))
+        client = Client(address, timeout=connect_s, set_as_default=False, name="railhil-campaign")
     except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise InputError("command line", "--scheduler", address, allowed, str(error)) from error
     try:
-        yield DaskEngine(client, address, say)
+        yield DaskEngine(client, address, say, work)
     finally:
-        client.close(timeout=_CONNECT_S)
+        client.close(timeout=connect_s)
 
 
-async def _knock(address: str) -> None:
+async def _knock(address: str, connect_s: float) -> None:
     """Connect and hang up.
 
     :raises OSError: nobody answers, or the TLS files of dask's configuration cannot be read.
     :raises TypeError, ValueError, RuntimeError: the address does not go with dask's configuration of TLS.
     """
-    comm = await connect(address, timeout=_CONNECT_S, **Security().get_connection_args("client"))
+    comm = await connect(address, timeout=connect_s, **Security().get_connection_args("client"))
     await comm.close()
 
 
@@ -80,7 +88,14 @@ class DaskEngine:
     ``distributed.scheduler.allowed-failures``, 3 unless it says otherwise).
     """
 
-    def __init__(self, client: Client, address: str, say: Callable[[str], None]) -> None:
+    def __init__(
+        self,
+        client: Client,
+        address: str,
+        say: Callable[[str], None],
+        work: Callable[[Task], tuple[str, bytes]],
+    ) -> None:
+        self._work = work
         self._client, self._address, self._say = client, address, say
         self._workers: set[str] = set()
         self._cores = 0
@@ -95,7 +110,7 @@ class DaskEngine:
             self._ask()
             while waiting and ready.count() < _AHEAD * max(1, self._cores):
                 # Not by content: another campaign's futures with the same task must not be taken for ours.
-                ready.add(self._client.submit(run_task, waiting.pop(), pure=False))
+                ready.add(self._client.submit(self._work, waiting.pop(), pure=False))
             if ready.has_ready():
                 yield self._part(*next(ready))
             else:

@@ -16,6 +16,8 @@ from railhil.common.exit_codes import INVALID
 
 Parts = Generator[tuple[str, bytes], None, None]
 Engine = Callable[[Sequence[Task]], Parts]
+#: What a worker does with a task: name and bytes of its part.
+Work = Callable[[Task], tuple[str, bytes]]
 #: Called with one sentence for what the user should know at once.
 Say = Callable[[str], None]
 #: Losses of a worker one after the other, without a chunk done in between, after which a campaign gives up.
@@ -30,8 +32,8 @@ class WorkersLost(Exception):
     exit_code = INVALID
 
 
-def _batch(tasks: Sequence[Task]) -> Parts:
-    yield from map(run_task, tasks)
+def _batch(tasks: Sequence[Task], work: Work) -> Parts:
+    yield from map(work, tasks)
 
 
 def _worker() -> None:
@@ -46,7 +48,7 @@ def _worker() -> None:
         prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
 
 
-def _joblib(tasks: Sequence[Task], jobs: int, say: Say) -> Parts:
+def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
     import joblib
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
@@ -55,11 +57,11 @@ def _joblib(tasks: Sequence[Task], jobs: int, say: Say) -> Parts:
     left = {task.chunk.name: task for task in tasks}
     losses = 0
     while left:
-        work = [joblib.delayed(run_task)(task) for task in left.values()]
+        calls = [joblib.delayed(work)(task) for task in left.values()]
         try:
             with joblib.parallel_config(backend="loky", n_jobs=jobs, initializer=_worker):
                 pool = joblib.Parallel(return_as="generator_unordered", batch_size=1)
-                with closing(pool(work)) as parts:
+                with closing(pool(calls)) as parts:
                     for name, content in parts:
                         yield name, content
                         del left[name]
@@ -72,12 +74,13 @@ def _joblib(tasks: Sequence[Task], jobs: int, say: Say) -> Parts:
 
 
 @contextmanager
-def running(name: str, jobs: int, scheduler: str | None, say: Say) -> Iterator[Engine]:
+def running(name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task) -> Iterator[Engine]:
     """The engine of that name, ready to work.
 
     :param jobs: processes of joblib, -1 one per core.
     :param scheduler: address of dask's scheduler.
     :param say: for a lost worker.
+    :param work: what a worker does with a task.
     :raises scenarios.errors.InputError: a library is missing, or nobody answers at the address.
     """
     if name == "dask":
@@ -86,13 +89,13 @@ def running(name: str, jobs: int, scheduler: str | None, say: Say) -> Iterator[E
 
         if scheduler is None:
             raise InputError("command line", "--scheduler", Words(), "tcp://HOST:PORT, the scheduler of --engine dask")
-        with connected(scheduler, say) as engine:
+        with connected(scheduler, say, work=work) as engine:
             yield engine
         return
     # Where the work is done here, what it needs is missed before there is a folder.
     need("numba", "campaign")
     if name == "joblib":
         need("joblib", "campaign")
-        yield partial(_joblib, jobs=jobs, say=say)
+        yield partial(_joblib, work=work, jobs=jobs, say=say)
     else:
-        yield _batch
+        yield partial(_batch, work=work)

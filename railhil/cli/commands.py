@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Sequence
 from importlib import import_module
 from importlib.metadata import version
 
@@ -34,10 +34,10 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
     return root
 
 
-def work() -> int:
+def work(words: Sequence[str]) -> int:
     """Do what the command line asks for; returns the exit code."""
     accept_any_text()
-    namespace = parse(parser(sys.argv[1] if len(sys.argv) > 1 else None))
+    namespace = parse(parser(words[0] if words else None), words)
     # A DBC that is not the one of the port table must be noticed by every command, also by those that never look at a
     # telegram.
     wire_contract()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any
 
 from railhil.bus.errors import BusOccupied, BusUnavailable
@@ -21,13 +22,16 @@ _ANSWERED = (SupCmd.PORT, SupIdent.PORT)
 _LISTEN_S = 0.15
 
 
-def open_recorder(choice: BusChoice, nodes: Nodes, lockstep: bool) -> Link:
+def open_recorder(
+    choice: BusChoice, nodes: Nodes, lockstep: bool, open_bus: Callable[[dict[str, Any], str], Link] = open_link
+) -> Link:
     """Open the bus for the recorder.
 
+    :param open_bus: makes the link from the arguments of ``can.Bus`` and the name of the node.
     :raises BusUnavailable: it cannot be opened; the reason is the hub's when that has ended.
     """
     try:
-        link = open_link(choice.config | (_bulk_reading(choice) if lockstep else {}), "supervisor")
+        link = open_bus(choice.config | (_bulk_reading(choice) if lockstep else {}), "supervisor")
     except BusUnavailable:
         for node in nodes.ended():
             raise BusUnavailable(node.last_words()) from None

@@ -6,9 +6,10 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from railhil.bus.errors import BusLost
-from railhil.bus.link import Link
+from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.bus.telegrams import Event
@@ -50,6 +51,9 @@ class Run:
     """Starts what is needed, records until the run has ended, and scores.
 
     :param folder: existing run folder; the log and the nodes' output go there.
+    :param open_bus: makes the recorder's link from the arguments of ``can.Bus`` and the name of the node.
+    :param silence_s: wall time without a tick after which a started run counts as dead.
+    :param after_loss_s: wall time that the rest may take to stop by itself after a node was lost.
     """
 
     def __init__(
@@ -59,11 +63,18 @@ class Run:
         choice: BusChoice,
         folder: Path,
         on_progress: Callable[[float], None] | None = None,
+        *,
+        open_bus: Callable[[dict[str, Any], str], Link] = open_link,
+        silence_s: float = SILENCE_S,
+        after_loss_s: float = AFTER_LOSS_S,
     ) -> None:
         self.scenario = scenario
         self.options = options
         self.choice = choice
         self.folder = folder
+        self._open_bus = open_bus
+        self._silence_s = silence_s
+        self._after_loss_s = after_loss_s
         self.log = FrameLog(folder)
         self.session = Session(
             scenario,
@@ -113,7 +124,7 @@ class Run:
                     link.tell_trouble()
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
-                    nodes.wait(("plant", "controller"), AFTER_LOSS_S)
+                    nodes.wait(("plant", "controller"), self._after_loss_s)
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
@@ -125,7 +136,7 @@ class Run:
         if self.choice.needs_hub:
             start_hub(nodes, self.options, self.choice)
         elif not self.options.attach:
-            link = open_recorder(self.choice, nodes, lockstep)
+            link = open_recorder(self.choice, nodes, lockstep, self._open_bus)
             try:
                 refuse_occupied(link, self.choice)
                 self._start(nodes)
@@ -134,7 +145,7 @@ class Run:
                 raise
             return link
         self._start(nodes)
-        return open_recorder(self.choice, nodes, lockstep)
+        return open_recorder(self.choice, nodes, lockstep, self._open_bus)
 
     def _start(self, nodes: Nodes) -> None:
         if not self.options.attach:
@@ -177,7 +188,7 @@ class Run:
                 # A node may end well just before its last frames are read here.
                 if failed or (ended and not self._drain(link, stop)):
                     self._lost = self._who_died(nodes)
-                    give_up_s = now_s + AFTER_LOSS_S
+                    give_up_s = now_s + self._after_loss_s
                     if ended[0].role != "controller":
                         return
             elif now_s > give_up_s:
@@ -186,8 +197,8 @@ class Run:
             if not session.recording and now_s - opened_s > self.options.appear_s + _LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
                 return
-            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > SILENCE_S:
-                self._lost = self._lost or f"no tick for {SILENCE_S:g} s of wall time: bench is deadlocked"
+            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > self._silence_s:
+                self._lost = self._lost or f"no tick for {self._silence_s:g} s of wall time: bench is deadlocked"
                 return
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
@@ -195,7 +206,7 @@ class Run:
 
         Frames of somebody else may come for ever.
         """
-        give_up_s = time.monotonic() + AFTER_LOSS_S
+        give_up_s = time.monotonic() + self._after_loss_s
         while self.session.ended is None and time.monotonic() < give_up_s and self._take(link, _LOOK_S):
             stop.check()
         return self.session.ended is not None

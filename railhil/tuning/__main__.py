@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -109,10 +109,10 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     return _evaluate(namespace, file, console) if namespace.runs else PASS
 
 
-def main() -> int:
+def main(words: Sequence[str] | None = None) -> int:
     """Search, evaluate or list."""
     accept_any_text()
-    namespace = parse(arguments())
+    namespace = parse(arguments(), words)
     check_combination(namespace)
     console = Output()
     try:

@@ -11,7 +11,7 @@ import pytest
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import BRS, FD, REMOTE, Frame
-from railhil.bus.link import open_link, outage, slcan
+from railhil.bus.link import Timeouts, open_link, slcan
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcan import STALE_NS, SlcanLink
 from railhil.bus.link.slcanline import from_line, to_line
@@ -33,11 +33,10 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     port.pull_out()
 
 
-def opened(terminal: Terminal) -> SlcanLink:
+def opened(terminal: Terminal, **timeouts: float) -> SlcanLink:
     """A link on the port; what python-can says to open the channel is read."""
-    link = open_link(
-        {"interface": "slcan", "channel": str(terminal.link), "bitrate": 500_000, "sleep_after_open": 0}, "node"
-    )
+    config = {"interface": "slcan", "channel": str(terminal.link), "bitrate": 500_000, "sleep_after_open": 0}
+    link = open_link(config, "node", timeouts=Timeouts(**timeouts))
     assert isinstance(link, SlcanLink)
     assert heard(terminal, 5)[-1] == b"O"
     return link
@@ -217,15 +216,16 @@ def test_refused_frames_are_counted(terminal, link):
     assert link.counters["adapter_refused"] == 1, "answers to commands are none to frames"
 
 
-def test_a_frame_that_is_refused_in_lockstep_ends_the_node(terminal, link, monkeypatch):
+def test_a_frame_that_is_refused_in_lockstep_ends_the_node(terminal):
     """The frames behind it may be on the bus already: what is left is no record of lockstep."""
-    monkeypatch.setattr(slcan, "_OPENING_S", 0.0)
+    link = opened(terminal, opening_s=0.0)
     link.lossless = True
     link.send(notches(0, 1))
     terminal.write(b"z\r\a")
     with pytest.raises(BusLost, match="refused a frame"):
         until(lambda: link.receive(0.1))
     assert link.counters["adapter_refused"] == 1
+    link.close()
 
 
 def test_a_late_answer_to_the_opening_is_no_refused_frame(terminal, link):
@@ -238,9 +238,9 @@ def test_a_late_answer_to_the_opening_is_no_refused_frame(terminal, link):
 
 
 @pytest.mark.parametrize("answer", [b"\a", b"F00\r", b""])
-def test_the_answer_to_the_question_for_the_state_is_none_to_a_frame(terminal, link, answer, monkeypatch):
+def test_the_answer_to_the_question_for_the_state_is_none_to_a_frame(terminal, answer):
     """Adapters that do not know the question answer BELL, or nothing."""
-    monkeypatch.setattr(slcan, "_OPENING_S", 0.0)
+    link = opened(terminal, opening_s=0.0)
     link.lossless = True
     until(lambda: link.receive(0.05) == [] and select.select((terminal,), (), (), 0.0)[0])
     questions = heard(terminal, 1)
@@ -253,6 +253,7 @@ def test_the_answer_to_the_question_for_the_state_is_none_to_a_frame(terminal, l
     terminal.write(b"\a\a\a")
     with pytest.raises(BusLost, match="refused a frame"):
         until(lambda: link.receive(0.1))
+    link.close()
 
 
 def test_an_adapter_of_another_protocol_is_no_slcan_adapter(terminal):
@@ -303,11 +304,12 @@ def test_unplugged_while_sending(terminal, link):
     assert link.counters["send_dropped"] == 1
 
 
-def test_one_that_stays_away_is_lost(terminal, link, monkeypatch):
-    monkeypatch.setattr(outage, "GIVE_UP_S", 0.3)
+def test_one_that_stays_away_is_lost(terminal):
+    link = opened(terminal, give_up_s=0.3)
     terminal.pull_out()
     with pytest.raises(BusLost, match=r"^slcan:.*tty: .*not back within"):
         until(lambda: link.receive(0.1))
+    link.close()
 
 
 def test_bus_off_is_asked_for_and_said(terminal, link, capfd):

@@ -14,7 +14,7 @@ from hil_tests.support.adapter_rig import Rig, Timetable
 from hil_tests.support.cli import command, railhil
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
-from railhil.bus.link import outage, single
+from railhil.bus.link import Timeouts
 from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
@@ -215,15 +215,13 @@ def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_p
     assert "outages" in said[-1]
 
 
-def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path, monkeypatch):
+def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path):
     """The train stops by itself, the record is whole; the controller gives up with one line and exit code 3."""
-    for module in (outage, single):
-        monkeypatch.setattr(module, "GIVE_UP_S", 3.0)
     folder = tmp_path / "run"
     folder.mkdir()
     result, exit_codes = run_on(
         rig.hub, move, folder, seed=_SEED, pace="realtime", rate=2.0, controller_config=rig.adapter,
-        on_progress=Timetable(rig, {5.0: "unplug"}),
+        on_progress=Timetable(rig, {5.0: "unplug"}), timeouts=Timeouts(give_up_s=3.0),
     )  # fmt: skip
     assert exit_codes == [3, 0]
     trace = trace_of(read_log(folder / "frames.log"))

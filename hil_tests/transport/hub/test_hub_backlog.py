@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import time
-
-import pytest
-
+from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
 from railhil.bus.hub import backlog
 from railhil.bus.hub.backlog import Backlog
@@ -23,9 +20,8 @@ def test_packets_hold_256_classic_frames_or_one_fd_frame() -> None:
     assert pack_frames([]) == []
 
 
-def test_backlog_gives_out_in_order_what_is_not_stale(monkeypatch: pytest.MonkeyPatch) -> None:
-    now_ns = [0]
-    monkeypatch.setattr(time, "monotonic_ns", lambda: now_ns[0])
+def test_backlog_gives_out_in_order_what_is_not_stale() -> None:
+    wall = SetClock()
     given: list[int] = []
 
     def take_two(frames: list[Frame]) -> int:
@@ -34,12 +30,12 @@ def test_backlog_gives_out_in_order_what_is_not_stale(monkeypatch: pytest.Monkey
 
     for lossless, expected in ((False, [3, 4, 5]), (True, [0, 1, 2, 3, 4, 5])):
         given.clear()
-        now_ns[0] = 0
-        waiting = Backlog(lossless)
+        wall.now_ns = 0
+        waiting = Backlog(lossless, wall)
         waiting.add([Frame(k, b"") for k in range(3)])
-        now_ns[0] = 1
+        wall.now_ns = 1
         waiting.add([Frame(k, b"") for k in range(3, 6)])
-        now_ns[0] = backlog.STALE_NS + 1
+        wall.now_ns = backlog.STALE_NS + 1
         assert waiting.drop_stale() == (0 if lossless else 3)
         while waiting:
             waiting.give(take_two)

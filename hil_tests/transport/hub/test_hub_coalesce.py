@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hil_tests.support.clock import SetClock
 from railhil.bus.frame import FD, Frame
 from railhil.bus.hub import coalesce
 from railhil.bus.hub.client import HubBus
@@ -55,13 +56,12 @@ def test_can_fd_frame_stands_alone_behind_what_came_before():
     assert len(fd) == FD_SIZE
 
 
-def test_held_packets_do_not_wait_for_ever_in_steady_traffic(monkeypatch):
-    now_s = [100.0]
-    monkeypatch.setattr(coalesce.time, "monotonic", lambda: now_s[0])
-    coalescer = Coalescer(256, frozenset())
+def test_held_packets_do_not_wait_for_ever_in_steady_traffic():
+    wall = SetClock()
+    coalescer = Coalescer(256, frozenset(), wall)
     packet = pack_frame(Frame(1, b""))
     assert coalescer.take(packet) == []
-    now_s[0] += coalesce.HOLD_S * 1.01
+    wall.sleep(coalesce.HOLD_S * 1.01)
     assert coalescer.take(packet) == [packet * 2]
 
 

@@ -12,14 +12,13 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
-import railhil.plant_sim.node
-from railhil.bus.administrator import REPLY_NS, Administrator
-from railhil.bus.link import open_link
+from railhil.bus.administrator import REPLY_NS
+from railhil.bus.link import Link, Timeouts, open_link
+from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.scheduling import cycle
@@ -56,6 +55,8 @@ def run_on(
     on_progress: Callable[[float], None] | None = None,
     appear_s: float = 25.0,
     reply_ns: int = REPLY_NS,
+    timeouts: Timeouts = TIMEOUTS,
+    open_recorder: Callable[[dict[str, Any], str], Link] = open_link,
 ) -> tuple[RunResult, list[int | None]]:
     """One run: plant and controller in processes of their own, the supervisor in this one.
 
@@ -69,23 +70,27 @@ def run_on(
     :param controller_command: a program to start in place of our controller node; it finds the bus by itself.
     :param on_progress: called in this process at each SUP_CMD poll (160 ms of simulation time) with that time in s;
         the place to disturb the bus from.
+    :param open_recorder: makes the supervisor's link.
+    :param timeouts: of plant and controller with their interfaces.
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
-    plant_options = PlantOptions(seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s)
+    plant_options = PlantOptions(
+        seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s, reply_ns=reply_ns
+    )
 
     def run_the_controller() -> int:
         node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
-        link = open_link(dict(config if controller_config is None else controller_config), "controller")
+        link = open_link(
+            dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
+        )
         try:
             return run_controller(node, link)
         finally:
             _write_counters(folder, "controller", {**link.counters, **node.counters})
 
     def run_the_plant() -> int:
-        # Of this fork only.
-        railhil.plant_sim.node.Administrator = partial(Administrator, reply_ns=reply_ns)
-        link = open_link(dict(config), "plant")
+        link = open_link(dict(config), "plant", timeouts=timeouts)
         node = PlantNode(scenario, plant_options, link)
         try:
             node.run()
@@ -111,7 +116,8 @@ def run_on(
             attach=True,
             appear_s=appear_s,
         )
-        result = Run(scenario, options, BusChoice(dict(config), "the test's"), folder, on_progress).execute()
+        choice = BusChoice(dict(config), "the test's")
+        result = Run(scenario, options, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         for node in nodes:

@@ -11,7 +11,6 @@ from hil_tests.transport.vcan.dump import frames_of
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link
 from railhil.common.exit_codes import INVALID
-from railhil.supervisor import recorder_link as join
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 
@@ -49,9 +48,7 @@ def test_sleeping_reader_knows_exactly_how_much_it_has_lost():
     assert [int.from_bytes(frame.data, "big") for frame in heard] == list(range(len(heard)))
 
 
-def test_recorder_that_sleeps_through_a_flood_says_how_much_the_record_has_lost(
-    hop, hop_reference, folder, monkeypatch
-):
+def test_recorder_that_sleeps_through_a_flood_says_how_much_the_record_has_lost(hop, hop_reference, folder):
     """The bench waits for the recorder, and its buffer is large again by then: what is lost is the flood's alone."""
     opened: list[Link] = []
 
@@ -66,8 +63,7 @@ def test_recorder_that_sleeps_through_a_flood_says_how_much_the_record_has_lost(
             flood(opened[1])
             buffered(opened[0], _LARGE_BYTES)
 
-    monkeypatch.setattr(join, "open_link", remember)
-    result, _ = run_on(socketcan(), hop, folder, on_progress=disturb)
+    result, _ = run_on(socketcan(), hop, folder, on_progress=disturb, open_recorder=remember)
     opened[1].close()
     frames = frames_of(folder / "frames.log")
     recorded = len([frame for frame in frames if frame.can_id == _FOREIGN])

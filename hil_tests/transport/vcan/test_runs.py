@@ -64,11 +64,8 @@ def test_interfaces_are_separate_buses():
         other.close()
 
 
-def test_missing_interface_is_one_clear_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(
-        "sys.argv", ["railhil", "run", "--attach", "-i", "socketcan", "-c", "vcan9", "--out", str(tmp_path / "run")]
-    )
-    assert cli.main() == 2
+def test_missing_interface_is_one_clear_line(tmp_path, capsys):
+    assert cli.main(["run", "--attach", "-i", "socketcan", "-c", "vcan9", "--out", str(tmp_path / "run")]) == 2
     captured = capsys.readouterr()
     assert "socketcan:vcan9 cannot be opened" in captured.err
     assert len(captured.err.strip().splitlines()) == 1

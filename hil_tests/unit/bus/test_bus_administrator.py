@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import pytest
 
-from railhil.bus import administrator as administrator_module
+from hil_tests.support.clock import SetClock
 from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import PeerSilent
@@ -21,44 +21,34 @@ from railhil.dbc import wire_contract
 NOTCH, STAT = NotchCmd.port(), CtlStat.port()
 
 
-class Wall:
-    """Monotonic clock that moves only while somebody waits in ``receive``."""
-
-    def __init__(self) -> None:
-        self.now_ns = 0
-
-    def monotonic_ns(self) -> int:
-        return self.now_ns
-
-
 class FakeEndpoint:
     """Answers come after a delay of wall time; everything sent is kept in order."""
 
     is_down = False
 
-    def __init__(self, wall: Wall, answer: Callable[[Frame], list[tuple[int, Frame]]] = lambda frame: []) -> None:
+    def __init__(self, wall: SetClock, answer: Callable[[Frame], list[tuple[int, Frame]]] = lambda frame: []) -> None:
         self.sent: list[Frame] = []
         self.batches: list[int] = []
         self.pending: list[tuple[int, Frame]] = []
-        self._wall = wall
+        self.wall = wall
         self._answer = answer
 
     def send(self, frames: Sequence[Frame]) -> None:
         self.sent += frames
         self.batches.append(len(frames))
         for frame in frames:
-            self.pending += [(self._wall.now_ns + delay_ns, item) for delay_ns, item in self._answer(frame)]
+            self.pending += [(self.wall.now_ns + delay_ns, item) for delay_ns, item in self._answer(frame)]
         self.pending.sort(key=lambda entry: entry[0])
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """One frame per call, as python-can's recv gives them."""
         assert timeout_s is not None
-        limit_ns = self._wall.now_ns + round(timeout_s * 1e9)
+        limit_ns = self.wall.now_ns + round(timeout_s * 1e9)
         if self.pending and self.pending[0][0] <= limit_ns:
             due_ns, frame = self.pending.pop(0)
-            self._wall.now_ns = max(self._wall.now_ns, due_ns)
+            self.wall.now_ns = max(self.wall.now_ns, due_ns)
             return [frame]
-        self._wall.now_ns = limit_ns
+        self.wall.now_ns = limit_ns
         return []
 
     def close(self) -> None:
@@ -70,10 +60,8 @@ def frames_of(telegram: Telegram) -> list[Frame]:
 
 
 @pytest.fixture
-def wall(monkeypatch: pytest.MonkeyPatch) -> Wall:
-    clock = Wall()
-    monkeypatch.setattr(administrator_module, "time", clock)
-    return clock
+def wall() -> SetClock:
+    return SetClock()
 
 
 def make(
@@ -81,7 +69,7 @@ def make(
 ) -> tuple[Administrator, TrafficStore]:
     store = TrafficStore([NOTCH, STAT])
     ports = [TrnSpeed.port(), TrnPos.port()]
-    return Administrator(endpoint, store, lambda: now_ns, Pacer(rate), ports, fd=fd), store
+    return Administrator(endpoint, store, lambda: now_ns, Pacer(rate, endpoint.wall), ports, fd=fd), store
 
 
 def controller(delay_ns: int = 1000, notch: int = 5) -> Callable[[Frame], list[tuple[int, Frame]]]:
@@ -107,7 +95,7 @@ def test_schedule_is_the_port_table_with_the_overrides() -> None:
     assert "RUN_EVENT" not in schedule.periods_ns
 
 
-def test_what_is_published_leaves_in_order_and_before_the_poll(wall: Wall) -> None:
+def test_what_is_published_leaves_in_order_and_before_the_poll(wall: SetClock) -> None:
     endpoint = FakeEndpoint(wall, controller())
     administrator, store = make(endpoint, now_ns=70)
     administrator.publish(TrnSpeed(1))
@@ -123,7 +111,7 @@ def test_what_is_published_leaves_in_order_and_before_the_poll(wall: Wall) -> No
     assert administrator.counters == {"polls": 1}
 
 
-def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: Wall) -> None:
+def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: SetClock) -> None:
     endpoint = FakeEndpoint(wall)
     administrator, _ = make(endpoint, fd=True)
     administrator.flush()
@@ -135,7 +123,7 @@ def test_flush_sends_once_and_nothing_when_there_is_nothing(wall: Wall) -> None:
     assert endpoint.batches == [1]
 
 
-def test_lockstep_waits_for_an_answer_of_two_frames_among_foreign_ones(wall: Wall) -> None:
+def test_lockstep_waits_for_an_answer_of_two_frames_among_foreign_ones(wall: SetClock) -> None:
     block, second, trailer = frames_of(CtlStat(step_count=9))
     noise = [Frame(0x7FF, b"\1"), Frame(0x138, b"", ERROR), Frame(0x13C, bytes(8), REMOTE), *frames_of(NotchCmd(1))]
     parts = [block, noise[0], noise[1], second, noise[2], noise[3], trailer]
@@ -149,7 +137,7 @@ def test_lockstep_waits_for_an_answer_of_two_frames_among_foreign_ones(wall: Wal
     assert store.counters == {"unknown_id": 1, "error_frame": 1, "remote_frame": 1}
 
 
-def test_lockstep_watchdog_says_who_waits_for_whom(wall: Wall) -> None:
+def test_lockstep_watchdog_says_who_waits_for_whom(wall: SetClock) -> None:
     endpoint = FakeEndpoint(wall)
     administrator, _ = make(endpoint, now_ns=12_340_000_000)
     expected = r"^bus administrator waits for controller \(NOTCH_CMD\) for 2\.0 s, at simulation time 12\.34 s$"
@@ -159,7 +147,7 @@ def test_lockstep_watchdog_says_who_waits_for_whom(wall: Wall) -> None:
     assert administrator.counters == {"polls": 1, "missed_polls": 1}
 
 
-def test_lockstep_takes_the_answer_that_lies_there_after_this_process_stood_still(wall: Wall) -> None:
+def test_lockstep_takes_the_answer_that_lies_there_after_this_process_stood_still(wall: SetClock) -> None:
     """Stopped between two looks (a paused container, a debugger): the controller has answered in time."""
 
     class Stopped(FakeEndpoint):
@@ -176,7 +164,7 @@ def test_lockstep_takes_the_answer_that_lies_there_after_this_process_stood_stil
 
 @pytest.mark.parametrize("rate", [0.0, 1.0])
 @pytest.mark.parametrize("byte", range(8))
-def test_a_damaged_answer_is_a_missed_telegram_at_once(wall: Wall, rate: float, byte: int) -> None:
+def test_a_damaged_answer_is_a_missed_telegram_at_once(wall: SetClock, rate: float, byte: int) -> None:
     """In lockstep too: the answer has come, so nobody is silent, and time goes on."""
     (frame,) = frames_of(NotchCmd(3))
     data = bytearray(frame.data)
@@ -189,7 +177,7 @@ def test_a_damaged_answer_is_a_missed_telegram_at_once(wall: Wall, rate: float, 
     assert administrator.counters == {"polls": 1, "missed_polls": 1}
 
 
-def test_realtime_gives_up_after_the_reply_time_out(wall: Wall) -> None:
+def test_realtime_gives_up_after_the_reply_time_out(wall: SetClock) -> None:
     administrator, _ = make(FakeEndpoint(wall), rate=1.0)
     assert not administrator.poll(NOTCH)
     assert wall.now_ns == 5_000_000
@@ -197,7 +185,7 @@ def test_realtime_gives_up_after_the_reply_time_out(wall: Wall) -> None:
 
 
 @pytest.mark.parametrize(("delay_ns", "in_time"), [(4_999_999, True), (5_000_001, False), (19_000_000, False)])
-def test_a_late_answer_is_never_taken_for_the_next_one(wall: Wall, delay_ns: int, in_time: bool) -> None:
+def test_a_late_answer_is_never_taken_for_the_next_one(wall: SetClock, delay_ns: int, in_time: bool) -> None:
     """One late answer must not make every later one a poll old, and it does not refresh the age."""
     slow, fast = controller(delay_ns, notch=111), controller(1000, notch=222)
     endpoint = FakeEndpoint(wall, lambda frame: slow(frame) if len(endpoint.sent) == 1 else fast(frame))
@@ -214,7 +202,7 @@ def test_a_late_answer_is_never_taken_for_the_next_one(wall: Wall, delay_ns: int
     assert store.accepted("NOTCH_CMD") == 3 + in_time
 
 
-def test_a_flooded_bus_does_not_stop_the_administrator(wall: Wall) -> None:
+def test_a_flooded_bus_does_not_stop_the_administrator(wall: SetClock) -> None:
     """Frames without end, each 50 us of wall time: every poll still ends at its time-out."""
 
     class Flood(FakeEndpoint):
@@ -227,7 +215,7 @@ def test_a_flooded_bus_does_not_stop_the_administrator(wall: Wall) -> None:
     assert wall.now_ns <= 11_000_000
 
 
-def test_find_devices_asks_until_all_have_answered(wall: Wall) -> None:
+def test_find_devices_asks_until_all_have_answered(wall: SetClock) -> None:
     asked: list[Frame] = []
 
     def answer(frame: Frame) -> list[tuple[int, Frame]]:
@@ -247,14 +235,14 @@ def test_find_devices_asks_until_all_have_answered(wall: Wall) -> None:
     assert asked == [first, *[second] * 5, first, second]
 
 
-def test_find_devices_names_those_that_did_not_answer(wall: Wall) -> None:
+def test_find_devices_names_those_that_did_not_answer(wall: SetClock) -> None:
     administrator, _ = make(FakeEndpoint(wall, lambda frame: [(0, device_status_frame(1, 0x1000))]))
     assert administrator.find_devices((1, 2, 3), 1_000_000_000) == {2, 3}
     assert wall.now_ns == 1_000_000_000
     assert wire_contract().device_status_id == 0x088
 
 
-def test_in_lockstep_nobody_is_silent_while_the_own_interface_is_out(wall: Wall) -> None:
+def test_in_lockstep_nobody_is_silent_while_the_own_interface_is_out(wall: SetClock) -> None:
     """The watchdog begins anew when it is back."""
 
     class Out(FakeEndpoint):

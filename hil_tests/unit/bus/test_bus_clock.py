@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhil.bus import clock as clock_module
+from hil_tests.support.clock import SetClock
 from railhil.bus.clock import BusClock, Pacer, from_time_sync, to_time_sync
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
@@ -211,25 +211,10 @@ def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
 # -- pacing -----------------------------------------------------------------------------------------------------------
 
 
-class FakeTime:
-    """Monotonic clock that only sleeping and explicit work move; sleeping oversleeps a little."""
-
-    def __init__(self, oversleep_ns: int) -> None:
-        self.now_ns = 5_000
-        self.oversleep_ns = oversleep_ns
-
-    def monotonic_ns(self) -> int:
-        return self.now_ns
-
-    def sleep(self, duration_s: float) -> None:
-        self.now_ns += round(duration_s * 1e9) + self.oversleep_ns
-
-
 @pytest.mark.parametrize("rate", [0.5, 1.0, 10.0])
-def test_pacer_deadlines_are_absolute(monkeypatch: pytest.MonkeyPatch, rate: float) -> None:
-    wall = FakeTime(oversleep_ns=70_000)
-    monkeypatch.setattr(clock_module, "time", wall)
-    pacer = Pacer(rate)
+def test_pacer_deadlines_are_absolute(rate: float) -> None:
+    wall = SetClock(5_000, oversleep_ns=70_000)
+    pacer = Pacer(rate, wall)
     pacer.start()
     late_ns = []
     for tick in range(200):
@@ -243,6 +228,7 @@ def test_pacer_deadlines_are_absolute(monkeypatch: pytest.MonkeyPatch, rate: flo
     assert pacer.deadline_ns(199 * TICK_NS) == 5_000 + int(199 * TICK_NS / rate)
 
 
-def test_pacer_in_lockstep_never_looks_at_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(clock_module, "time", None)
-    assert Pacer().wait(10**12) == 0
+def test_pacer_in_lockstep_never_waits() -> None:
+    wall = SetClock(5_000)
+    assert Pacer(0.0, wall).wait(10**12) == 0
+    assert wall.now_ns == 5_000

@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 from collections import Counter
 from collections.abc import Iterator
-from types import SimpleNamespace
 from typing import Any
 
 import can
@@ -13,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hil_tests.support.clock import SetClock
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
 from railhil.bus.link import Link, open_link
-from railhil.bus.link import single as link_module
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.single import SingleLink
 from railhil.bus.mvb import TelegramSource
@@ -82,14 +81,8 @@ class FullBus(can.BusABC):
 
 
 @pytest.fixture
-def slept_s(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """A clock that only sleeping moves; says how long each sleep was."""
-    slept: list[float] = []
-    clock = SimpleNamespace(
-        sleep=slept.append, monotonic=lambda: sum(slept), monotonic_ns=lambda: round(sum(slept) * 1e9)
-    )
-    monkeypatch.setattr(link_module, "time", clock)
-    return slept
+def wall() -> SetClock:
+    return SetClock()
 
 
 def speeds(*values: int) -> list[Frame]:
@@ -97,55 +90,55 @@ def speeds(*values: int) -> list[Frame]:
 
 
 @pytest.mark.parametrize("full", [0, 1, 39])
-def test_a_full_queue_is_retried(slept_s: list[float], full: int) -> None:
+def test_a_full_queue_is_retried(wall: SetClock, full: int) -> None:
     bus = FullBus(full)
-    link = SingleLink(bus)
+    link = SingleLink(bus, wall=wall)
     link.send(speeds(1))
     assert bus.taken == speeds(1)
     assert link.counters["send_retries"] == full
     assert (link.counters["sent"], link.counters["send_dropped"]) == (1, 0)
-    assert sum(slept_s) == pytest.approx(full * 0.0005)
+    assert wall.monotonic() == pytest.approx(full * 0.0005)
 
 
-def test_the_retry_is_bounded_and_leaves_no_backlog(slept_s: list[float]) -> None:
+def test_the_retry_is_bounded_and_leaves_no_backlog(wall: SetClock) -> None:
     """After the bound the old value is given up: what leaves later is the newest, once."""
     bus = FullBus(1000)
-    link = SingleLink(bus)
+    link = SingleLink(bus, wall=wall)
     link.send(speeds(1))
     assert bus.taken == []
-    assert sum(slept_s) == pytest.approx(0.02, abs=0.001)
+    assert wall.monotonic() == pytest.approx(0.02, abs=0.001)
     bus.full = 0
     link.send(speeds(2))
     assert bus.taken == speeds(2)
     assert (link.counters["sent"], link.counters["send_dropped"]) == (1, 1)
 
 
-def test_all_frames_of_one_send_share_the_bound(slept_s: list[float]) -> None:
+def test_all_frames_of_one_send_share_the_bound(wall: SetClock) -> None:
     """A tick of eight frames on a bus without a second node must not take eight times as long."""
-    link = SingleLink(FullBus(1000))
+    link = SingleLink(FullBus(1000), wall=wall)
     link.send(speeds(*range(8)))
     assert link.counters["send_dropped"] == 8
-    assert sum(slept_s) == pytest.approx(0.02, abs=0.001)
+    assert wall.monotonic() == pytest.approx(0.02, abs=0.001)
 
 
-def test_enobufs_is_recognised_by_its_cause_too(slept_s: list[float]) -> None:
+def test_enobufs_is_recognised_by_its_cause_too(wall: SetClock) -> None:
     error = can.CanOperationError("Failed to transmit")
     error.__cause__ = OSError(errno.ENOBUFS, "No buffer space available")
     bus = FullBus(2, error)
-    SingleLink(bus).send(speeds(1))
+    SingleLink(bus, wall=wall).send(speeds(1))
     assert bus.taken == speeds(1)
 
 
 @pytest.mark.parametrize(
     "error", [can.CanOperationError("down", errno.ENETDOWN), can.CanError("gone"), OSError(errno.ENODEV, "no device")]
 )
-def test_any_other_error_is_a_lost_bus(slept_s: list[float], error: Exception) -> None:
-    link = SingleLink(FullBus(1, error))
+def test_any_other_error_is_a_lost_bus(wall: SetClock, error: Exception) -> None:
+    link = SingleLink(FullBus(1, error), wall=wall)
     with pytest.raises(BusLost, match=r"^full bus: cannot send: "):
         link.send(speeds(1))
     with pytest.raises(BusLost, match=r"^full bus: cannot receive: "):
         link.receive(0.0)
-    assert slept_s == []
+    assert wall.slept_s == []
 
 
 # -- batch and single path --------------------------------------------------------------------------------------------

@@ -13,8 +13,8 @@ from railhil.bus.clock import BusClock, rate_to_10th, to_time_sync
 from railhil.bus.errors import BusLost, BusOccupied
 from railhil.bus.frame import ERROR, Frame, from_message, to_message
 from railhil.bus.ident import Role
-from railhil.bus.link import outage as outage_module
 from railhil.bus.link.errorframe import describe
+from railhil.bus.link.outage import Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
@@ -33,12 +33,20 @@ class Adapter:
 
     def __init__(self) -> None:
         self.plugged = True
-        self.full = False
+        #: So many frames it refuses for want of room.
+        self.full = 0
+        #: It cannot even be closed.
+        self.dead = False
+        #: So many times it is looked at before it is plugged in again.
+        self.looks = 0
         self.sent: list[Frame] = []
         self.waiting: list[Frame | Exception] = []
         self.opened = 0
 
     def open(self) -> can.BusABC:
+        self.looks -= 1
+        if self.looks == 0:
+            self.plugged = True
         if not self.plugged:
             raise can.CanInitializationError("no such port")
         self.opened += 1
@@ -59,6 +67,7 @@ class AdapterBus(can.BusABC):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         self._check()
         if self.adapter.full:
+            self.adapter.full -= 1
             raise can.CanOperationError("Failed to transmit", errno.ENOBUFS)
         self.adapter.sent.append(from_message(msg))
 
@@ -76,6 +85,8 @@ class AdapterBus(can.BusABC):
 
     def shutdown(self) -> None:
         self._is_shutdown = True
+        if self.adapter.dead:
+            raise can.CanOperationError("Could not write to serial device")
 
 
 @pytest.fixture
@@ -89,9 +100,8 @@ def adapter() -> Adapter:
 
 
 @pytest.fixture
-def link(adapter: Adapter, said: list[str], monkeypatch: pytest.MonkeyPatch) -> SingleLink:
-    monkeypatch.setattr(outage_module, "RETRY_S", 0.01)
-    return SingleLink(adapter.open(), adapter.open, said.append)
+def link(adapter: Adapter, said: list[str]) -> SingleLink:
+    return SingleLink(adapter.open(), adapter.open, said.append, timeouts=Timeouts(look_again_s=0.01))
 
 
 def speeds(*values: int) -> list[Frame]:
@@ -127,25 +137,17 @@ def test_an_unplugged_adapter_is_waited_for_and_nothing_stale_is_sent(link, adap
 def test_in_lockstep_the_very_frame_waits_for_the_adapter(link, adapter):
     link.lossless = True
     adapter.plugged = False
-    looks = 0
-    open_adapter = adapter.open
-
-    def plugged_in_after_three_looks() -> can.BusABC:
-        nonlocal looks
-        looks += 1
-        adapter.plugged = looks > 3
-        return open_adapter()
-
-    link._reopen = plugged_in_after_three_looks
+    adapter.looks = 4
     link.send(speeds(1, 2))
     assert adapter.sent == speeds(1, 2)
-    assert looks == 4
+    assert adapter.looks == 0
     assert link.counters["send_dropped"] == 0
 
 
 @pytest.mark.parametrize("lossless", [False, True])
-def test_an_adapter_that_never_comes_back_ends_the_node(link, adapter, lossless, monkeypatch):
-    monkeypatch.setattr(outage_module, "GIVE_UP_S", 0.05)
+def test_an_adapter_that_never_comes_back_ends_the_node(adapter, lossless):
+    timeouts = Timeouts(look_again_s=0.01, give_up_s=0.05)
+    link = SingleLink(adapter.open(), adapter.open, timeouts=timeouts)
     link.lossless = lossless
     adapter.plugged = False
     with pytest.raises(BusLost, match=r"^adapter: Input/output error.*; not back within"):  # noqa: PT012
@@ -169,23 +171,15 @@ def test_the_time_without_frames_is_told_once_with_the_first_frame(link, adapter
     assert link.take_gap_ns() == 0
 
 
-def test_a_full_queue_drops_the_old_value_and_in_lockstep_waits(link, adapter, monkeypatch):
-    monkeypatch.setattr("railhil.bus.link.single.SEND_RETRY_MAX_S", 0.001)
-    adapter.full = True
+def test_a_full_queue_drops_the_old_value_and_in_lockstep_waits(adapter):
+    link = SingleLink(adapter.open(), adapter.open, timeouts=Timeouts(queue_full_s=0.001))
+    adapter.full = 10_000
     link.send(speeds(1))
     assert link.counters["send_dropped"] == 1
-    attempts = 0
-
-    def drained_after_a_while(frame: Frame) -> None:
-        nonlocal attempts
-        attempts += 1
-        adapter.full = attempts < 100
-        link.bus.send(to_message(frame))
-
-    monkeypatch.setattr(link, "_put", drained_after_a_while)
+    adapter.full = 99
     link.lossless = True
     link.send(speeds(2))
-    assert (adapter.sent, attempts) == (speeds(2), 100)
+    assert (adapter.sent, adapter.full) == (speeds(2), 0)
 
 
 def test_bus_off_is_silence_until_the_restart(link, adapter, said):
@@ -217,12 +211,10 @@ def test_bus_off_is_a_gap_too(link, adapter):
     assert link.take_gap_ns() >= 50_000_000
 
 
-def test_a_dead_adapter_is_closed_without_a_word(link, adapter, monkeypatch):
-    def shutdown() -> None:
-        raise can.CanOperationError("Could not write to serial device")
-
-    monkeypatch.setattr(link.bus, "shutdown", shutdown)
+def test_a_dead_adapter_is_closed_without_a_word(link, adapter, said):
+    adapter.dead = True
     link.close()
+    assert said == []
 
 
 def test_a_wait_in_lockstep_can_be_ended(link, adapter):

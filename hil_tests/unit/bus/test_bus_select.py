@@ -12,8 +12,7 @@ from can.cli import add_bus_arguments
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railhil.bus import select as select_module
-from railhil.bus.select import arguments_from_config, choose_bus, config_from_namespace
+from railhil.bus.select import BusChoice, arguments_from_config, choose_bus, config_from_namespace
 
 
 def parsed(*arguments: str) -> argparse.Namespace:
@@ -24,28 +23,33 @@ def parsed(*arguments: str) -> argparse.Namespace:
 
 @pytest.fixture(autouse=True)
 def _clean(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """No configuration of this machine, and no vcan0 unless a test says so."""
+    """No configuration of this machine."""
     monkeypatch.setattr(can.util, "CONFIG_FILES", [str(tmp_path / "can.rc")])
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": False)
 
 
-def with_everything(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": True)
+def chosen(*arguments: str, private_hub: Path | None = None, vcan: bool = False) -> BusChoice:
+    """The choice for a command line; there is no vcan0 unless a test says so."""
+    return choose_bus(parsed(*arguments), private_hub, vcan)
+
+
+@pytest.fixture
+def configured(tmp_path: Path) -> None:
+    """A configuration file."""
     (tmp_path / "can.rc").write_text("[default]\ninterface = virtual\nchannel = from_file\nbitrate = 125000\n")
 
 
-def test_flags_come_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    with_everything(monkeypatch, tmp_path)
-    choice = choose_bus(parsed("-i", "virtual", "-c", "mine"), tmp_path / "hub")
+@pytest.mark.usefixtures("configured")
+def test_flags_come_first(tmp_path: Path) -> None:
+    choice = chosen("-i", "virtual", "-c", "mine", private_hub=tmp_path / "hub", vcan=True)
     assert choice.config == {"interface": "virtual", "channel": "mine"}
     assert (choice.reason, choice.needs_hub, choice.transport) == ("given on the command line", False, "virtual:mine")
 
 
-def test_configuration_file_comes_second(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    with_everything(monkeypatch, tmp_path)
-    choice = choose_bus(parsed(), tmp_path / "hub")
+@pytest.mark.usefixtures("configured")
+def test_configuration_file_comes_second(tmp_path: Path) -> None:
+    choice = chosen(private_hub=tmp_path / "hub", vcan=True)
     assert choice.config == {"interface": "virtual", "channel": "from_file", "bitrate": 125000}
     assert choice.reason == "from python-can's configuration"
     assert not choice.needs_hub
@@ -54,13 +58,13 @@ def test_configuration_file_comes_second(monkeypatch: pytest.MonkeyPatch, tmp_pa
 def test_environment_is_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CAN_INTERFACE", "virtual")
     monkeypatch.setenv("CAN_CHANNEL", "from_environment")
-    assert choose_bus(parsed()).transport == "virtual:from_environment"
+    assert chosen().transport == "virtual:from_environment"
 
 
 def test_a_channel_alone_takes_its_interface_from_the_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
     """Else nobody knows which bus it is: report, limits and record would stand for another one."""
     monkeypatch.setenv("CAN_INTERFACE", "railhil")
-    choice = choose_bus(parsed("-c", "mine"))
+    choice = chosen("-c", "mine")
     assert choice.transport == "railhil:mine"
     assert choice.arguments == ["-i", "railhil", "-c", "mine"]
     assert "configuration" in choice.reason
@@ -69,28 +73,27 @@ def test_a_channel_alone_takes_its_interface_from_the_configuration(monkeypatch:
 def test_a_configured_interface_without_channel_has_no_channel_called_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CAN_INTERFACE", "railhil")
     monkeypatch.delenv("CAN_CHANNEL", raising=False)
-    assert choose_bus(parsed()).arguments == ["-i", "railhil"]
+    assert chosen().arguments == ["-i", "railhil"]
 
 
 def test_an_interface_that_does_not_exist_is_no_configuration(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert choose_bus(parsed()).config["interface"] == "railhil"
+    assert chosen().config["interface"] == "railhil"
 
 
-def test_vcan0_comes_third_and_the_hub_last(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    hub = choose_bus(parsed(), tmp_path / "hub")
+def test_vcan0_comes_third_and_the_hub_last(tmp_path: Path) -> None:
+    hub = chosen(private_hub=tmp_path / "hub")
     assert hub.config["interface"] == "railhil"
     assert hub.config["channel"] == str(tmp_path / "hub")
     assert hub.needs_hub
     assert "user-space hub" in hub.reason
-    assert not choose_bus(parsed()).needs_hub
-    monkeypatch.setattr(select_module, "vcan_available", lambda channel="vcan0": True)
-    vcan = choose_bus(parsed(), tmp_path / "hub")
+    assert not chosen().needs_hub
+    vcan = chosen(private_hub=tmp_path / "hub", vcan=True)
     assert (vcan.transport, vcan.reason, vcan.needs_hub) == ("socketcan:vcan0", "the kernel has vcan0", False)
 
 
 @pytest.mark.parametrize("arguments", [(), ("--fd",)])
 def test_fd_is_what_the_configuration_says(arguments: tuple[str, ...]) -> None:
-    assert choose_bus(parsed("-i", "virtual", *arguments)).fd == bool(arguments)
+    assert chosen("-i", "virtual", *arguments).fd == bool(arguments)
 
 
 def round_trip(config: dict[str, Any]) -> dict[str, Any]:
@@ -138,4 +141,4 @@ def test_hub_without_channel_is_a_hub_of_the_run_s_own(tmp_path: Path) -> None:
     assert choice.needs_hub
     assert choice.config["channel"] == str(tmp_path / "hub.sock")
     # Without a place for one of its own, python-can's plugin takes the user's default hub.
-    assert not choose_bus(parsed("-i", "railhil")).needs_hub
+    assert not chosen("-i", "railhil").needs_hub

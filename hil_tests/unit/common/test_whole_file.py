@@ -146,11 +146,11 @@ def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkey
         return {"steps": 7}
 
     path, handler = tmp_path / "telemetry.json", signal.getsignal(signal.SIGTERM)
-    monkeypatch.setattr("sys.argv", ["controller", "--telemetry", str(path), "-i", "virtual"])
+    words = ["--telemetry", str(path), "-i", "virtual"]
     monkeypatch.setattr("railhil.controller_node.command.run_controller", lost)
     monkeypatch.setattr("railhil.controller_node.telemetry_file.telemetry_document", terminated)
     try:
-        assert guarded("controller", controller.main) == INVALID
+        assert guarded("controller", lambda: controller.main(words)) == INVALID
     finally:
         signal.signal(signal.SIGTERM, handler)
         gc.unfreeze()
@@ -158,12 +158,11 @@ def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkey
     assert json.loads(path.read_text(encoding="utf-8")) == {"steps": 7}
 
 
-def test_the_audit_goes_through_a_pipe(pipe: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_audit_goes_through_a_pipe(pipe: Path) -> None:
     short = pipe.with_name("short.toml")
     short.write_text(QUICK_TOML)
     reader, found = read_in_background(pipe)
-    monkeypatch.setattr("sys.argv", ["audit", str(short), "--runs", "0", "--json", str(pipe)])
-    assert audit.main() in (0, 1)
+    assert audit.main([str(short), "--runs", "0", "--json", str(pipe)]) in (0, 1)
     reader.join(5)
     assert found
     assert found[0].startswith('{\n  "scenario": "benchmark_quick"')

@@ -183,7 +183,7 @@ def test_inputs_reach_every_output(kind: str) -> None:
 
 
 def test_compiled_controller_drives_the_train_like_the_python_node(
-    exported: tuple[str, Path, Bundle], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    exported: tuple[str, Path, Bundle], tmp_path: Path
 ) -> None:
     """A whole run on the bench, with the C in the place of the Python law: the same notches, the same log bytes.
 
@@ -194,17 +194,9 @@ def test_compiled_controller_drives_the_train_like_the_python_node(
         (tmp_path / name).mkdir()
     expected = local_run(SCENARIO, tmp_path / "python", indexing=indexing)
     subprocess.run(["gcc", *STRICT, "-O2", "-fPIC", "-shared", "-o", "libipfc.so", "ipfc.c"], cwd=folder, check=True)
-    made = []
-
-    class Compiled(CompiledController):
-        def __init__(self, *arguments: str) -> None:
-            super().__init__(SCENARIO, *arguments[1:])
-            made.append(self)
-
-    Compiled.folder, Compiled.bundle = folder, bundle
-    monkeypatch.setattr("railhil.controller_node.node.Controller", Compiled)
-    found = local_run(SCENARIO, tmp_path / "c", indexing=indexing)
-    assert made[0].steps > 300
+    law = CompiledController(SCENARIO, folder, bundle, indexing)
+    found = local_run(SCENARIO, tmp_path / "c", indexing=indexing, law=law)
+    assert law.steps > 300
     assert len(set(found.notches)) > 50
     assert found.notches == expected.notches
     assert _without_status(found) == _without_status(expected)

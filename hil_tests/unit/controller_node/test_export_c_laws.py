@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 import pytest
 
 from hil_tests.support.exported import SANITIZED, STRICT, checked, compiled, written
+from hil_tests.support.plug import plug_in
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Constant, Curve
 from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
@@ -76,7 +77,8 @@ class Toy(Law[Any, ToyState]):
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_law_of_every_operation_is_exported(indexing: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also what the shipped law does not use: swapped state, formats beyond the library, awkward names."""
-    monkeypatch.setattr("railhil.controller_node.loop.load", lambda name: Toy)
+    plug_in(tmp_path, monkeypatch, toy=Toy)
+    tmp_path /= "export"
     written(SCENARIO, tmp_path, indexing, "toy")
     for compiler, flags in (("gcc", SANITIZED), ("clang", STRICT)):
         program = compiled(tmp_path, compiler, flags, "toy_run", "toy")
@@ -153,7 +155,7 @@ class CountingStart(Toy):
 def test_law_that_is_no_straight_line_is_refused(
     law: type[Toy], words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("railhil.controller_node.loop.load", lambda name: law)
+    plug_in(tmp_path, monkeypatch, toy=law)
     with pytest.raises(InputError, match=words):
-        written(SCENARIO, tmp_path, "time", "toy")
-    assert list(tmp_path.iterdir()) == []
+        written(SCENARIO, tmp_path / "export", "time", "toy")
+    assert [path.name for path in tmp_path.iterdir()] == ["plug"]

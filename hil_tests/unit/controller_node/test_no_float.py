@@ -14,7 +14,6 @@ import pytest
 
 from hil_tests.unit.controller_node.test_ipfc_controller import SCENARIO, closed_loop, flat
 from railhil.bus.telegrams import TrnPos, TrnSpeed
-from railhil.controller_node import controller as controller_module
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.controller import Controller
@@ -167,21 +166,23 @@ class Recorder:
 
 
 @pytest.fixture(params=[(profile, indexing) for profile in PROFILES for indexing in ("time", "distance")])
-def run(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Any:
-    """A whole run on plain numbers: arithmetic, indexing, wire values and notch codes. From here on: poison."""
+def run(request: pytest.FixtureRequest) -> Any:
+    """A whole run on plain numbers: arithmetic, indexing, wire values, notch codes; and a controller on poison."""
     arithmetic, indexing = request.param
     recorder: Any = Recorder(arithmetic, indexing)
     _, answers, stopped = closed_loop(0, [recorder])
     assert stopped is not None
     assert len(recorder.given) > 380
     plain = Controller(SCENARIO, "ipfc", arithmetic, indexing)
-    monkeypatch.setattr(controller_module, "make", lambda name: PROFILES[name]())
+    poisoned = Controller(SCENARIO, "ipfc", PROFILES[arithmetic](), indexing)
     codes = [answer.notch_code for answer, *_ in answers]
-    return SimpleNamespace(arithmetic=arithmetic, indexing=indexing, given=recorder.given, codes=codes, plain=plain)
+    return SimpleNamespace(
+        arithmetic=arithmetic, indexing=indexing, given=recorder.given, codes=codes, plain=plain, poisoned=poisoned
+    )
 
 
 def test_no_float_in_the_law(run: Any) -> None:
-    controller = Controller(SCENARIO, "ipfc", run.arithmetic, run.indexing)
+    controller = run.poisoned
     loop = controller._loop
     for k, speed, position in run.given:
         output = controller.step(k, NoFloat(speed), NoFloat(position))  # type: ignore[arg-type]
@@ -200,7 +201,7 @@ def test_no_float_in_the_node(run: Any) -> None:
     # Here TRN_POS comes once per control period.
     period_ns = SCENARIO.timing.control_period_ns
     scenario = replace(SCENARIO, timing=replace(SCENARIO.timing, port_period_ns={TrnPos.PORT: period_ns}))
-    node: Any = ControllerNode(scenario, ControllerOptions("ipfc", run.arithmetic, run.indexing))
+    node: Any = ControllerNode(scenario, ControllerOptions("ipfc", run.arithmetic, run.indexing), run.poisoned)
     for (k, speed, position), code in zip(run.given, run.codes, strict=True):
         now_ns = k * period_ns
         telegram = TrnPos(NoFloat(position // 10), life=k & 0xF)  # type: ignore[arg-type]

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import railhil.controller_node.loop
 from hil_tests.support.cli import railhil
+from hil_tests.support.plug import plug_in
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
@@ -180,15 +180,17 @@ def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Pa
     assert not (tmp_path / "out").exists()
 
 
-def test_a_plugged_in_law_that_may_wrap_does_not_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whoever wrote it: a sum that feeds back into itself, without a limit."""
+class Growing(Ipfc[Any]):
+    """A sum that feeds back into itself, without a limit."""
 
-    class Growing(Ipfc[Any]):
-        def step(self, state: Any, inputs: Any) -> Any:
-            after, outputs = super().step(state, inputs)
-            return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
+    def step(self, state: Any, inputs: Any) -> Any:
+        after, outputs = super().step(state, inputs)
+        return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
 
-    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Growing)
+
+def test_a_plugged_in_law_that_may_wrap_does_not_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever wrote it."""
+    plug_in(tmp_path, monkeypatch, growing=Growing)
     with pytest.raises(InputError, match=r"which ends at 2048, .*operations that may wrap: \d"):
         Controller(SCENARIO, "growing", "iq")
     Controller(SCENARIO, "growing", "float64")
@@ -241,15 +243,15 @@ def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
 
 @pytest.mark.parametrize("odometer_mm", [-(2**31), -200_000_001, 200_000_000, 2**31 - 1])
 def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: int) -> None:
-    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"))
     seen: list[int] = []
-    step = node.controller.step
 
-    def watched(k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
-        seen.append(position_01mm)
-        return step(k, speed_01mmps, position_01mm, *balise)
+    class Watched(Controller):
+        def step(self, k: int, speed_01mmps: int, position_01mm: int, *balise: Any) -> Any:
+            seen.append(position_01mm)
+            return super().step(k, speed_01mmps, position_01mm, *balise)
 
-    node.controller.step = watched  # type: ignore[method-assign]
+    controller = Watched(SCENARIO, indexing="distance")
+    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"), controller)
     for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):
             node.handle(frame)

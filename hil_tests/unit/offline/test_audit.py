@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import replace
 from io import StringIO
 from types import SimpleNamespace
@@ -13,7 +14,7 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from railhil.audit.bounds import bounds_of
 from railhil.audit.document import document
-from railhil.audit.effect import ScoreEffect, effect
+from railhil.audit.effect import ScoreEffect, compared, effect
 from railhil.audit.floor import floored
 from railhil.audit.result import Options, audit, bars
 from railhil.audit.shadow import QuantityError, ShadowRun, compare_codes, errors, shadow_run
@@ -232,23 +233,13 @@ def test_effect_runs_the_same_draws_in_both(short):
     assert allowed["itae"] == pytest.approx(0.01 * found.scores[0].reference)
 
 
-def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
+def test_effect_compares_each_draw_with_its_own_twin(sound):
     """Fixed point: ITAE 12, 11, 10, no stop in the last; float64: 10, 10, 10."""
-
-    def made(scenario, runs, *, controller, arithmetic, indexing):
-        fixed = arithmetic == "iq"
-        scores = [
-            replace(
-                sound.run.score,
-                itae=12.0 - i if fixed else 10.0,
-                stop_error_m=None if fixed and i == 2 else 0.1,
-            )
-            for i in range(runs)
-        ]
-        return Outcomes(scores, Counters(3, 30, 300) if fixed else Counters(7, 7, 7))
-
-    monkeypatch.setattr("railhil.audit.effect.outcomes", made)
-    over_runs = effect(short, 3, controller="ipfc", arithmetic="iq", indexing="time")
+    fixed, real = (
+        [replace(sound.run.score, itae=itae, stop_error_m=stop_m) for itae, stop_m in zip(itaes, stops_m, strict=True)]
+        for itaes, stops_m in (((12.0, 11.0, 10.0), (0.1, 0.1, None)), ((10.0,) * 3, (0.1,) * 3))
+    )
+    over_runs = compared(Outcomes(fixed, Counters(3, 30, 300)), Outcomes(real, Counters(7, 7, 7)))
     assert over_runs.counters == Counters(3, 30, 300)
     found = {one.score: one for one in over_runs.scores}
     itae = found["itae"]
@@ -258,21 +249,20 @@ def test_effect_compares_each_draw_with_its_own_twin(monkeypatch, short, sound):
     assert found["energy_kj"].met
 
 
-def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(monkeypatch, short, sound):
-    def made(scenario, runs, **case):
-        return Outcomes([sound.run.score] * runs, Counters(1, 10, 2))
-
-    monkeypatch.setattr("railhil.audit.effect.outcomes", made)
+def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short, sound):
     result = audit(short, Options(runs=2))
+    assert {bar.found for bar in result.bars if bar.name == "wraps in the perturbed runs"} == {"0"}
+    wrapped = Outcomes([sound.run.score] * 2, Counters(1, 10, 2))
+    over_runs = compared(wrapped, wrapped)
+    result = replace(result, effect=over_runs, bars=bars(sound, result.standstill, result.cost, over_runs))
     found = {bar.name: (bar.found, bar.met) for bar in result.bars}
     assert found["wraps in the run"] == ("0", True)
     assert found["wraps in the perturbed runs"] == ("1", False)
     assert found["divisions by zero in the perturbed runs"] == ("2", False)
     assert not result.met
     assert document(result)["effect_counters"] == {"wraps": 1, "saturations": 10, "zero_divisions": 2}
-    out = StringIO()
-    monkeypatch.setattr("sys.stdout", out)
-    show(Output(), result)
+    with redirect_stdout(StringIO()) as out:
+        show(Output(), result)
     assert "iq in all of them: 1 wraps, 10 saturations, 2 divisions by zero" in out.getvalue()
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
+from hil_tests.support.plug import Wrapping, plug_in
 from railhil.audit import __main__ as command
-from railhil.audit.result import Bar, audit
 
 KEYS = {
     "scenario",
@@ -79,15 +79,9 @@ def test_an_audit_from_the_command_line(short, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["audit.json", "short.toml"]
 
 
-def test_a_missed_bar_is_exit_code_1(short, capsys, monkeypatch):
-    def spoiled(*given):
-        result = audit(*given)
-        result.bars.append(Bar("a demand", "7", "0", False))
-        return result
-
-    monkeypatch.setattr(command, "audit", spoiled)
-    monkeypatch.setattr("sys.argv", ["audit", str(short), "--runs", "0"])
-    assert command.main() == 1
+def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    assert command.main([str(short), "--controller", "wrapping", "--runs", "0"]) == 1
     out = capsys.readouterr().out
     assert "FAIL" in out
     assert out.rstrip().endswith("NOT all bars met")
@@ -122,9 +116,8 @@ def test_a_file_that_fails_later_is_one_line_and_leaves_nothing(short, tmp_path,
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("pathlib.Path.replace", gone)
-    monkeypatch.setattr("sys.argv", ["audit", str(short), "--runs", "0", "--json", str(tmp_path / "a.json")])
     with pytest.raises(Exception, match=r"--json: .*no space left on device") as caught:
-        command.main()
+        command.main([str(short), "--runs", "0", "--json", str(tmp_path / "a.json")])
     assert caught.value.exit_code == 2
     assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
 

@@ -13,16 +13,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-import railhil.controller_node.controller
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.plug import plug_in
 from railhil.batch import Case, run_batch, trace_digest
+from railhil.batch.engine import Engine
 from railhil.batch.noise import standard_noise
 from railhil.bench import coupled_run, direct_run, local_run
 from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Effort, Scenario, Uniform
@@ -196,7 +199,7 @@ def test_an_unperturbed_batch_differs_in_its_noise_only(short):
     assert abs(scores[0].energy_kj - scores[1].energy_kj) < 0.05 * scores[0].energy_kj
 
 
-def test_the_law_is_given_what_the_bench_gives_it(monkeypatch):
+def test_the_law_is_given_what_the_bench_gives_it():
     """Speed, odometer and last balise of each period, with worn wheels and balises that lie beside their survey."""
     scenario = load("lvshun_tieshan_worn_wheels")
     balises = tuple(Balise(i + 1, 100.0 * i, 100.0 * i) for i in range(30))
@@ -214,14 +217,13 @@ def test_the_law_is_given_what_the_bench_gives_it(monkeypatch):
         coupled_run(scenario, step, seed=seed, drawn=True)
         alone[seed] = given
     together: list[tuple[Any, ...]] = []
-    original = ControlLoop.step
 
-    def noting(self, k, speed, position, balise):
-        together.append((np.full(len(seeds), k), speed.copy(), position.copy(), *(part.copy() for part in balise)))
-        return original(self, k, speed, position, balise)
+    class Noting(ControlLoop):
+        def step(self, k, speed, position, balise):
+            together.append((np.full(len(seeds), k), speed.copy(), position.copy(), *(part.copy() for part in balise)))
+            return super().step(k, speed, position, balise)
 
-    monkeypatch.setattr(ControlLoop, "step", noting)
-    run_batch(Case(scenario), seeds)
+    Engine(Case(scenario), Noting(scenario, "ipfc", make("float64", batch=True), "time")).run(seeds)
     for i, seed in enumerate(seeds):
         assert len(alone[seed]) > 380
         assert [tuple(int(part[i]) for part in row) for row in together[: len(alone[seed])]] == alone[seed]
@@ -237,13 +239,12 @@ def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithme
     assert np.array_equal(np.repeat(batch.notch_codes[0], 25)[: len(run.notches)], run.notches)
 
 
-def test_runs_do_not_depend_on_their_company(short, monkeypatch):
+def test_runs_do_not_depend_on_their_company(short):
     """Any order, any chunk; the result is in the order of the seeds."""
     case = Case(short, arithmetic="iq")
     seeds = [3, 70, 5, 11, 4, 70, 8]
     whole = run_batch(case, seeds)
-    monkeypatch.setattr("railhil.batch.CHUNK", 2)
-    parts = run_batch(case, seeds)
+    parts = run_batch(case, seeds, chunk=2)
     assert whole.scores == parts.scores
     assert whole.notch_digest == parts.notch_digest
     assert whole.seed.tolist() == seeds
@@ -273,25 +274,26 @@ def test_arrays_say_what_the_scores_say(short):
     assert result.ended == ("ended_not_stopped",) * 2
 
 
-def test_a_wrap_belongs_to_the_run_in_which_it_was(short, tmp_path, monkeypatch):
-    """A product that wraps above 2 km/h: late in a run, and not after its end, though the batch goes on."""
+class Wrapping(Ipfc):
+    """The law, with a product that wraps above 3 km/h; its record does not show it, else it would not start."""
 
-    def wrapping(self, state, inputs):
+    def step(self, state, inputs):
         ar = self._ar
-        fast = ar.gt(inputs.speed, ar.const(Constant("limit", 3.0, 20)))
-        big = ar.where(fast, ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 0.5, 30)))
-        ar.mpy(big, big, 30)
-        return step(self, state, inputs)
+        if not isinstance(ar, Tracer):
+            fast = ar.gt(inputs.speed, ar.const(Constant("limit", 3.0, 20)))
+            big = ar.where(fast, ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 0.5, 30)))
+            ar.mpy(big, big, 30)
+        return super().step(state, inputs)
 
-    step = Ipfc.step
-    monkeypatch.setattr(Ipfc, "step", wrapping)
-    # Else it would not start.
-    monkeypatch.setattr(railhil.controller_node.controller, "refuse_wraps", lambda *given: None)
-    batch = run_batch(Case(short, arithmetic="iq"), range(4))
+
+def test_a_wrap_belongs_to_the_run_in_which_it_was(short, tmp_path, monkeypatch):
+    """Late in a run, and not after its end, though the batch goes on."""
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    batch = run_batch(Case(short, "wrapping", "iq"), range(4))
     for seed in range(4):
-        alone = direct_run(short, seed=seed, drawn=True)
+        alone = direct_run(short, seed=seed, drawn=True, controller="wrapping")
         assert batch.wraps[seed] == alone.arithmetic.wraps > 0
-    run = local_run(short, tmp_path, seed=2, drawn=True)
+    run = local_run(short, tmp_path, seed=2, drawn=True, controller="wrapping")
     assert batch.scores[2] == run.score
     assert "fixed-point wrap in the controller, reported at" in batch.failures[2][-1]
 

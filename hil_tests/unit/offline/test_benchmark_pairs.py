@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from benchmarks import __main__ as table
-from benchmarks import buses, native
+from benchmarks import native
 from benchmarks.buses import GATEWAY, KERNEL, SOCKET_PAIR, TCP_HUB, UNIX_HUB, Transport, transports
 from benchmarks.figures import MeasurementError, Missing
 from benchmarks.machine import Machine
@@ -196,7 +196,7 @@ def test_load_is_on_every_core_and_goes() -> None:
 
 
 def test_without_a_compiler_the_ratio_is_missing_and_said(monkeypatch, tmp_path, capsys) -> None:
-    monkeypatch.setattr(native, "compiler", lambda: None)
+    monkeypatch.setenv("PATH", str(tmp_path))
     missing = native.c_loop(tmp_path)
     assert isinstance(missing, Missing)
     assert "no C compiler" in missing.why
@@ -209,14 +209,13 @@ def test_without_a_compiler_the_ratio_is_missing_and_said(monkeypatch, tmp_path,
     assert missing.why in printed
 
 
-def test_a_loop_that_does_not_compile_is_no_measurement(monkeypatch, tmp_path) -> None:
+def test_a_loop_that_does_not_compile_is_no_measurement(tmp_path) -> None:
     broken = tmp_path / "loop.c"
     broken.write_text("int main(void) { return nothing; }\n")
-    monkeypatch.setattr(native, "_SOURCE", broken)
     if native.compiler() is None:
         pytest.skip("MISSING CAPABILITY C compiler")
     with pytest.raises(MeasurementError, match=r"loop\.c does not compile: .*nothing"):
-        native.c_loop(tmp_path)
+        native.c_loop(tmp_path, broken)
 
 
 def test_a_hub_that_does_not_start_says_why(socket_folder) -> None:
@@ -224,14 +223,11 @@ def test_a_hub_that_does_not_start_says_why(socket_folder) -> None:
         pass
 
 
-def test_a_kernel_without_can_is_said(monkeypatch) -> None:
-    monkeypatch.setattr(buses, "vcan_available", lambda channel: False)
-    ways, missing = transports()
+def test_a_kernel_without_can_is_said() -> None:
+    ways, missing = transports(emulated=False, vcan=False)
     assert KERNEL not in ways
     assert [each.name for each in missing] == [KERNEL.name]
-    monkeypatch.setattr(buses, "vcan_available", lambda channel: True)
-    monkeypatch.setattr(buses, "is_emulated", lambda: True)
-    ways, missing = transports()
+    ways, missing = transports(emulated=True, vcan=True)
     assert KERNEL in ways
     assert {each.name for each in missing} == {TCP_HUB.name, GATEWAY.name}
 

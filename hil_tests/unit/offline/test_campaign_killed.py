@@ -200,17 +200,15 @@ def deadly() -> Callable[[object], None]:
     return lambda task: os.kill(os.getpid(), signal.SIGKILL)
 
 
-def test_a_chunk_that_kills_every_worker_ends_the_campaign(monkeypatch):
+def test_a_chunk_that_kills_every_worker_ends_the_campaign():
     said: list[str] = []
-    monkeypatch.setattr(engines, "run_task", deadly())
-    monkeypatch.setattr(engines, "LOSSES_MAX", 2)
     with (
-        engines.running("joblib", 2, None, said.append) as engine,
-        pytest.raises(engines.WorkersLost, match="died 2 times in a row") as caught,
+        engines.running("joblib", 2, None, said.append, work=deadly()) as engine,
+        pytest.raises(engines.WorkersLost, match="died 3 times in a row") as caught,
     ):
         list(engine([SimpleNamespace(chunk=SimpleNamespace(name=f"ipfc-{i}")) for i in range(4)]))
     assert caught.value.exit_code == 3
-    assert len(said) == 1
+    assert len(said) == 2
 
 
 def test_a_worker_with_other_code_is_refused():
@@ -243,20 +241,18 @@ def test_dask_goes_on_after_a_killed_worker(cluster, short, tmp_path, wanted):
     assert (tmp_path / "mine" / "results.parquet").read_bytes() == wanted
 
 
-def test_dask_that_gives_up_a_chunk_says_so(cluster, monkeypatch):
-    monkeypatch.setattr(dask_engine, "run_task", deadly())
+def test_dask_that_gives_up_a_chunk_says_so(cluster):
     with (
-        engines.running("dask", 1, cluster.scheduler_address, print) as engine,
+        engines.running("dask", 1, cluster.scheduler_address, print, work=deadly()) as engine,
         pytest.raises(dask_engine.ClusterLost, match="its workers died 4 times"),
     ):
         list(engine([SimpleNamespace()]))
 
 
-def test_nobody_at_the_address_is_one_line(monkeypatch):
-    monkeypatch.setattr(dask_engine, "_CONNECT_S", 0.5)
+def test_nobody_at_the_address_is_one_line():
     with (
         pytest.raises(InputError, match=r"--scheduler: found 'tcp://127.0.0.1:9', allowed tcp://HOST:PORT of a "),
-        engines.running("dask", 1, "tcp://127.0.0.1:9", print),
+        dask_engine.connected("tcp://127.0.0.1:9", print, connect_s=0.5),
     ):
         pass
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +11,6 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.campaign_command import Campaign, campaign_here
-from railhil.campaign import extras
 from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.summary import training_sentence
@@ -30,7 +30,7 @@ def short(tmp_path_factory):
 def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
     """The command, in an empty folder."""
     monkeypatch.chdir(tmp_path)
-    return campaign_here(monkeypatch, capsys)
+    return campaign_here(capsys)
 
 
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
@@ -148,14 +148,7 @@ def test_a_folder_with_something_else_is_refused(campaign, short):
 
 @pytest.mark.parametrize("module", ["pyarrow", "numba", "joblib"])
 def test_a_missing_library_is_one_line(campaign, short, tmp_path, monkeypatch, module):
-    real = extras.importlib.import_module
-
-    def without(name: str):
-        if name == module:
-            raise ModuleNotFoundError(f"No module named {name!r}")
-        return real(name)
-
-    monkeypatch.setattr(extras.importlib, "import_module", without)
+    monkeypatch.setitem(sys.modules, module, None)
     done = campaign(short, "--engine", "joblib", "--out", "mine")
     assert done.exit_code == 2
     assert f"module {module}: found not installed" in done.one_line()

@@ -6,12 +6,11 @@ from math import ceil
 
 import pytest
 
-import railhil.controller_node.controller
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.plug import Wrapping, plug_in
 from railhil.batch.perturbed_runs import FIRST_SEED, SCORES, outcomes
 from railhil.bench import direct_run, local_run
-from railhil.controller_node.arithmetic.base import Constant, Counters
-from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.load import load
 
 
@@ -34,22 +33,11 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
-def test_outcomes_are_those_of_single_runs(short, monkeypatch, arithmetic):
-    """The notch made in a way that wraps in fixed point, in every period."""
-
-    def wrapping(self, state, inputs):
-        ar = self._ar
-        ar.mpy(ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 1.5, 30)), 30)
-        return step(self, state, inputs)
-
-    step = Ipfc.step
-    monkeypatch.setattr(Ipfc, "step", wrapping)
-    # Else it would not start.
-    monkeypatch.setattr(railhil.controller_node.controller, "refuse_wraps", lambda *given: None)
-    found = outcomes(short, 3, arithmetic=arithmetic, indexing="distance")
-    runs = [
-        direct_run(short, seed=FIRST_SEED + i, drawn=True, arithmetic=arithmetic, indexing="distance") for i in range(3)
-    ]
+def test_outcomes_are_those_of_single_runs(short, tmp_path, monkeypatch, arithmetic):
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    case = {"controller": "wrapping", "arithmetic": arithmetic, "indexing": "distance"}
+    found = outcomes(short, 3, **case)
+    runs = [direct_run(short, seed=FIRST_SEED + i, drawn=True, **case) for i in range(3)]
     for name in SCORES:
         assert [getattr(score, name) for score in found.scores] == [getattr(run.score, name) for run in runs]
     # 25 polls of 20 ms in a control period.

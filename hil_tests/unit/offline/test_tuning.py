@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.plug import plug_in
 from railhil.batch import Case, run_batch
 from railhil.bench import local_run
 from railhil.common.errors import InputError
@@ -17,6 +20,7 @@ from railhil.controller_node import laws
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
 from railhil.controller_node.arithmetic.float64 import Float64Batch
+from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.model import Kind, LawProgram
 from railhil.controller_node.program.tracer import Tracer
@@ -167,21 +171,20 @@ def test_search_that_finds_nothing_better_keeps_the_defaults(short: Scenario, mo
     assert (result.evaluations, result.infeasible) == (10, 2)
 
 
-def test_interrupted_search_gives_what_it_has(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
-    judge, judged = Trials.of, []
-
-    def pressed(self: Trials, candidates: list[dict[str, float]]) -> list[float | None]:
-        if len(judged) == 2:
-            raise KeyboardInterrupt
-        judged.append(judge(self, candidates))
-        return judged[-1]
-
-    monkeypatch.setattr(Trials, "of", pressed)
+def test_interrupted_search_gives_what_it_has(short: Scenario) -> None:
     protocol = Protocol(short, "tdmc", seeds=(0,), budget=60)
-    result = search(protocol)
+    judged: list[float] = []
+
+    def pressed(evaluations: int, best: float) -> None:
+        judged.append(best)
+        if evaluations == 2 * protocol.population:
+            raise KeyboardInterrupt
+
+    result = search(protocol, pressed)
     assert not result.complete
     assert result.evaluations == 2 * protocol.population
-    assert result.objective == min(x for generation in judged for x in generation if x is not None)
+    trials = Trials(short, "tdmc", "time", (0,))
+    assert result.objective == judged[-1] == trials.of([result.values])[0] < result.objective_default
 
 
 def test_parameters_at_a_bound_are_named() -> None:
@@ -229,7 +232,13 @@ def test_file_drives_a_run(given: ParameterSet, found: tuple[Protocol, Found], s
     assert own.notches != tuned.notches
 
 
-def test_a_law_with_nothing_to_tune_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(laws.load("ipfc"), "tunable", {})
+class Fixed(Ipfc[Any]):
+    """A law with nothing to tune."""
+
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = {}
+
+
+def test_a_law_with_nothing_to_tune_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plug_in(tmp_path, monkeypatch, fixed=Fixed)
     with pytest.raises(InputError, match="a law that declares tunable parameters"):
-        search(Protocol(SCENARIO, "ipfc"))
+        search(Protocol(SCENARIO, "fixed"))

@@ -85,10 +85,7 @@ def test_tune_as_a_user_runs_it(
 
     # The evaluation alone says the same; with a training seed it says nothing, or that it is none.
     def evaluated(*more: str) -> str:
-        monkeypatch.setattr(
-            "sys.argv", ["tune", "--evaluate", str(file), "fuzzy_pid", str(quick), "--runs", "4", *more]
-        )
-        assert tool.main() == 0
+        assert tool.main(["--evaluate", str(file), "fuzzy_pid", str(quick), "--runs", "4", *more]) == 0
         return capsys.readouterr().out
 
     assert done.out.endswith(evaluated())
@@ -110,8 +107,7 @@ def test_ctrl_c_writes_the_best_so_far(
         return judged[0]
 
     monkeypatch.setattr(Trials, "of", pressed)
-    monkeypatch.setattr("sys.argv", ["tune", "tdmc", str(quick), "--budget", "60", "--seeds", "0", "--out", str(file)])
-    assert tool.main() == 130
+    assert tool.main(["tdmc", str(quick), "--budget", "60", "--seeds", "0", "--out", str(file)]) == 130
     assert "stopped before the budget was used up" in capsys.readouterr().out
     assert load_parameters(file).law == "tdmc"
     notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
@@ -145,9 +141,8 @@ def test_bad_input_is_one_line(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sys.argv", ["tune", *arguments])
     with pytest.raises((InputError, SystemExit)) as caught:
-        tool.main()
+        tool.main(arguments)
     said = capsys.readouterr()
     if isinstance(caught.value, InputError):
         line, code = str(caught.value), caught.value.exit_code

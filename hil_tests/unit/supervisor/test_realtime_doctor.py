@@ -75,24 +75,20 @@ def test_only_can_interfaces_are_taken(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("installed", [True, False])
-def test_kernel_without_can(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, installed: bool) -> None:
-    monkeypatch.setattr(
-        "railhil.supervisor.doctor.kernelcan._refusal", lambda: "address family not supported by protocol"
-    )
+def test_kernel_without_can(tmp_path: Path, installed: bool) -> None:
     if installed:
         put(tmp_path, {"lib/modules/6.1/modules.dep": "kernel/drivers/net/can/vcan.ko.xz: kernel/net/can/can.ko.xz\n"})
-    (found,) = kernel_can(tmp_path, "6.1")
+    (found,) = kernel_can(tmp_path, "6.1", lambda: "address family not supported by protocol")
     assert found.found.startswith("no (address family not supported by protocol)")
     assert found.advice.startswith(
         "sudo modprobe vcan && sudo ip link add" if installed else "use the hub, or `railhil"
     )
 
 
-def test_kernel_with_can_and_no_interface(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("railhil.supervisor.doctor.kernelcan._refusal", lambda: "")
-    (found,) = kernel_can(tmp_path)
+def test_kernel_with_can_and_no_interface(tmp_path: Path) -> None:
+    (found,) = kernel_can(tmp_path, refusal=str)
     assert (found.found, found.advice.startswith("no interface: sudo ip link add dev vcan0")) == ("yes", True)
-    assert [item.subject for item in kernel_can(can0(tmp_path))] == ["kernel CAN", "interface can0"]
+    assert [item.subject for item in kernel_can(can0(tmp_path), refusal=str)] == ["kernel CAN", "interface can0"]
 
 
 # -- permissions and kernel -------------------------------------------------------------------------------------------
@@ -106,9 +102,8 @@ def test_kernel_with_can_and_no_interface(tmp_path: Path, monkeypatch: pytest.Mo
         ((0, "no CAP_SYS_NICE, rtprio limit 0"), "not permitted (no CAP_SYS_NICE, rtprio limit 0)", True),
     ],
 )
-def test_fifo(monkeypatch: pytest.MonkeyPatch, granted: tuple[int, str], found: str, advised: bool) -> None:
-    monkeypatch.setattr(scheduling, "permitted_priority", lambda _: granted)
-    finding = scheduling._fifo()
+def test_fifo(granted: tuple[int, str], found: str, advised: bool) -> None:
+    finding = scheduling.fifo(*granted)
     assert finding.found == found
     assert bool(re.fullmatch(r"echo '\S+ - rtprio 45' \| sudo tee -a /etc/security/limits.conf.*", finding.advice)) is (
         advised
@@ -160,10 +155,9 @@ def test_preemption(tmp_path: Path, files: dict[str, str], version: str, begin: 
         ("acpi_pm", "acpi_pm", "kernel parameter tsc=reliable, if the processor's counter is steady"),
     ],
 )
-def test_clock(tmp_path: Path, current: str, available: str, advice: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("railhil.supervisor.doctor.machine._read_ns", lambda: 60)
+def test_clock(tmp_path: Path, current: str, available: str, advice: str) -> None:
     files = {f"{CLOCK}/current_clocksource": current, f"{CLOCK}/available_clocksource": available}
-    finding = clock(put(tmp_path, files))
+    finding = clock(put(tmp_path, files), 60)
     assert finding.found.startswith(f"{current}, resolution 1 ns, a look at it costs 60 ns")
     assert finding.advice == advice
 
@@ -236,13 +230,12 @@ def test_serial_ports(tmp_path: Path) -> None:
 
 def test_tools(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
-    monkeypatch.setattr("railhil.supervisor.doctor.tools._SYSTEM_PATH", "")
-    assert virtual_machine().advice == "sudo apt install qemu-system-x86 kmod util-linux"
+    assert virtual_machine("").advice == "sudo apt install qemu-system-x86 kmod util-linux"
     assert docker() == Finding("docker", "not installed", "sudo apt install docker.io docker-compose")
     for name, script in {"docker": "exit 1", "qemu-system-x86_64": "", "depmod": "", "setpriv": ""}.items():
         (tmp_path / name).write_text(f"#!/bin/sh\n{script}\n")
         (tmp_path / name).chmod(0o755)
-    assert virtual_machine().advice == ""
+    assert virtual_machine("").advice == ""
     assert docker().found == "installed, no engine answers"
     (tmp_path / "docker").write_text("#!/bin/sh\necho 27.1\n")
     assert docker() == Finding("docker", "engine 27.1 with compose")

@@ -18,7 +18,6 @@ from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
 from railhil.plant_sim import command as plant_program
 from railhil.scenarios.load import load
-from railhil.supervisor import run as run_module
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.processes import Node, Nodes
 from railhil.supervisor.run import Run
@@ -54,12 +53,13 @@ FOREIGN = [Frame(0x7FF, b"\0")]
 
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
+    """One that waits for a moment only."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    return Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", pace="realtime"), choice, tmp_path)
+    options = RunOptions("lvshun_tieshan", pace="realtime")
+    return Run(load("lvshun_tieshan"), options, choice, tmp_path, silence_s=0.1, after_loss_s=0.05)
 
 
-def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run_module, "AFTER_LOSS_S", 0.05)
+def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
     bus = Bus(FOREIGN)
     assert run._drain(bus, StopSignals()) is False
     assert run._drain(Bus([]), StopSignals()) is False
@@ -71,9 +71,8 @@ def test_the_end_of_a_run_can_be_stopped(run: Run) -> None:
 
 
 @pytest.mark.parametrize("is_down", [False, True])
-def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, monkeypatch: pytest.MonkeyPatch, is_down: bool) -> None:
+def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, is_down: bool) -> None:
     """The link waits for its interface longer than the bench may be silent, and then says so itself."""
-    monkeypatch.setattr(run_module, "SILENCE_S", 0.1)
     looks = [0]
 
     def lost_at_last() -> None:
@@ -154,6 +153,5 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
     monkeypatch.setattr(plant_program, "open_link", lambda _config, _name: link)
     monkeypatch.setattr(plant_program, "run_plant", lambda *_: done.append("run"))
     (tmp_path / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
-    monkeypatch.setattr("sys.argv", ["plant", str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"])
-    assert plant_program.main() == 0
+    assert plant_program.main([str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"]) == 0
     assert done == ["run", "close", "tell"]

@@ -22,9 +22,14 @@ _WITHOUT = "use the hub, or `railhil vcan -- COMMAND`"
 _MAKE_VCAN = "sudo ip link add dev vcan0 type vcan && sudo ip link set vcan0 up"
 
 
-def kernel_can(root: Path = Path("/"), release: str | None = None) -> list[Finding]:
-    """Whether the kernel has CAN, and the state of each interface."""
-    reason = _refusal()
+def kernel_can(
+    root: Path = Path("/"), release: str | None = None, refusal: Callable[[], str] | None = None
+) -> list[Finding]:
+    """Whether the kernel has CAN, and the state of each interface.
+
+    :param refusal: why no CAN socket can be had, empty when one can; None: tried.
+    """
+    reason = (refusal or _refusal)()
     if reason:
         return [_without(reason, _module(root, release or platform.release()))]
     names = can_interfaces(root)

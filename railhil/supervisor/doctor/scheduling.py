@@ -17,11 +17,20 @@ _SHARE_MIN = 0.5
 
 def scheduling(root: Path = Path("/"), version: str | None = None) -> list[Finding]:
     """SCHED_FIFO, locked memory, the throttle and the preemption model."""
-    return [_fifo(), _memory(), _throttle(root), preemption(root, version or platform.version())]
+    return [
+        fifo(*permitted_priority(HUB_PRIORITY)),
+        _memory(),
+        _throttle(root),
+        preemption(root, version or platform.version()),
+    ]
 
 
-def _fifo() -> Finding:
-    granted, reason = permitted_priority(HUB_PRIORITY)
+def fifo(granted: int, reason: str) -> Finding:
+    """SCHED_FIFO.
+
+    :param granted: highest priority that this process may have of those that the bench asks for, 0: none.
+    :param reason: why not a higher one.
+    """
     if granted == HUB_PRIORITY:
         return Finding("SCHED_FIFO", f"permitted at the bench's priorities, up to {HUB_PRIORITY}")
     advice = f"echo '{_user()} - rtprio {HUB_PRIORITY}' | sudo tee -a /etc/security/limits.conf, then log in again"

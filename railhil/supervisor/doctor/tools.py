@@ -30,9 +30,12 @@ def serial_ports(root: Path) -> list[Finding]:
     return [Finding("serial ports", f"{names}, not all readable", "sudo usermod -aG dialout $USER, then log in again")]
 
 
-def virtual_machine() -> Finding:
-    """Whether `railhil vcan` can bring a kernel with vcan up."""
-    path = os.pathsep.join((os.environ.get("PATH", ""), _SYSTEM_PATH))
+def virtual_machine(system_path: str = _SYSTEM_PATH) -> Finding:
+    """Whether `railhil vcan` can bring a kernel with vcan up.
+
+    :param system_path: where tools of the system are that a user's PATH leaves out.
+    """
+    path = os.pathsep.join((os.environ.get("PATH", ""), system_path))
     missing = [package for tool, package in _MACHINE_TOOLS.items() if shutil.which(tool, path=path) is None]
     if missing:
         return Finding("railhil vcan", f"tools missing: {', '.join(missing)}", f"sudo apt install {' '.join(missing)}")

@@ -1,0 +1,40 @@
+"""Laws of a test, registered as a user registers one: an entry point of a distribution on the path."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws import GROUP
+from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.program.tracer import Tracer
+
+
+class Wrapping(Ipfc[Any]):
+    """IPFC with a product that wraps in every period; its record does not show it, else it would not start."""
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        """One control period, wrapped."""
+        ar = self._ar
+        if not isinstance(ar, Tracer):
+            ar.mpy(ar.const(Constant("x", 1.5, 30)), ar.const(Constant("y", 1.5, 30)), 30)
+        return super().step(state, inputs)
+
+
+def plug_in(folder: Path, patch: pytest.MonkeyPatch, **laws: type[Law[Any, Any]]) -> None:
+    """Make laws, classes at the top of a test's module, known by these names until the end of the test.
+
+    :param folder: where the distribution is written.
+    """
+    package = folder / "plug" / "laws_of_a_test-1.dist-info"
+    package.mkdir(parents=True)
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: laws-of-a-test\nVersion: 1\n")
+    lines = [f"{name} = {law.__module__}:{law.__qualname__}" for name, law in laws.items()]
+    (package / "entry_points.txt").write_text("\n".join((f"[{GROUP}]", *lines, "")))
+    patch.syspath_prepend(str(package.parent))
+    importlib.invalidate_caches()
