@@ -44,6 +44,13 @@ class Telegram:
         return wire_contract().port(cls.PORT)
 
     @classmethod
+    def signal_names(cls) -> list[tuple[str, str]]:
+        """``(field name, name of its DBC signal)`` of every field."""
+        prefix = cls.PORT.split("_")[0].capitalize()
+        fields = dataclasses.fields(cls)  # type: ignore[arg-type]
+        return [(item.name, item.metadata["signal"].replace("{p}", prefix)) for item in fields]
+
+    @classmethod
     def _compile(cls) -> None:
         """Give the class its own ``encode`` and ``decode``; checks it against the port table."""
         port = cls.port()

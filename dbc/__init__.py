@@ -1,5 +1,25 @@
 """The wire contract: ports, telegram layouts, and the DBC file that says the same to every other tool."""
 
-from railhil.dbc.contract import Contract, ContractError, Port, Signal, load_contract, wire_contract
+from railhil.dbc.contract import (
+    DBC,
+    PORTS,
+    Contract,
+    ContractError,
+    Port,
+    Signal,
+    load_contract,
+    recorded_contract,
+    wire_contract,
+)
 
-__all__ = ["Contract", "ContractError", "Port", "Signal", "load_contract", "wire_contract"]
+__all__ = [
+    "DBC",
+    "PORTS",
+    "Contract",
+    "ContractError",
+    "Port",
+    "Signal",
+    "load_contract",
+    "recorded_contract",
+    "wire_contract",
+]

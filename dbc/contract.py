@@ -10,7 +10,7 @@ import hashlib
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -24,6 +24,8 @@ ANTIVALENT_VALUES = {0: "error", 1: "false", 2: "true", 3: "undefined"}
 WIRE_VERSION = 3
 
 _FOLDER = Path(__file__).parent
+#: Names of the port table and of its DBC, here and in a run folder.
+PORTS, DBC = "ports.toml", "railhil.dbc"
 _AT = re.compile(r"^(\d+)\.([0-7]):(\d+)$")
 
 
@@ -196,7 +198,7 @@ def _checked(file: str, port: Port) -> Port:
     return port
 
 
-def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -> Contract:
+def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contract:
     """Read the port table and, unless told otherwise, check it against the DBC file beside it.
 
     :raises ContractError: one line with file, key, found and allowed; also when the DBC beside the table does not
@@ -205,9 +207,23 @@ def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -
     from railhil.dbc.generate import dbc_text
 
     file = path.name
+    draft = _read(path, "")
+    digest = hashlib.sha256(dbc_text(draft).encode()).hexdigest()
+    dbc_path = path.with_name(DBC)
+    found = hashlib.sha256(dbc_path.read_bytes()).hexdigest() if dbc_path.exists() else "no file"
+    if check_dbc and found != digest:
+        raise ContractError(
+            f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
+        )
+    return replace(draft, sha256=digest)
+
+
+def _read(path: Path, sha256: str) -> Contract:
+    """The port table in a file. Raises ContractError."""
+    file = path.name
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+    except (OSError, ValueError) as error:
         raise ContractError(f"{file}: {error}") from error
     ports: list[Port] = []
     for entry in table["port"]:
@@ -228,23 +244,35 @@ def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -
         )
         ports.append(_checked(file, port))
     bus = table["bus"]
-    draft = Contract(
+    return Contract(
         bit_rate=int(bus["bit_rate"]),
         poll_id=int(bus["poll_id"]),
         device_status_id=int(bus["device_status_id"]),
         base_tick_ns=int(bus["base_tick_ms"]) * 1_000_000,
         ports=tuple(sorted(ports, key=lambda port: port.address)),
-        sha256="",
+        sha256=sha256,
     )
-    text = dbc_text(draft)
-    digest = hashlib.sha256(text.encode()).hexdigest()
-    dbc_path = path.with_name("railhil.dbc")
-    found = hashlib.sha256(dbc_path.read_bytes()).hexdigest() if dbc_path.exists() else "no file"
-    if check_dbc and found != digest:
-        raise ContractError(
-            f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
-        )
-    return Contract(draft.bit_rate, draft.poll_id, draft.device_status_id, draft.base_tick_ns, draft.ports, digest)
+
+
+def recorded_contract(folder: Path, sha256: str | None) -> Contract:
+    """The contract that a record was made with: of its folder, else this version's, else an earlier one's.
+
+    :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
+    :param sha256: of the DBC, as the certificate says; None when nothing says it.
+    :raises ContractError: the folder's DBC is another, or no version of railhil had the one that is asked for.
+    """
+    if (folder / PORTS).is_file() and (folder / DBC).is_file():
+        found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()
+        if sha256 not in (None, found):
+            raise ContractError(f"{folder / DBC}: sha256: found {found}, allowed {sha256}, as in the certificate")
+        return _read(folder / PORTS, found)
+    if sha256 in (None, wire_contract().sha256):
+        return wire_contract()
+    earlier = _FOLDER / "history" / f"{sha256}.toml"
+    if not earlier.is_file():
+        allowed = f"one of a version of railhil, or {PORTS} and {DBC} in the folder"
+        raise ContractError(f"{folder}: DBC: found sha256 {sha256}, allowed {allowed}")
+    return _read(earlier, str(sha256))
 
 
 @cache

@@ -5,21 +5,54 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from typing import Any
 
 from railhil.scenarios.model import Scenario
 
-#: Fields that only explain a scenario; changing them does not change a run.
+#: Fields that only explain a scenario.
 _EXPLAINING = ("title", "assumptions", "published", "sha256")
+#: Fields that change no frame of a run, but what is said of it.
+_JUDGING = ("energy",)
+_JUDGING_OF_PLAN = ("stop_error_max_m", "time_error_max_s")
+
+
+def _used(item: Any) -> Any:
+    """A dataclass as a table without the fields that have their defaults; so a field that is added later, and not
+    used by a scenario, does not change its hash."""
+    if not dataclasses.is_dataclass(item):
+        return [_used(entry) for entry in item] if isinstance(item, tuple) else item
+    table = {}
+    for field in dataclasses.fields(item):
+        value = getattr(item, field.name)
+        factory = field.default_factory
+        default = field.default if factory is dataclasses.MISSING else factory()
+        if value != default:
+            table[field.name] = _used(value)
+    return table
+
+
+def _text(table: dict[str, Any]) -> str:
+    return json.dumps(table, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
 
 
 def canonical_json(scenario: Scenario) -> str:
-    """JSON with sorted keys, no spaces and shortest round-trip floats, without the explaining fields."""
-    fields = dataclasses.asdict(scenario)
-    for name in _EXPLAINING:
-        del fields[name]
-    return json.dumps(fields, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    """JSON of what the run uses, with sorted keys, no spaces and shortest round-trip floats."""
+    table = _used(scenario)
+    for name in (*_EXPLAINING, *_JUDGING):
+        table.pop(name, None)
+    for name in _JUDGING_OF_PLAN:
+        table["plan"].pop(name, None)
+    return _text(table)
 
 
 def scenario_sha256(scenario: Scenario) -> str:
     """SHA-256 (hex) of :func:`canonical_json`."""
     return hashlib.sha256(canonical_json(scenario).encode("ascii")).hexdigest()
+
+
+def judged_sha256(scenario: Scenario) -> str:
+    """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores may stand together."""
+    table = _used(scenario)
+    for name in _EXPLAINING:
+        table.pop(name, None)
+    return hashlib.sha256(_text(table).encode("ascii")).hexdigest()

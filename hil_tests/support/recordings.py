@@ -7,8 +7,10 @@ from pathlib import Path
 from railhil.bench import local_run
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.documents import read_certificate
-from railhil.supervisor.folder import write_folder, write_json
+from railhil.supervisor.folder import write_folder
+from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.jitter import lockstep_timing
+from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
@@ -18,6 +20,7 @@ from railhil.supervisor.telemetry import read_origin, read_summary
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
     """One run in this process, its folder written as the command writes it."""
     folder.mkdir()
+    write_inputs(folder, scenario, None)
     run = local_run(scenario, folder, seed=seed, arithmetic=arithmetic)
     write_json(folder / "telemetry.json", run.telemetry)
     result = RunResult(

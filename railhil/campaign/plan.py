@@ -19,6 +19,7 @@ from railhil.controller_node import laws as registered
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.loop import ControlLoop
+from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
@@ -148,7 +149,7 @@ class Plan:
         """What decides the figure of every single run."""
         return {
             "scenario": self.scenario.name,
-            "scenario_sha256": self.scenario.sha256,
+            "scenario_sha256": judged_sha256(self.scenario),
             "arithmetic": self.request.arithmetic,
             "indexing": self.request.indexing,
             "code_sha256": bench_sha256(),

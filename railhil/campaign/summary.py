@@ -14,6 +14,7 @@ from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, e
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import worst_runs
+from railhil.scenarios.canonical import judged_sha256
 
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
@@ -107,7 +108,7 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
     warning = training_sentence(plan)
     return {
         "scenario": plan.scenario.name,
-        "scenario_sha256": plan.scenario.sha256,
+        "scenario_sha256": judged_sha256(plan.scenario),
         "arithmetic": plan.request.arithmetic,
         "indexing": plan.request.indexing,
         "runs": plan.request.runs,

@@ -26,6 +26,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
+from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
@@ -135,6 +136,11 @@ def recorded(
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
     """
     with _progress(scenario, options, console, quiet) as on_progress:
+        try:
+            write_inputs(folder, scenario, options.parameters)
+        except OSError as error:
+            discard_folder(folder, made)
+            raise record_failed(folder, error) from error
         run = Run(scenario, options, choice, folder, on_progress)
         result = _executed(run, folder, made)
     refused = result.exit_code == USAGE and result.sim_time_s == 0

@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 
 from railhil.bus.telegrams import SimTruth
-from railhil.cli.record import checked_record
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.record import checked_record
 
 _SUFFIXES = (".svg", ".png", ".pdf")
 #: A curve needs two points.

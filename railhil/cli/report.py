@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from railhil.cli.record import checked_record
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
+from railhil.scenarios.canonical import judged_sha256
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.score import score
 
@@ -42,7 +43,7 @@ def work(namespace: argparse.Namespace) -> int:
     runs = [_run(folder, namespace.scenario) for folder in folders]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
-        if run.scenario.sha256 != first.sha256:
+        if judged_sha256(run.scenario) != judged_sha256(first):
             raise InputError(folder, "scenario", run.scenario.name, f"{first.name}, as in {folders[0]}")
     if namespace.out is not None:
         out = Path(namespace.out)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.record import checked_record
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, print_json
+from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import score
 
 

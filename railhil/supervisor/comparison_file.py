@@ -12,7 +12,7 @@ from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.documents import COMPARISON
 from railhil.supervisor.errors import RecordFailed
-from railhil.supervisor.folder import write_json
+from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.score_table import COLUMNS

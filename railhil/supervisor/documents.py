@@ -42,6 +42,8 @@ class _OwnParameters(_Part):
 
 class _Certificate(_Part):
     scenario: str | None = None
+    scenario_sha256: str | None = None
+    judged_sha256: str | None = None
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None

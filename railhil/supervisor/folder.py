@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import platform
 import shlex
 import tempfile
@@ -19,12 +18,13 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
-from railhil.common.whole_file import whole_file
 from railhil.dbc import wire_contract
+from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
+from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
@@ -167,6 +167,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "railhil": version("railhil"),
         "scenario": options.scenario,
         "scenario_sha256": scenario.sha256,
+        # With the limits and factors that the record is judged by.
+        "judged_sha256": judged_sha256(scenario),
         "dbc_sha256": wire_contract().sha256,
         "code_sha256": code_sha256(),
         "seed": options.seed,
@@ -248,12 +250,6 @@ def write_signals(trace: Trace, path: Path) -> None:
     """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
     header, rows = signal_table(trace)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
-
-
-def write_json(path: Path, document: dict[str, Any]) -> None:
-    """Write a JSON document whole or not at all."""
-    with whole_file(path) as draft:
-        draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
 
 
 def write_folder(

@@ -12,7 +12,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import Ident
 from railhil.bus.mvb import master_tail
 from railhil.bus.store import TrafficStore
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, wire_contract
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -23,7 +23,9 @@ class Trace:
     Raw process data are kept as they came (16 to 40 bytes a telegram) and decoded in one go when asked for.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, contract: Contract | None = None) -> None:
+        #: What the telegrams are laid out by; default: this version's.
+        self.contract = contract or wire_contract()
         self._times_ns: dict[str, array[int]] = {}
         self._data: dict[str, bytearray] = {}
         #: Polls in the record.
@@ -62,7 +64,7 @@ class Trace:
 
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
         """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
-        entry = wire_contract().port(port)
+        entry = self.contract.port(port)
         found = next((item for item in entry.signals if item.name == signal), None)
         if found is None:
             raise KeyError(f"{port}.{signal}")
@@ -81,19 +83,25 @@ class Trace:
 
     def values(self, port: str, signal: str) -> FloatArray:
         """Physical values of a signal (raw * scale, in the unit of the port table), shape (n,)."""
-        scale = next(item.scale for item in wire_contract().port(port).signals if item.name == signal)
+        scale = next(item.scale for item in self.contract.port(port).signals if item.name == signal)
         return np.asarray(self.raw(port, signal) * scale, dtype=np.float64)
 
     def ident(self, telegram: type[Ident]) -> Ident | None:
         """First handshake telegram of a node, None when it is not in the record."""
-        data = self._data.get(telegram.PORT)
-        return telegram.decode(bytes(data[:16])) if data else None
+        if not self.count(telegram.PORT):
+            return None
+        known = {entry.name for entry in self.contract.port(telegram.PORT).signals}
+        named = {name: signal for name, signal in telegram.signal_names() if signal in known}
+        return telegram(**{name: int(self.raw(telegram.PORT, signal)[0]) for name, signal in named.items()})
 
 
-def trace_of(frames: Iterable[tuple[int, Frame]]) -> Trace:
-    """Trace of recorded frames ``(time_ns, frame)`` in bus order."""
-    trace = Trace()
-    contract = wire_contract()
+def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
+    """Trace of recorded frames ``(time_ns, frame)`` in bus order.
+
+    :param contract: what they were recorded with; default: this version's.
+    """
+    trace = Trace(contract)
+    contract = trace.contract
     store = TrafficStore(contract.ports)
     polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
     for time_ns, frame in frames:

@@ -22,7 +22,6 @@ from railhil.dbc import wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.scenarios.load import load
 from railhil.supervisor.documents import read_score
-from railhil.supervisor.folder import write_json
 from railhil.supervisor.jitter import (
     EDGES_MS,
     LATE_MS,
@@ -39,6 +38,7 @@ from railhil.supervisor.jitter import (
     plant_timing,
     realtime_timing,
 )
+from railhil.supervisor.json_file import write_json
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.trace import Trace, trace_of

@@ -8,9 +8,11 @@ from typing import Any
 
 from railhil.bus.ident import PltIdent
 from railhil.common.errors import InputError, Words
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, recorded_contract
+from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.stored import SCENARIO, earlier_scenario, read_scenario
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.framelog import read_log, sha256_of
 from railhil.supervisor.trace import Trace, trace_of
@@ -46,12 +48,16 @@ def log_path(text: str) -> Path:
 
 
 def _recorded_scenario(log: Path, name: str | None) -> Scenario:
-    """The scenario that a log was recorded with: by name, else from the certificate beside the log.
+    """The scenario that a log was recorded with: by name, else of its folder, else what the certificate names.
 
-    :raises InputError: neither says it.
+    A folder of version 0.1.0 has no scenario; the shipped ones of that version are kept with their hashes.
+
+    :raises InputError: none of them says it.
     """
     if name is not None:
         return load(name)
+    if (log.parent / SCENARIO).is_file():
+        return read_scenario(log.parent / SCENARIO)
     path = log.parent / CERTIFICATE
     document = read_certificate(log.parent, _BESIDE)
     if document is None:
@@ -59,6 +65,9 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     scenario = document.get("scenario")
     if scenario is None:
         raise InputError(path, "scenario", Words("no such key"), _BESIDE)
+    earlier = earlier_scenario(str(document.get("scenario_sha256")))
+    if earlier is not None:
+        return earlier
     return load(str(scenario))
 
 
@@ -74,13 +83,14 @@ def checked_record(text: str, name: str | None) -> Record:
     """
     log = log_path(text)
     scenario = _recorded_scenario(log, name)
-    trace = _trace(log, scenario)
     try:
         document = read_certificate(log.parent, _BESIDE) or {}
     except InputError:
         if name is None:
             raise
         document = {}
+    _check_judged(log, scenario, document, name)
+    trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256")))
     wanted, found = document.get("frames_sha256"), sha256_of(log)
     if wanted != found:
         if name is None:
@@ -90,15 +100,24 @@ def checked_record(text: str, name: str | None) -> Record:
     return Record(log, scenario, trace, invalid, document)
 
 
-def _trace(log: Path, scenario: Scenario) -> Trace:
+def _check_judged(log: Path, scenario: Scenario, document: dict[str, Any], name: str | None) -> None:
+    """The limits in the folder must be those of the run; a scenario that the user names may have others."""
+    wanted, found = document.get("judged_sha256"), judged_sha256(scenario)
+    if name is None and wanted is not None and wanted != found:
+        allowed = f"{wanted} ({CERTIFICATE}): limits that nobody changed"
+        raise InputError(log.parent / SCENARIO, "judged_sha256", found, allowed)
+
+
+def _trace(log: Path, scenario: Scenario, contract: Contract) -> Trace:
     """Telegrams of a log, after its handshake was compared with scenario and DBC."""
-    trace = trace_of(read_log(log))
+    trace = trace_of(read_log(log), contract)
     ident = trace.ident(PltIdent)
     if ident is None:
         raise InputError(log, "PLT_IDENT", Words("no such telegram"), "a log that railhil recorded from its start")
-    wanted_wire = int(wire_contract().sha256[:8], 16)
+    wanted_wire = int(contract.sha256[:8], 16)
     if ident.wire_hash != wanted_wire:
-        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", f"{wanted_wire:08x} (the DBC of this installation)")
+        allowed = f"{wanted_wire:08x} (the DBC that the record says it was made with)"
+        raise InputError(log, "DBC hash", f"{ident.wire_hash:08x}", allowed)
     wanted = int(scenario.sha256[:8], 16)
     if ident.scenario_hash != wanted:
         raise InputError(log, "scenario hash", f"{ident.scenario_hash:08x}", f"{wanted:08x} ({scenario.name})")

@@ -1,0 +1,107 @@
+"""Resolved scenarios as JSON: what a run folder keeps, and what a record of an earlier version was made with.
+
+A scenario of a record is never read from the shipped files again: they may say something else by now. The document has
+every field of :class:`railhil.scenarios.model.Scenario`, in SI units, with the names of the dataclasses.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.layers import DATA
+from railhil.scenarios.model import Scenario
+
+#: Name in a run folder.
+SCENARIO = "scenario.json"
+#: Fields that version 0.1.0 left out of its hash, which covered everything else, used by the run or not.
+_EXPLAINING_0_1_0 = ("title", "assumptions", "published")
+_ALLOWED = "a scenario that railhil has written"
+
+
+@cache
+def _adapter() -> TypeAdapter[Scenario]:
+    return TypeAdapter(Scenario)
+
+
+def document(scenario: Scenario) -> dict[str, Any]:
+    """Every field of a scenario as JSON can hold it."""
+    return dataclasses.asdict(scenario)
+
+
+def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
+    """The scenario of a document; fields that came later than it have their defaults.
+
+    :param file: named in a complaint.
+    :raises InputError: a field is missing, unknown or of another kind.
+    """
+    try:
+        scenario = _adapter().validate_json(json.dumps(fields))
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(str(part) for part in first["loc"])
+        raise InputError(file, key, Words(first["msg"]), _ALLOWED) from None
+    unknown = _unknown(fields, document(scenario))
+    if unknown:
+        raise InputError(file, unknown, Words("a key that no scenario has"), _ALLOWED)
+    return scenario
+
+
+def _unknown(given: object, known: object, key: str = "") -> str:
+    """First key of ``given`` that ``known`` has not; empty when there is none."""
+    if isinstance(given, dict) and isinstance(known, dict):
+        for name, value in given.items():
+            inner = f"{key}.{name}".lstrip(".")
+            if name not in known:
+                return inner
+            if found := _unknown(value, known[name], inner):
+                return found
+    elif isinstance(given, list) and isinstance(known, (list, tuple)):
+        for index, (value, other) in enumerate(zip(given, known, strict=True)):
+            if found := _unknown(value, other, f"{key}.{index}"):
+                return found
+    return ""
+
+
+def read_scenario(path: Path) -> Scenario:
+    """The scenario in ``scenario.json`` of a run folder.
+
+    :raises InputError: it cannot be read, is no scenario, or is not the one that it says it is (its hash).
+    """
+    try:
+        fields = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(path, "file", Words((error.strerror or str(error)).lower()), _ALLOWED) from None
+    except (ValueError, RecursionError):
+        raise InputError(path, "file", Words("no JSON document"), _ALLOWED) from None
+    if not isinstance(fields, dict):
+        raise InputError(path, "file", Words("no JSON object"), _ALLOWED)
+    scenario = scenario_of(fields, path)
+    found = scenario_sha256(scenario)
+    if found != scenario.sha256:
+        raise InputError(path, "sha256", scenario.sha256, f"{found}: a scenario that nobody changed")
+    return scenario
+
+
+def earlier_scenario(sha256: str) -> Scenario | None:
+    """The shipped scenario of an earlier version that has this hash; None when there is none."""
+    for path in sorted((DATA / "history").glob("*.json")):
+        fields = json.loads(path.read_text(encoding="utf-8")).get(sha256)
+        if fields is not None:
+            return scenario_of({**fields, "sha256": sha256}, path)
+    return None
+
+
+def sha256_0_1_0(fields: dict[str, Any]) -> str:
+    """Hash of a document as version 0.1.0 computed it."""
+    used = {name: value for name, value in fields.items() if name not in (*_EXPLAINING_0_1_0, "sha256")}
+    text = json.dumps(used, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
+    return hashlib.sha256(text.encode("ascii")).hexdigest()
