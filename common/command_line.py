@@ -27,7 +27,7 @@ exit codes:
   2    usage or bad input; one line says what was found and what is allowed
   3    INVALID: the bench cannot be trusted, nothing is said about the controller
   4    TOOL ERROR: a defect of the bench, or the record could not be written
-  130  stopped by Ctrl-C; 143 by SIGTERM (the log is kept, the run is marked INVALID)"""
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (the log is kept, the run is marked INVALID)"""
 
 
 class OneLineParser(argparse.ArgumentParser):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import signal
+import stat
 import sys
 from collections.abc import Callable
+from typing import NoReturn
 
 from railhil.bus.errors import BusLost, BusUnavailable, PeerSilent
 
@@ -32,6 +34,40 @@ def exit_code_of(error: BaseException) -> int:
     return int(getattr(error, "exit_code", TOOL_ERROR))
 
 
+def ending_signals() -> tuple[signal.Signals, ...]:
+    """Signals that end a command in good order: Ctrl-C, SIGTERM, and the terminal's end unless nohup had it ignored."""
+    found = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    return found if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN else found[:2]
+
+
+def leave_terminal() -> None:
+    """After SIGHUP: what is still to be said to a terminal that is gone goes nowhere, instead of failing (EIO)."""
+    for descriptor in (1, 2):
+        try:
+            mode = os.fstat(descriptor).st_mode
+        except OSError:
+            continue
+        if stat.S_ISCHR(mode) and not os.isatty(descriptor):
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, descriptor)
+            os.close(null)
+
+
+def finish_undisturbed() -> None:
+    """From here on this process only writes what it has measured and ends: signals that would end it are ignored.
+
+    When a node is lost the supervisor ends the others, and at a terminal Ctrl-C reaches all of them, maybe twice.
+    """
+    for number in ending_signals():
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _end(number: int, _: object) -> NoReturn:
+    if number == signal.SIGHUP:
+        leave_terminal()
+    sys.exit(128 + number)
+
+
 def hold_back_interrupts() -> None:
     """Ctrl-C waits: this process is about to become another program, which has to load before it can end in good order.
 
@@ -48,11 +84,12 @@ def hear_interrupts() -> None:
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
-    ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM ends the process like
-    Ctrl-C, so that sockets and files are closed.
+    ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM and SIGHUP end the process
+    like Ctrl-C, so that sockets and files are closed.
     """
     try:
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+        for number in ending_signals()[1:]:
+            signal.signal(number, _end)
         hear_interrupts()
         return main()
     except KeyboardInterrupt:

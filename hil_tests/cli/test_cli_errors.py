@@ -45,7 +45,7 @@ DBC = ROOT / "dbc" / "railhil.dbc"
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
     """The command in this process, in an empty folder: as in a process of its own, but faster."""
     monkeypatch.chdir(tmp_path)
-    handler = signal.getsignal(signal.SIGTERM)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
 
     def call(*arguments: str | Path) -> Done:
         monkeypatch.setattr(sys, "argv", ["railhil", *map(str, arguments)])
@@ -57,7 +57,8 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
         return Done(code, said.out, said.err)
 
     yield call
-    signal.signal(signal.SIGTERM, handler)
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 def complaint(done: Done, exit_code: int = 2) -> str:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import io
 import json
 import os
+import pty
 import shlex
 import signal
 import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -258,9 +260,15 @@ def interruptible() -> None:
 
 
 @pytest.mark.loop
-@pytest.mark.parametrize(("number", "whole_group"), [(signal.SIGINT, True), (signal.SIGTERM, False)])
-def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, number, whole_group):
-    """Ctrl-C reaches every process of the terminal at once, SIGTERM only the one it is sent to."""
+@pytest.mark.parametrize(
+    ("number", "whole_group"),
+    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True), (signal.SIGHUP, False)],
+)
+def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number, whole_group):
+    """Ctrl-C and a terminal that is gone reach every process of it at once, SIGTERM only the one it is sent to."""
+    sockets = tmp_path / "sockets"
+    sockets.mkdir()
+    monkeypatch.setenv("TMPDIR", str(sockets))
     folder = tmp_path / "run"
     process = subprocess.Popen(
         command("run", "--pace", "realtime", "--rate", "20", "--out", folder),
@@ -283,8 +291,54 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, number, whole_group)
     assert set(score["signed"]) == {"time_error_s", "stop_error_m"}
     suite = ET.parse(folder / "junit.xml").getroot()
     assert "stopped by" in suite.find("testcase/failure").get("message")
+    assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
+    assert not list(sockets.iterdir())
     assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]
     assert railhil("score", folder).exit_code == 3
+
+
+#: Sends Ctrl-C twice from within the writing of the results.
+INTERRUPTED = """
+import os, signal, sys
+import railhil.supervisor.folder
+from railhil.cli import main
+written = railhil.supervisor.folder.write_blf
+def interrupted(log, out):
+    os.kill(os.getpid(), signal.SIGINT)
+    written(log, out)
+    os.kill(os.getpid(), signal.SIGINT)
+railhil.supervisor.folder.write_blf = interrupted
+sys.exit(main())
+"""
+
+
+@pytest.mark.loop
+def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
+    (tmp_path / "short.toml").write_text(QUICK_TOML)
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, "run", "short.toml", "--no-report", "--out", "run"],
+        capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, "")
+    assert {path.name for path in (tmp_path / "run").iterdir()} == {
+        "frames.log", "frames.blf", "signals.csv", "score.json", "junit.xml", "certificate.json",
+        "telemetry.json", "hub.txt", "plant.txt", "controller.txt",
+    }  # fmt: skip
+    assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
+
+
+@pytest.mark.loop
+def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
+    """The progress bar and the verdict find no terminal any more."""
+    folder = tmp_path / "run"
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(sys.executable, command("run", "--pace", "realtime", "--rate", "20", "--out", folder))
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
+    os.close(terminal)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 129
+    assert "stopped by SIGHUP" in json.loads((folder / "certificate.json").read_text())["line"]
 
 
 @pytest.mark.loop
@@ -297,7 +351,9 @@ def test_log_that_cannot_grow(tmp_path):
     assert done.returncode == 4
     assert f"run folder {folder} cannot be written: file too large; frames.log is kept" in line
     assert (folder / "frames.log").stat().st_size == 300 * 1024
-    assert {path.suffix for path in folder.iterdir()} == {".log", ".txt"}
+    assert {path.name for path in folder.iterdir()} == {
+        "frames.log", "telemetry.json", "hub.txt", "plant.txt", "controller.txt"
+    }  # fmt: skip
 
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
@@ -317,8 +373,9 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
+    (tmp_path / "telemetry.json").touch()
     monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
         write_folder(tmp_path, lvshun, run.options, result, trace, [])
     assert caught.value.exit_code == 4
-    assert [path.name for path in tmp_path.iterdir()] == ["frames.log"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]

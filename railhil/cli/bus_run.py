@@ -129,20 +129,23 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 def recorded(
     scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, made: bool, console: Output, quiet: bool
 ) -> tuple[Run, RunResult]:
-    """Run one law and write its folder.
+    """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
     :param made: whether the folder was made for the run; it then goes when the run never began.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
     """
     with _progress(scenario, options, console, quiet) as on_progress:
         run = Run(scenario, options, choice, folder, on_progress)
-        result = _executed(run, folder, made)
-    refused = result.exit_code == USAGE and result.sim_time_s == 0
-    if refused or result.frames == 0:
-        discard_folder(folder, made)
-        raise NeverBegan(result.line or "no frame came", result.exit_code)
-    given = [] if choice.needs_hub else choice.arguments
-    write_folder(folder, scenario, options, result, run.trace, given)
+        with run.stop:
+            result = _executed(run, folder, made)
+            refused = result.exit_code == USAGE and result.sim_time_s == 0
+            if refused or result.frames == 0:
+                discard_folder(folder, made)
+                raise NeverBegan(result.line or "no frame came", result.exit_code)
+            given = [] if choice.needs_hub else choice.arguments
+            write_folder(folder, scenario, options, result, run.trace, given)
+    if run.stop.number:
+        run.stopped_exit_code = 128 + run.stop.number
     return run, result
 
 

@@ -27,7 +27,6 @@ from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
@@ -51,9 +50,8 @@ _COLUMNS = (
 )
 
 
-#: What is computed from ``frames.log`` when the run is over, and what the controller says of it; removed again unless
-#: all of it could be written.
-_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE, TELEMETRY)
+#: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
+_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
@@ -260,14 +258,18 @@ def write_folder(
 ) -> None:
     """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
 
-    :raises RecordFailed: the folder cannot be written; it then holds the log and nothing that looks like a result.
+    :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, what the nodes have
+        said and measured) and nothing that looks like a result.
     """
     try:
         if trace.count(SimTruth.PORT):
-            write_signals(trace, folder / "signals.csv")
-        write_blf(folder / "frames.log", folder / "frames.blf")
+            with whole_file(folder / "signals.csv") as draft:
+                write_signals(trace, draft)
+        with whole_file(folder / "frames.blf") as draft:
+            write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))
-        junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
+        with whole_file(folder / "junit.xml") as draft:
+            junit(scenario, options, result).write(draft, encoding="unicode", xml_declaration=True)
         write_json(folder / CERTIFICATE, certificate(scenario, options, result, bus_arguments))
     except BaseException as error:
         if isinstance(error, OSError):

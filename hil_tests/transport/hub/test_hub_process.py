@@ -134,7 +134,7 @@ def test_round_trip_between_two_processes(scheme: str) -> None:
         assert hub.stderr() == ""
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_ends_the_hub_cleanly(number: signal.Signals) -> None:
     with running_hub() as hub, hub.bus():
         path = Path(hub.channel)

@@ -119,6 +119,7 @@ def node_that(code: int | None, said: str, folder: Path, role: str = "controller
     [
         (-9, CHATTER + TROUBLE, "killed by SIGKILL"),
         (143, CHATTER + TROUBLE, "ended by SIGTERM"),
+        (129, CHATTER + TROUBLE, "ended by SIGHUP"),
         (130, CHATTER, "ended by SIGINT"),
         (3, CHATTER + BACK + "controller: no frame for 3 s\n" + TROUBLE, "controller: no frame for 3 s"),
         (3, CHATTER + "controller: can0: not back\n" + BACK + TROUBLE, "controller: can0: not back"),
