@@ -25,6 +25,9 @@ TCP_SCHEME = "tcp://"
 MAX_PATH_BYTES = 107
 #: A hub that is only just starting is waited for so long.
 HUB_START_S = 5.0
+#: The hub that a run starts itself is waited for while its process lives, on a machine however busy; this is the last
+#: resort of a node, which cannot see that process.
+OWN_HUB_START_S = 300.0
 _BACKLOG = 32
 _LOCK_TIMEOUT_S = 2.0
 

@@ -29,7 +29,7 @@ from railhil.cli.show import print_scores, print_verdict
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load, names
 from railhil.supervisor.folder import RecordFailed, write_folder
-from railhil.supervisor.framelog import FrameLog, log_line, read_log
+from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
@@ -86,15 +86,22 @@ def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_pat
 
 
 @pytest.mark.loop
-def test_a_certificate_of_another_log_says_nothing_about_this_one(json_run, short, tmp_path):
-    folder, document, _ = json_run
-    (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
-    certificate = strict_json(folder / "certificate.json")
-    other = certificate | {"verdict": "INVALID", "line": "timing: too late", "frames_sha256": "00"}
-    (tmp_path / "certificate.json").write_text(json.dumps(other))
+def test_a_log_that_was_changed_stays_invalid_when_the_scenario_is_named(json_run, short, tmp_path):
+    """Two lines swapped: every telegram of it is good."""
+    folder, _, _ = json_run
+    lines = (folder / "frames.log").read_text().splitlines(keepends=True)
+    lines[-2:] = reversed(lines[-2:])
+    log = tmp_path / "frames.log"
+    log.write_text("".join(lines))
+    certified = strict_json(folder / "certificate.json")
+    (tmp_path / "certificate.json").write_text(json.dumps(certified | {"verdict": "INVALID", "line": "too late"}))
     done = railhil("score", tmp_path, "--scenario", short, "--json")
-    assert done.json["verdict"] == document["verdict"]
-    assert done.exit_code == {"PASS": 0, "FAIL": 1}[document["verdict"]]
+    assert (done.exit_code, done.json["verdict"]) == (3, "INVALID")
+    other = f"(sha256 {sha256_of(log)}) is not the log that certificate.json beside it is of"
+    assert f"frames.log {other} (sha256 {certified['frames_sha256']})" in done.json["line"]
+    # Without a certificate nobody says which log it should be.
+    (tmp_path / "certificate.json").unlink()
+    assert railhil("score", tmp_path, "--scenario", short).exit_code in (0, 1)
 
 
 @pytest.mark.loop

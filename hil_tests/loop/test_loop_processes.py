@@ -176,6 +176,29 @@ def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     assert trace.values("SIM_TRUTH", "TractionForce")[after].max() == 0, "traction is cut within 100 ms"
 
 
+#: Makes the hub's process late, or ends it before it is there.
+BUSY = """
+import os, sys, time
+if "railhil.bus.hub" in sys.orig_argv:
+    if os.environ["HUB"] == "late":
+        time.sleep(6)
+    else:
+        print("no memory for the hub", file=sys.stderr, flush=True)
+        os._exit(1)
+"""
+
+
+@pytest.mark.parametrize(("hub", "codes"), [("late", (0, 1)), ("dead", (2,))])
+def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypatch, hub, codes):
+    (tmp_path / "sitecustomize.py").write_text(BUSY)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("HUB", hub)
+    done = railhil("run", short, "--out", tmp_path / "run", "--quiet", "--no-report", "-i", "railhil")
+    assert done.exit_code in codes, done.err
+    if hub == "dead":
+        assert done.one_line() == "railhil: no memory for the hub"
+
+
 def test_killed_supervisor_stops_the_nodes(tmp_path):
     run = Started("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", "--pace", "realtime", "--rate", "20")
     wait_for(lambda: (tmp_path / "run" / "frames.log").stat().st_size > 200_000)

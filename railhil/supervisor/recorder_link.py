@@ -24,12 +24,20 @@ _LISTEN_S = 0.15
 def open_recorder(choice: BusChoice, nodes: Nodes, lockstep: bool) -> Link:
     """Open the bus for the recorder.
 
+    A hub of the run's own is waited for while its process lives.
+
     :raises BusUnavailable: it cannot be opened; the reason is the hub's when that has ended.
     """
+
+    def look() -> None:
+        if any(node.role == "hub" for node in nodes.ended()):
+            raise BusUnavailable("the hub has ended")
+
+    waiting = {"while_connecting": look} if choice.needs_hub else {}
     try:
-        link = open_link(choice.config | (_bulk_reading(choice) if lockstep else {}), "supervisor")
+        link = open_link(choice.config | waiting | (_bulk_reading(choice) if lockstep else {}), "supervisor")
     except BusUnavailable:
-        for node in nodes.ended():
+        if (node := nodes.blamed()) is not None:
             raise BusUnavailable(node.last_words()) from None
         raise
     link.lossless = lockstep

@@ -252,8 +252,8 @@ def test_no_hub_is_one_line_and_a_late_hub_is_waited_for() -> None:
 def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     waited_s: list[float] = []
 
-    def refuse(address: object, connect_timeout_s: float) -> NoReturn:
-        waited_s.append(connect_timeout_s)
+    def refuse(address: object, deadline_s: float, _: object) -> NoReturn:
+        waited_s.append(round(deadline_s - time.monotonic()))
         raise HubUnavailable(f"no hub at {address}")
 
     monkeypatch.setattr(client, "_connect", refuse)
