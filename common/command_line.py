@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
+from railhil.bus.plaintext import plain
 from railhil.common.scheduling import PRIORITY_MAX
 
 #: Seeds travel as 32 bit in the handshake.
@@ -49,7 +50,7 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line and end with exit code 2."""
-        print(f"{self.prog}: {' '.join(message.split())} (see {self.prog} --help)", file=sys.stderr)
+        print(plain(f"{self.prog}: {' '.join(message.split())} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 from railhil.bus.errors import BusLost, BusUnavailable, PeerSilent
+from railhil.bus.plaintext import plain
 
 PASS = 0
 #: The run is good, the limits of the scenario are missed.
@@ -104,5 +105,5 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)
         kind = f"{type(error).__name__}: " if code == TOOL_ERROR else ""
-        print(f"{name}: {kind}{text}", file=sys.stderr)
+        print(plain(f"{name}: {kind}{text}"), file=sys.stderr)
         return code

@@ -10,6 +10,7 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import default_channel
 from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
+from railhil.bus.plaintext import plain
 from railhil.common.command_line import add_priority_argument
 from railhil.common.scheduling import cycle
 
@@ -97,6 +98,6 @@ def run(args: argparse.Namespace) -> int:
                 lossless=args.lossless,
             )
     except BusUnavailable as error:
-        print(f"railhil bus hub: error: {error}", file=sys.stderr)
+        print(plain(f"railhil bus hub: error: {error}"), file=sys.stderr)
         return 2
     return 0

@@ -14,6 +14,7 @@ from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
+from railhil.bus.plaintext import plain
 from railhil.common.exit_codes import ending_signals
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
@@ -108,7 +109,7 @@ def _ready_line(
 def _report(line: str) -> None:
     # A closed standard error (a parent that went away) is no reason to stop carrying frames.
     with contextlib.suppress(OSError):
-        print(f"{PROGRAM}: {line}", file=sys.stderr, flush=True)
+        print(plain(f"{PROGRAM}: {line}"), file=sys.stderr, flush=True)
 
 
 class _StoppedAtStart(BaseException):

@@ -21,6 +21,7 @@ from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, command, railhil, wait_for
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.mvb import TelegramSource
+from railhil.bus.plaintext import plain
 from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.cli.commands import parser
@@ -238,6 +239,48 @@ def test_text_of_users_is_printed_as_it_is(monkeypatch, lvshun):
     assert text.getvalue().count(odd) == 4
 
 
+#: Clears the screen, sets the window's title, turns what follows round, begins a line of its own.
+STEERING = "\x1b[2J\x1b]0;owned\x07 \u202egnorw\u2066 \x9b31m \x7f \r\n"
+WRITTEN_OUT = r"\x1b[2J\x1b]0;owned\x07 \u202egnorw\u2066 \x9b31m \x7f"
+
+
+def test_text_of_files_never_steers_the_terminal(monkeypatch, lvshun, capsys):
+    text = io.StringIO()
+    monkeypatch.setattr("sys.stdout", text)
+    row = replace(lvshun.published[0], controller=STEERING)
+    scenario = replace(lvshun, title=STEERING, published=(row,))
+    console = Output()
+    console.width = 200
+    print_scores(console, scenario, [(STEERING, _SCORE)])
+    print_verdict(console, "FAIL", STEERING)
+    assert text.getvalue().count(WRITTEN_OUT) == 4
+    assert set(text.getvalue()) & set(STEERING) <= set("[2J]0;owned gr31m\n")
+    with pytest.raises(SystemExit):
+        parser().parse_args(["run", "--rate", STEERING])
+    assert WRITTEN_OUT in (said := capsys.readouterr().err)
+    assert "\x1b" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Zürich – 北京\u3000南\t\n", "Zürich – 北京\u3000南\t\n"),
+        ("\u200d\u200c\u00ad\N{VARIATION SELECTOR-16}", "\u200d\u200c\u00ad\N{VARIATION SELECTOR-16}"),
+        ("\u2028\udc80\U000e0041", r"\u2028\udc80\U000e0041"),
+    ],
+)
+def test_writing_of_every_language_stays_as_it_is(text, shown):
+    assert plain(text) == shown
+
+
+def test_errors_in_files_never_steer_the_terminal(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "lvshun_tieshan"\n[plan]\n"\\u001b[2J\\u202e" = 3\n', encoding="utf-8")
+    done = railhil("scenarios", path)
+    assert done.exit_code == 2
+    assert r"found the unknown key \x1b[2J\u202e, allowed" in done.one_line()
+
+
 def test_a_terminal_without_the_characters_gets_question_marks(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('extends = "lvshun_tieshan"\nname = "mine"\ntitle = "Zürich – Bern"\n', encoding="utf-8")
@@ -297,7 +340,10 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number,
     assert set(score["scores"].values()) == {None}
     assert set(score["signed"]) == {"time_error_s", "stop_error_m"}
     suite = ET.parse(folder / "junit.xml").getroot()
-    assert "stopped by" in suite.find("testcase/failure").get("message")
+    assert "stopped by" in suite.find("testcase/error").get("message")
+    assert (suite.get("failures"), suite.get("errors"), suite.find(".//failure")) == ("0", "1", None)
+    properties = {found.get("name"): found.get("value") for found in suite.findall("properties/property")}
+    assert (properties["verdict"], properties["frames_sha256"]) == ("INVALID", certificate["frames_sha256"])
     assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
     assert not list(sockets.iterdir())
     assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]

@@ -61,7 +61,15 @@ def test_run_folder_is_complete(hub_run):
     assert set(document["signed"]) == {"time_error_s", "stop_error_m"}
     assert set(document["run"]) >= _RUN_KEYS
     suite = ET.parse(hub_run / "junit.xml").getroot()
-    assert int(suite.get("tests", "0")) == len(suite.findall("testcase")) == 7
+    cases = suite.findall("testcase")
+    assert int(suite.get("tests", "0")) == len(cases) == 7
+    assert (suite.get("failures"), suite.get("errors"), suite.find(".//error")) == ("0", "0", None)
+    assert {found.get("name"): found.get("value") for found in suite.findall("properties/property")} == {
+        "scenario": "lvshun_tieshan", "seed": "1", "verdict": "PASS", "controller": "ipfc", "arithmetic": "iq",
+        "frames_sha256": certificate(hub_run)["frames_sha256"],
+    }  # fmt: skip
+    # The time of the cases is the time of the run.
+    assert sum(float(case.get("time", "nan")) for case in cases) == float(suite.get("time", "0")) > 0
 
 
 def test_bench_health(hub_run):

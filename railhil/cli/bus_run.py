@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import errno
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import entry_points
@@ -30,6 +29,7 @@ from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.sockets import private_socket
 
 #: What the operating system says when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -116,8 +116,8 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
     :raises InputError: what is chosen cannot carry a run.
     """
-    with tempfile.TemporaryDirectory(prefix="railhil-") as private:
-        choice = choose_bus(namespace, None if attach else Path(private) / "hub.sock")
+    with private_socket() as private:
+        choice = choose_bus(namespace, None if attach else private)
         require_interface(choice)
         interface = choice.config.get("interface")
         if interface == "virtual":

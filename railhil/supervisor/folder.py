@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.ident import PROFILES
+from railhil.bus.plaintext import plain
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.common.whole_file import whole_file
@@ -131,8 +132,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
 def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
-    if result.exit_code not in (0, 1):
-        document["verdict"] = "INVALID"
+    document["verdict"] = result.verdict
     document["line"] = result.line
     document["run"] = {
         "sim_time_s": result.sim_time_s,
@@ -183,7 +183,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
-        "verdict": result.score.verdict if result.exit_code in (0, 1) else "INVALID",
+        "verdict": result.verdict,
         "line": result.line,
         "command": run_command(options, bus_arguments),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
@@ -193,11 +193,15 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
 
 
 def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
-    """JUnit report with one case per limit of the scenario."""
+    """JUnit report with one case per limit of the scenario.
+
+    A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
+    ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
+    """
     plan, found = scenario.plan, result.score
-    cases: list[tuple[str, str]] = [("bench_valid", "" if result.exit_code in (0, 1) else result.line)]
-    if result.exit_code in (0, 1):
-        cases += [
+    cases: list[tuple[str, str]] = []
+    if result.trusted:
+        cases = [
             ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
             ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
             ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
@@ -207,18 +211,36 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
         ]
     suite = ET.Element(
         "testsuite",
-        name=f"{scenario.name}.{options.controller}",
-        tests=str(len(cases)),
+        name=_xml(f"{scenario.name}.{options.controller}"),
+        tests=str(1 + len(cases)),
         failures=str(sum(bool(text) for _, text in cases)),
+        errors=str(int(not result.trusted)),
         time=f"{result.wall_time_s:.3f}",
     )
+    properties = ET.SubElement(suite, "properties")
+    for name, value in (
+        ("scenario", options.scenario),
+        ("seed", options.seed),
+        ("verdict", result.verdict),
+        ("frames_sha256", result.frames_sha256),
+        ("controller", options.label),
+        ("arithmetic", options.arithmetic),
+    ):
+        ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
+    classname = _xml(f"railhil.{scenario.name}")
+    bench = ET.SubElement(suite, "testcase", classname=classname, name="bench_valid", time=suite.attrib["time"])
+    if not result.trusted:
+        ET.SubElement(bench, "error", message=_xml(result.line))
     for name, text in cases:
-        case = ET.SubElement(suite, "testcase", classname=f"railhil.{scenario.name}", name=name)
+        case = ET.SubElement(suite, "testcase", classname=classname, name=name, time="0.000")
         if text:
-            # XML has no way to write a control character.
-            shown = "".join(letter if letter.isprintable() else "?" for letter in text)
-            ET.SubElement(case, "failure", message=shown)
+            ET.SubElement(case, "failure", message=_xml(text))
     return ET.ElementTree(suite)
+
+
+def _xml(text: str) -> str:
+    """Text as XML can hold it, which has no way to write a control character."""
+    return plain(" ".join(text.split()))
 
 
 def _beyond(value: float | None, limit: float, unit: str) -> str:

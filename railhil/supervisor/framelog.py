@@ -57,6 +57,8 @@ class FrameLog:
         self.path = folder / "frames.log"
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
+        #: Hand what is buffered to the kernel: from then on a killed recorder no longer loses it.
+        self.flush = self._stream.flush
 
     def close(self) -> str:
         """Finish the file.

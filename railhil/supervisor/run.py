@@ -41,6 +41,8 @@ SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
+#: Wall time after which the log is handed to the kernel: about as much of it a recorder that is killed can lose.
+FLUSH_S = 0.2
 _REAP_S = 1.0
 #: The plant knows better who is missing: it may give up first.
 _LATER_S = 2.0
@@ -162,6 +164,7 @@ class Run:
     def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self.session
         look_s = time.monotonic() + _LOOK_S
+        flush_s = time.monotonic() + FLUSH_S
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         apart = self.options.pace == "lockstep" and bool(nodes.nodes)
@@ -178,6 +181,9 @@ class Run:
             if now_s < look_s:
                 continue
             look_s = now_s + _LOOK_S
+            if now_s >= flush_s:
+                self.log.flush()
+                flush_s = now_s + FLUSH_S
             if give_up_s is None:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)
