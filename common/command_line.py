@@ -21,6 +21,10 @@ RATE_MIN, RATE_MAX = 0.01, 1000.0
 RATE = 1.0
 APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
+#: More digits than any number of a command line has.
+_DIGITS_MAX = 20
+#: A word of the command line that is longer is shown cut off.
+_WORD_MAX = 200
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -50,7 +54,8 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line and end with exit code 2."""
-        print(plain(f"{self.prog}: {' '.join(message.split())} (see {self.prog} --help)"), file=sys.stderr)
+        words = (word if len(word) <= _WORD_MAX else f"{word[:_WORD_MAX]}..." for word in message.split())
+        print(plain(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)
 
 
@@ -79,9 +84,11 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     """An option's type: a whole number from ``low`` (0 or more) to ``high``, in ASCII digits."""
 
     def number(text: str) -> int:
-        if not (text.isascii() and text.isdigit()) or not low <= int(text) <= high:
+        # Python refuses to convert thousands of digits.
+        is_number = text.isascii() and text.isdigit() and len(text.lstrip("0")) <= len(str(high))
+        if not is_number or not low <= int(text[-_DIGITS_MAX:]) <= high:
             raise argparse.ArgumentTypeError(f"found {text}, allowed {low}..{high}")
-        return int(text)
+        return int(text[-_DIGITS_MAX:])
 
     return number
 

@@ -204,7 +204,7 @@ def load_contract(path: Path = _FOLDER / "ports.toml", check_dbc: bool = True) -
     file = path.name
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:
         raise ContractError(f"{file}: {error}") from error
     ports: list[Port] = []
     for entry in table["port"]:

@@ -98,6 +98,14 @@ USAGE = {
     "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
     "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
     "text as seed": (["run", "--seed", "x"], "--seed: found x, allowed 0..4294967295"),
+    "endless seed": (["run", "--seed", "9" * 5000], "--seed: found 999999"),
+    "endless bit rate": (["bus", "hub", "--bitrate-model", "-b", "9" * 4000], "-b/--bitrate: found 999"),
+    "endless queue": (["bus", "hub", "--queue-limit", "9" * 5000], "--queue-limit: found 999"),
+    "endless TCP port": (["bus", "hub", "-c", f"tcp://127.0.0.1:{'9' * 5000}"], "found port '999"),
+    "endless setting": (
+        ["bus", "hub", "--port", f"railhil:a,connect_timeout={'9' * 5000}"],
+        "'connect_timeout': found 9",
+    ),
     "rate 0": (["run", "--rate", "0"], "--rate: found 0, allowed 0.01 to 1000"),
     "no rate": (["run", "--rate", "nan"], "--rate: found nan"),
     "empty out": (["run", "--out", ""], "--out: found ''"),
@@ -297,6 +305,10 @@ def test_a_program_that_the_installation_lacks(monkeypatch):
 # -- logs -------------------------------------------------------------------------------------------------------------
 
 
+#: Beyond 64 bit of nanoseconds, beyond what Python converts, before the start of the run.
+HUGE_STAMPS = ("9223372037.000000", f"{10**30}.000000", f"{'9' * 5000}.000000", "-00000005.000000", "1_000_000.000000")
+
+
 def test_logs_that_are_none(here, tmp_path):
     whole = log_of(tmp_path, ident_frames()).read_text()
     two_lines = "".join(whole.splitlines(keepends=True)[:2])
@@ -307,6 +319,7 @@ def test_logs_that_are_none(here, tmp_path):
         ("", "my.log: file: found '', allowed a candump log with at least one frame"),
         ("LOGG\x90\xff", "my.log: after line 0: found b'LOGG\\x90\\xff', allowed a candump log (text)"),
         (two_lines, "my.log: PLT_IDENT: found no such telegram"),
+        *((whole + f"({stamp}) mvb0 118#00 R\n", f"my.log: line 4: found '({stamp[:9]}") for stamp in HUGE_STAMPS),
     ):
         Path("my.log").write_bytes(text.encode("latin-1"))
         for command in ("score", "plot"):

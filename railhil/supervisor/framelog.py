@@ -21,6 +21,8 @@ CHANNEL = "mvb0"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
+#: Simulation times are 64 bit.
+_TIME_MAX_NS = (1 << 63) - 1
 #: Standard identifiers as they stand in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -105,9 +107,12 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
 def _time_ns(stamp: str) -> int:
     """Time of what a line begins with, the other way round than :func:`_stamp`; ValueError or IndexError."""
     seconds, micros = stamp.split(".")
-    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7:
+    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7 or not (seconds[1:] + micros[:-1]).isdigit():
         raise ValueError(stamp)
-    return int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+    time_ns = int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+    if time_ns > _TIME_MAX_NS:
+        raise ValueError(stamp)
+    return time_ns
 
 
 def _parsed(line: str) -> tuple[int, Frame]:
