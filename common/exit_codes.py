@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import stat
@@ -104,6 +105,9 @@ def guarded(name: str, main: Callable[[], int]) -> int:
             raise
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)
-        kind = f"{type(error).__name__}: " if code == TOOL_ERROR else ""
-        print(plain(f"{name}: {kind}{text}"), file=sys.stderr)
+        expected = code != TOOL_ERROR or hasattr(error, "exit_code")
+        kind = "" if expected else f"{type(error).__name__}: "
+        # The exit code says it too, where what takes the line is full or gone.
+        with contextlib.suppress(OSError):
+            print(plain(f"{name}: {kind}{text}"), file=sys.stderr, flush=True)
         return code

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pty
+import re
 import shlex
 import signal
 import subprocess
@@ -394,19 +395,51 @@ def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
     assert "stopped by SIGHUP" in json.loads((folder / "certificate.json").read_text())["line"]
 
 
+def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:
+    """A command with so much room in a folder: on a disk of its own where a user may mount one, else by a limit on the
+    size of each file. What the folder holds is copied into ``kept`` beside it."""
+    disk.mkdir()
+    keep = f"cp -r {shlex.quote(str(disk))} {shlex.quote(str(disk.with_name('kept')))}"
+    mounted = ["unshare", "--mount", "bash", "-c"]
+    kept = f"code=$?; {keep}; exit $code"
+    tmpfs = f"mount -t tmpfs -o size={size_kib}k none {shlex.quote(str(disk))}"
+    if subprocess.run([*mounted, tmpfs], capture_output=True, check=False).returncode == 0:
+        done = subprocess.run(
+            [*mounted, f"{tmpfs}; {shlex.join(map(str, words))}; {kept}"],
+            capture_output=True,
+            text=True,
+            timeout=90,
+            check=False,
+        )
+    else:
+        limited = f"(ulimit -f {size_kib}; {shlex.join(map(str, words))}); {kept}"
+        done = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, timeout=90, check=False)
+    return Done(done.returncode, done.stdout, done.stderr)
+
+
 @pytest.mark.loop
-def test_log_that_cannot_grow(tmp_path):
-    """A limit on the file's size stands for a full disk: the log is kept, and nothing looks like a result."""
-    folder = tmp_path / "run"
-    limited = f"ulimit -f 300; exec {shlex.join(command('run', '--out', folder))}"
-    done = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, timeout=60, check=False)
-    line = Done(done.returncode, done.stdout, done.stderr).one_line()
-    assert done.returncode == 4
-    assert f"run folder {folder} cannot be written: file too large; frames.log is kept" in line
-    assert (folder / "frames.log").stat().st_size == 300 * 1024
-    assert {path.name for path in folder.iterdir()} == {
-        "frames.log", "telemetry.json", "hub.txt", "plant.txt", "controller.txt"
-    }  # fmt: skip
+def test_disk_that_is_full_in_the_run(tmp_path):
+    """The log is kept up to its last whole line, and nothing looks like a result."""
+    folder = tmp_path / "disk" / "run"
+    done = on_small_disk(tmp_path / "disk", 512, *command("run", "--out", folder))
+    line = done.one_line()
+    assert done.exit_code == 4
+    assert line.startswith(f"railhil: run folder {folder} cannot be written: ")
+    assert re.search(r": (file too large|no space left on device); frames.log is kept as far as it got$", line)
+    kept = tmp_path / "kept" / "run"
+    assert len(list(read_log(kept / "frames.log"))) > 1000
+    assert {path.suffix for path in kept.iterdir()} <= {".log", ".txt", ".json"}
+    assert not {"certificate.json", "score.json"} & {path.name for path in kept.iterdir()}
+
+
+@pytest.mark.parametrize("size_kib", [4, 100])
+def test_disk_without_room_for_a_run(tmp_path, size_kib):
+    folder = tmp_path / "disk" / "run"
+    done = on_small_disk(tmp_path / "disk", size_kib, *command("run", "--out", folder))
+    assert done.exit_code == 4
+    said = rf"railhil: {folder} cannot be written: (file too large|no space left on device)"
+    assert re.fullmatch(said, done.one_line())
+    assert not list((tmp_path / "kept").iterdir())
 
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):

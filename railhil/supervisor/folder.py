@@ -51,6 +51,8 @@ _COLUMNS = (
 )
 
 
+#: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
+ROOM_MIN_BYTES = 128 * 1024
 #: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
 _DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE)
 
@@ -67,6 +69,7 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         raise InputError("command line", "--out", out, "name of an empty or new folder")
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
     folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
+    made = False
     try:
         made = out is None or not folder.exists()
         if out is None:
@@ -74,9 +77,13 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         else:
             folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
-        # Leaves nothing behind; asking for permissions would not notice a read-only file system.
-        tempfile.TemporaryFile(dir=folder).close()
+        # Leaves nothing behind; asking for permissions would not notice a read-only or a full file system.
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(ROOM_MIN_BYTES))
+            probe.flush()
     except OSError as error:
+        if made and folder.is_dir():
+            folder.rmdir()
         raise not_written("--out", folder, "folder", error) from None
     if occupied:
         raise InputError("command line", "--out", str(folder), "an empty or new folder")

@@ -7,6 +7,7 @@ made from it. One run has one log, byte for byte, on every transport.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +24,8 @@ _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
 #: Simulation times are 64 bit.
 _TIME_MAX_NS = (1 << 63) - 1
+#: No line is longer: 64 bytes of CAN FD in hexadecimal, with what stands around them.
+_LINE_MAX_BYTES = 1024
 #: Standard identifiers as they stand in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -66,9 +69,22 @@ class FrameLog:
         """Finish the file.
 
         :returns: its SHA-256.
+        :raises OSError: the rest of it cannot be written; the file then ends with its last whole line.
         """
-        self._stream.close()
+        try:
+            self._stream.close()
+        except OSError:
+            _cut_to_whole_lines(self.path)
+            raise
         return sha256_of(self.path)
+
+
+def _cut_to_whole_lines(path: Path) -> None:
+    """What a full disk has cut off in the middle can still be read, up to there."""
+    with path.open("r+b") as stream:
+        size = stream.seek(0, os.SEEK_END)
+        start = stream.seek(max(0, size - _LINE_MAX_BYTES))
+        stream.truncate(start + stream.read().rfind(b"\n") + 1)
 
 
 def sha256_of(path: Path) -> str:
