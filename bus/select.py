@@ -14,7 +14,7 @@ from typing import Any
 
 import can
 
-from railhil.bus.hub.address import default_channel
+from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
 
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
@@ -119,6 +119,6 @@ def _configured(given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:
-    """The hub that the caller starts beside the nodes; they wait for it."""
-    config = {**given, "interface": HUB_INTERFACE, "channel": str(path)}
+    """The hub that the caller starts beside the nodes; they wait for it, as long as is asked for or nearly for ever."""
+    config = {"connect_timeout": OWN_HUB_START_S, **given, "interface": HUB_INTERFACE, "channel": str(path)}
     return BusChoice(config, reason, True, arguments_from_config(config))

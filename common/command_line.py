@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
+from railhil.common.plain_text import plain
 from railhil.common.scheduling import PRIORITY_MAX
 
 #: Seeds travel as 32 bit in the handshake.
@@ -20,6 +21,10 @@ RATE_MIN, RATE_MAX = 0.01, 1000.0
 RATE = 1.0
 APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
+#: More digits than any number of a command line has.
+_DIGITS_MAX = 20
+#: A word of the command line that is longer is shown cut off.
+_WORD_MAX = 200
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
@@ -27,7 +32,7 @@ exit codes:
   2    usage or bad input; one line says what was found and what is allowed
   3    INVALID: the bench cannot be trusted, nothing is said about the controller
   4    TOOL ERROR: a defect of the bench, or the record could not be written
-  130  stopped by Ctrl-C; 143 by SIGTERM (the log is kept, the run is marked INVALID)"""
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (the log is kept, the run is marked INVALID)"""
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -49,7 +54,8 @@ class OneLineParser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line and end with exit code 2."""
-        print(f"{self.prog}: {' '.join(message.split())} (see {self.prog} --help)", file=sys.stderr)
+        words = (word if len(word) <= _WORD_MAX else f"{word[:_WORD_MAX]}..." for word in message.split())
+        print(plain(f"{self.prog}: {' '.join(words)} (see {self.prog} --help)"), file=sys.stderr)
         raise SystemExit(2)
 
 
@@ -78,9 +84,11 @@ def whole_number(low: int, high: int) -> Callable[[str], int]:
     """An option's type: a whole number from ``low`` (0 or more) to ``high``, in ASCII digits."""
 
     def number(text: str) -> int:
-        if not (text.isascii() and text.isdigit()) or not low <= int(text) <= high:
+        # Python refuses to convert thousands of digits.
+        is_number = text.isascii() and text.isdigit() and len(text.lstrip("0")) <= len(str(high))
+        if not is_number or not low <= int(text[-_DIGITS_MAX:]) <= high:
             raise argparse.ArgumentTypeError(f"found {text}, allowed {low}..{high}")
-        return int(text)
+        return int(text[-_DIGITS_MAX:])
 
     return number
 

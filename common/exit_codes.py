@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
+import stat
 import sys
 from collections.abc import Callable
+from typing import NoReturn
+
+from railhil.common.plain_text import plain
 
 PASS = 0
 #: The run is good, the limits of the scenario are missed.
@@ -21,6 +26,40 @@ TOOL_ERROR = 4
 def exit_code_of(error: BaseException) -> int:
     """Exit code of an exception: what its class carries as ``exit_code``; one that carries none is a defect."""
     return int(getattr(error, "exit_code", TOOL_ERROR))
+
+
+def ending_signals() -> tuple[signal.Signals, ...]:
+    """Signals that end a command in good order: Ctrl-C, SIGTERM, and the terminal's end unless nohup had it ignored."""
+    found = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    return found if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN else found[:2]
+
+
+def leave_terminal() -> None:
+    """After SIGHUP: what is still to be said to a terminal that is gone goes nowhere, instead of failing (EIO)."""
+    for descriptor in (1, 2):
+        try:
+            mode = os.fstat(descriptor).st_mode
+        except OSError:
+            continue
+        if stat.S_ISCHR(mode) and not os.isatty(descriptor):
+            null = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(null, descriptor)
+            os.close(null)
+
+
+def finish_undisturbed() -> None:
+    """From here on this process only writes what it has measured and ends: signals that would end it are ignored.
+
+    When a node is lost the supervisor ends the others, and at a terminal Ctrl-C reaches all of them, maybe twice.
+    """
+    for number in ending_signals():
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _end(number: int, _: object) -> NoReturn:
+    if number == signal.SIGHUP:
+        leave_terminal()
+    sys.exit(128 + number)
 
 
 def hold_back_interrupts() -> None:
@@ -39,11 +78,12 @@ def hear_interrupts() -> None:
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
-    ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM ends the process like
-    Ctrl-C, so that sockets and files are closed.
+    ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM and SIGHUP end the process
+    like Ctrl-C, so that sockets and files are closed.
     """
     try:
-        signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+        for number in ending_signals()[1:]:
+            signal.signal(number, _end)
         hear_interrupts()
         return main()
     except KeyboardInterrupt:
@@ -57,6 +97,9 @@ def guarded(name: str, main: Callable[[], int]) -> int:
             raise
         text = " ".join(str(error).split()) or type(error).__name__
         code = exit_code_of(error)
-        kind = f"{type(error).__name__}: " if code == TOOL_ERROR else ""
-        print(f"{name}: {kind}{text}", file=sys.stderr)
+        expected = code != TOOL_ERROR or hasattr(error, "exit_code")
+        kind = "" if expected else f"{type(error).__name__}: "
+        # The exit code says it too, where what takes the line is full or gone.
+        with contextlib.suppress(OSError):
+            print(plain(f"{name}: {kind}{text}"), file=sys.stderr, flush=True)
         return code

@@ -11,6 +11,9 @@ from typing import Any
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
+
+from railhil.common.plain_text import plain
 
 #: Width of output into a file or pipe when COLUMNS does not say otherwise.
 _FILE_COLUMNS = 100
@@ -26,6 +29,10 @@ class Output(Console):
         super().__init__(stderr=stderr, markup=False, emoji=False, highlight=False)
         if not self.is_terminal and not os.environ.get("COLUMNS", "").isdigit():
             self.width = _FILE_COLUMNS
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Every text that is printed, and every cell of a table, on its way to the terminal."""
+        return super().render_str(plain(text), **options)
 
     def on_broken_pipe(self) -> None:
         """Print nothing from here on; rich would end the process with the exit code of FAIL."""

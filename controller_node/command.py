@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,6 +14,7 @@ from railhil.bus.ident import ARITHMETICS
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import OneLineParser, add_priority_argument, add_task_argument, parse
+from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import names
@@ -73,6 +73,5 @@ def main(words: Sequence[str] | None = None) -> int:
     finally:
         # Also when the run ended early: what was measured until then is evidence.
         if namespace.telemetry is not None:
-            # When a node is lost the supervisor ends the others, also one that has noticed and is writing by now.
-            signal.signal(signal.SIGTERM, signal.SIG_IGN)
+            finish_undisturbed()
             write_telemetry(node, namespace.telemetry)

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.cost import Cost, cost_of
 from railhil.controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
+from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import record
@@ -67,6 +69,14 @@ def _watched(
     return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)
 
 
+def _failed(
+    loop: ControlLoop[Any], telemetry: Telemetry, arithmetic: Arithmetic[Any], error: Exception, function: str
+) -> InputError:
+    """The line for a law that has raised while it drove, after the last quantity that it had named in this period."""
+    named = telemetry.quantities[: len(arithmetic.noted or ())]
+    return law_fault(loop.name, type(loop.law), error, function, named[-1].name if named else None)
+
+
 class Controller:
     """Controller of one train.
 
@@ -78,7 +88,7 @@ class Controller:
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law; None: its own.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
-        fixed-point format of the law may wrap for this scenario.
+        fixed-point format of the law may wrap for this scenario. In :meth:`step` and :meth:`sent`: the law has raised.
     """
 
     def __init__(
@@ -105,7 +115,10 @@ class Controller:
         :param balise: the last balise passed.
         """
         number = self._number
-        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
+        try:
+            inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
+        except Exception as fault:
+            raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
         self._code = code = number.raw(outputs.notch, NOTCH_Q)
         error = number.sub(inputs.set_point, inputs.speed)
         self.telemetry.take(number)
@@ -133,7 +146,10 @@ class Controller:
         """
         if self._code is not None and notch_code != self._code:
             self._code = notch_code
-            self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+            try:
+                self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+            except Exception as fault:
+                raise _failed(self._loop, self.telemetry, self._number, fault, "with_sent") from fault
             self.telemetry.take(self._number)
 
 
@@ -165,7 +181,10 @@ class BatchController:
     ) -> BatchOutput:
         """One control period of all trains; arguments as :meth:`Controller.step`, arrays of shape (N,)."""
         number = self._number
-        inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
+        try:
+            inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
+        except Exception as fault:
+            raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
         softening = self._raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q)
         satisfaction = self._raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q)
         error = number.sub(inputs.set_point, inputs.speed)
@@ -181,7 +200,10 @@ class BatchController:
 
     def sent(self, notch_code: NDArray[np.int64]) -> None:
         """As :meth:`Controller.sent`, for all trains, after the first step."""
-        self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+        try:
+            self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
+        except Exception as fault:
+            raise _failed(self._loop, self.telemetry, self._number, fault, "with_sent") from fault
         self.telemetry.take(self._number)
 
     def _raw(self, value: Any, q: int) -> NDArray[np.int64]:

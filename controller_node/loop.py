@@ -10,6 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
+from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.setpoint import INDEXINGS, SetPoints
 from railhil.scenarios.model import Scenario
@@ -36,7 +37,7 @@ NO_BALISE: BaliseReading[int] = BaliseReading(0, 0, 0)
 
 
 @contextmanager
-def _starting(name: str, scenario: Scenario) -> Iterator[None]:
+def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Iterator[None]:
     """Whatever a law raises while it is made, or a horizon for which there is no memory, is one line about the law."""
     try:
         yield
@@ -45,7 +46,8 @@ def _starting(name: str, scenario: Scenario) -> Iterator[None]:
     except Exception as error:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         allowed = f"a law that can be made for {period_s:g} s and {notch_max:g} notches"
-        cause = f"{type(error).__name__}: {error}"
+        at = place(kind, error)
+        cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
         raise InputError("controller", name, Words("a law that fails at its start"), allowed, cause) from error
 
 
@@ -66,11 +68,13 @@ class ControlLoop(Generic[T]):
         parameters: ParameterSet | None = None,
     ) -> None:
         self.arithmetic = arithmetic
+        #: Under which the law was asked for.
+        self.name = law
         kind = load(law)
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", law, indexing, f"{' or '.join(kind.indexings)} with this law")
         given = law_parameters(law, kind, parameters)
-        with _starting(law, scenario):
+        with _starting(law, kind, scenario):
             self.law: Law[T, Any] = kind(arithmetic, scenario, given)
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)

@@ -223,7 +223,7 @@ def _read(path: Path, sha256: str) -> Contract:
     file = path.name
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise ContractError(f"{file}: {error}") from error
     ports: list[Port] = []
     for entry in table["port"]:

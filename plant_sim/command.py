@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
 from railhil.common.errors import InputError
+from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode, PlantOptions
@@ -53,8 +53,7 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
             node.run()
     finally:
         if timing_file is not None and node.timing is not None:
-            # When a node is lost the supervisor ends the others, also one that has noticed and is writing by now.
-            signal.signal(signal.SIGTERM, signal.SIG_IGN)
+            finish_undisturbed()
             node.timing.write(timing_file)
 
 

@@ -8,11 +8,11 @@ replaced whole.
 from __future__ import annotations
 
 import copy
-import tomllib
 from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.scenarios.tomlfile import parsed_toml
 
 DATA = Path(__file__).parent / "data"
 _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
@@ -123,8 +123,8 @@ def read_toml(path: Path) -> Table:
     except UnicodeDecodeError as error:
         raise InputError(path, "", Words(f"byte {error.start} that is not UTF-8"), "UTF-8 text") from None
     try:
-        return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        return parsed_toml(text)
+    except ValueError as error:
         raise InputError(path, "", Words(str(error)), "TOML 1.0") from None
 
 

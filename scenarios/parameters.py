@@ -17,7 +17,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +25,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from railhil.common.errors import InputError, Words
+from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
 #: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
@@ -115,11 +115,11 @@ def load_parameters(path: Path) -> ParameterSet:
     :raises InputError: it cannot be read, or is not what stands in the head of this module.
     """
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = parsed_toml(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(path, "", Words(error.strerror or str(error)), "a parameter file (TOML)") from error
     except ValueError as error:
-        # No text, no TOML, or a whole number of thousands of digits.
+        # No text, or no TOML that can be worked with.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
     for key, value in file.parameters.items():

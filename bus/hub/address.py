@@ -25,6 +25,9 @@ TCP_SCHEME = "tcp://"
 MAX_PATH_BYTES = 107
 #: A hub that is only just starting is waited for so long.
 HUB_START_S = 5.0
+#: The hub that a run starts itself is waited for while its process lives, on a machine however busy; this is the last
+#: resort of a node, which cannot see that process.
+OWN_HUB_START_S = 300.0
 _BACKLOG = 32
 _LOCK_TIMEOUT_S = 2.0
 
@@ -66,7 +69,7 @@ def parse_channel(channel: str) -> Address:
     host, _, port_text = channel.removeprefix(TCP_SCHEME).rpartition(":")
     host = host.removeprefix("[").removesuffix("]")
     allowed = "allowed: tcp://127.0.0.1:PORT or tcp://[::1]:PORT with PORT 0..65535"
-    if not (port_text.isascii() and port_text.isdigit() and int(port_text) <= 65535):
+    if not (port_text.isascii() and port_text.isdigit() and len(port_text) <= 5 and int(port_text) <= 65535):
         raise BusUnavailable(f"hub channel {channel!r}: found port {port_text!r}, {allowed}")
     try:
         loopback = ipaddress.ip_address("127.0.0.1" if host == "localhost" else host).is_loopback

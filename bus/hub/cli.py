@@ -10,15 +10,13 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.address import default_channel
 from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import DEFAULT_BITRATE_BPS, DEFAULT_QUEUE_LIMIT_BYTES, serve
-from railhil.common.command_line import add_priority_argument
+from railhil.common.command_line import add_priority_argument, whole_number
+from railhil.common.plain_text import plain
 from railhil.common.scheduling import cycle
 
-
-def _positive_int(text: str) -> int:
-    value = int(text) if text.isascii() and text.isdigit() else 0
-    if value <= 0:
-        raise argparse.ArgumentTypeError(f"found {text!r}, allowed: a whole number above 0")
-    return value
+#: Far beyond every CAN, and every memory.
+_BITRATE_MAX_BPS, _QUEUE_MAX_BYTES = 1_000_000_000, 1 << 40
+_bit_rate = whole_number(1, _BITRATE_MAX_BPS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,13 +33,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-b",
         "--bitrate",
-        type=_positive_int,
+        type=_bit_rate,
         metavar="BPS",
         help=f"bit rate of the model, default {DEFAULT_BITRATE_BPS} bit/s",
     )
     parser.add_argument(
         "--data-bitrate",
-        type=_positive_int,
+        type=_bit_rate,
         metavar="BPS",
         help="CAN FD data bit rate of the model, default that of -b",
     )
@@ -52,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--queue-limit",
-        type=_positive_int,
+        type=whole_number(1, _QUEUE_MAX_BYTES),
         default=DEFAULT_QUEUE_LIMIT_BYTES,
         metavar="BYTES",
         help="how far a client may fall behind before it is disconnected, default %(default)s",
@@ -97,6 +95,6 @@ def run(args: argparse.Namespace) -> int:
                 lossless=args.lossless,
             )
     except BusUnavailable as error:
-        print(f"railhil bus hub: error: {error}", file=sys.stderr)
+        print(plain(f"railhil bus hub: error: {error}"), file=sys.stderr)
         return 2
     return 0

@@ -11,7 +11,7 @@ import errno
 import os
 import socket
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import can
@@ -61,17 +61,19 @@ class HubBus(can.BusABC):
         coalesce_frames: int = 0,
         wake_on: Sequence[Frame] = (),
         send_buffer_bytes: int | None = None,
+        while_connecting: Callable[[], object] | None = None,
         **_other_bus_settings: Any,
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
         Without ``channel`` it is the user's own default path, see :func:`~railhil.bus.hub.address.default_channel`.
-        ``connect_timeout``: seconds to wait for a hub that is only just starting. ``name``: shown in the hub's
-        messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when one of the
-        classic frames ``wake_on`` comes (:mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel
-        may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the
-        hub's bit rate model, ignored when it has none; other settings of real interfaces (sample points and
-        the like) have no meaning here and are ignored.
+        ``connect_timeout``: seconds to wait for a hub that is only just starting. ``while_connecting``: called between
+        two attempts; what it raises ends the waiting. ``name``: shown in the hub's messages. ``coalesce_frames``: take
+        frames in bulk, up to so many at once, and at once when one of the classic frames ``wake_on`` comes (see
+        :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel may keep for a hub that does not
+        read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored when
+        it has none; other settings of real interfaces (sample points and the like) have no meaning here and are
+        ignored.
 
         Raises :class:`HubUnavailable`.
         """
@@ -87,7 +89,8 @@ class HubBus(can.BusABC):
             address = parse_channel(default_channel() if channel is None else str(channel))
         except BusUnavailable as error:
             raise HubUnavailable(str(error)) from None
-        link = _connect(address, float(connect_timeout))
+        deadline_s = time.monotonic() + float(connect_timeout)
+        link = _connect(address, deadline_s, while_connecting or (lambda: None))
         try:
             if send_buffer_bytes is not None:
                 link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)
@@ -98,7 +101,8 @@ class HubBus(can.BusABC):
             if coalesce_frames:
                 hello["coalesce_frames"] = int(coalesce_frames)
                 hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
-            self.hub_properties = _exchange_hello(link, hello)
+            # A hub that starts slowly answers slowly, too.
+            self.hub_properties = _exchange_hello(link, hello, max(deadline_s, time.monotonic() + _ANSWER_TIMEOUT_S))
             hub_bitrate = self.hub_properties.get("bitrate_bps")
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
@@ -254,8 +258,7 @@ class HubBus(can.BusABC):
         return False
 
 
-def _connect(address: Address, connect_timeout_s: float) -> Link:
-    deadline_s = time.monotonic() + connect_timeout_s
+def _connect(address: Address, deadline_s: float, while_connecting: Callable[[], object]) -> Link:
     while True:
         sock = new_socket(address)
         try:
@@ -266,6 +269,7 @@ def _connect(address: Address, connect_timeout_s: float) -> Link:
             sock.close()
             remaining_s = deadline_s - time.monotonic()
             if error.errno in _RETRY_ERRNOS and remaining_s > 0:
+                while_connecting()
                 time.sleep(min(_RETRY_PERIOD_S, remaining_s))
                 continue
             raise HubUnavailable(f"no hub at {address}: {describe(error)}") from None
@@ -273,13 +277,13 @@ def _connect(address: Address, connect_timeout_s: float) -> Link:
         return PacketLink(sock, str(address)) if address.path is not None else StreamLink(sock, str(address))
 
 
-def _exchange_hello(link: Link, hello: dict[str, object]) -> dict[str, Any]:
-    deadline_s = time.monotonic() + _ANSWER_TIMEOUT_S
+def _exchange_hello(link: Link, hello: dict[str, object], deadline_s: float) -> dict[str, Any]:
+    started_s = time.monotonic()
     try:
         link.send_packet(wire.encode_hello(**hello), deadline_s)
         packet = link.receive_packet(deadline_s)
         if packet is None:
-            raise HubUnavailable(f"hub at {link.peer}: no answer within {_ANSWER_TIMEOUT_S:.0f} s")
+            raise HubUnavailable(f"hub at {link.peer}: no answer within {deadline_s - started_s:.0f} s")
         properties = wire.decode_hello(packet)
     except HubLost as error:
         raise HubUnavailable(str(error)) from None

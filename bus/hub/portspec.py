@@ -68,7 +68,11 @@ def parse_port(text: str) -> PortSpec:
         if interface == _HUB_INTERFACE and key not in _HUB_KEYS:
             allowed = ", ".join(_HUB_KEYS)
             raise BusUnavailable(f"option --port {text}: found key {name!r}, allowed for a hub: {allowed}")
-        config[key] = cast_from_string(value)
+        try:
+            config[key] = cast_from_string(value)
+        except ValueError:
+            # Whole numbers of thousands of digits.
+            raise BusUnavailable(f"option --port: key {name!r}: found {value[:20]}..., allowed: a value") from None
         allowed = _allowed(key, config[key])
         if allowed:
             raise BusUnavailable(f"option --port {text}: key {name!r}: found {value!r}, allowed: {allowed}")

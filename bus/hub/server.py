@@ -14,6 +14,8 @@ from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
 from railhil.bus.hub.switch import Switch
+from railhil.common.exit_codes import ending_signals
+from railhil.common.plain_text import plain
 
 DEFAULT_QUEUE_LIMIT_BYTES = 64 << 20
 DEFAULT_BITRATE_BPS = 500_000
@@ -30,7 +32,7 @@ def serve(
     ports: Sequence[PortSpec] = (),
     lossless: bool = False,
 ) -> None:
-    """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM or SIGINT.
+    """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM, SIGINT or SIGHUP.
 
     ``once``: end when the last client has left. ``bitrate_bps``: model the wire time of frames (None: no
     wire time), CAN FD data phases at ``data_bitrate_bps`` (None: the same). ``arbitration``: frames that
@@ -107,7 +109,7 @@ def _ready_line(
 def _report(line: str) -> None:
     # A closed standard error (a parent that went away) is no reason to stop carrying frames.
     with contextlib.suppress(OSError):
-        print(f"{PROGRAM}: {line}", file=sys.stderr, flush=True)
+        print(plain(f"{PROGRAM}: {line}"), file=sys.stderr, flush=True)
 
 
 class _StoppedAtStart(BaseException):
@@ -115,7 +117,7 @@ class _StoppedAtStart(BaseException):
 
 
 class _Signals:
-    """SIGTERM and SIGINT end the hub, SIGUSR1 lets it report, from the first moment on (in the main thread only)."""
+    """SIGTERM, SIGINT and SIGHUP end the hub, SIGUSR1 lets it report, from the first moment on (main thread only)."""
 
     def __init__(self) -> None:
         self._switch: Switch | None = None
@@ -125,7 +127,7 @@ class _Signals:
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
-            for number in (signal.SIGTERM, signal.SIGINT):
+            for number in ending_signals():
                 self._previous[number] = signal.signal(number, self._stop)
             self._previous[signal.SIGUSR1] = signal.signal(signal.SIGUSR1, self._tell)
         return self

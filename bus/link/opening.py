@@ -11,6 +11,7 @@ import can
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.common.plain_text import plain
 
 
 def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts = TIMEOUTS) -> Link:
@@ -27,7 +28,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
     def say(line: str) -> None:
         # A closed standard error is no reason to stop.
         with contextlib.suppress(OSError):
-            print(f"{name}: {line}", file=sys.stderr, flush=True)
+            print(plain(f"{name}: {line}"), file=sys.stderr, flush=True)
 
     # What an interface does not need is not loaded: nodes start in a moment.
     try:

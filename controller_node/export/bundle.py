@@ -17,9 +17,8 @@ from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.reference import reference_log
 from railhil.controller_node.export.source import Source, SourceWriter, c_name
 from railhil.controller_node.node import mailboxes
-from railhil.controller_node.program.model import BALISE_INPUTS, BranchError, LawProgram
+from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram
 from railhil.controller_node.program.record import record
-from railhil.controller_node.program.tracer import FormatError
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 
@@ -90,7 +89,7 @@ def make_bundle(scenario: Scenario, law: str, indexing: str = "time", parameters
         programs = record(scenario, law, indexing, parameters=parameters)
         name = c_name(law)
         source = SourceWriter(programs, scenario, indexing).write()
-    except (BranchError, FormatError, ValueError) as error:
+    except ValueError as error:
         allowed = "operations of the arithmetic, formats that agree, no branch on data"
         raise InputError("controller", law, Words(str(error)), allowed) from error
     return Bundle(

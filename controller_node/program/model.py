@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import NoReturn
 
 from railhil.controller_node.arithmetic.base import Constant, Curve
 
@@ -16,6 +18,10 @@ class BranchError(Exception):
     """A law asks in Python whether one of its values is true: the recorded operations would hold one branch only."""
 
 
+class OperandError(Exception):
+    """A law does something with its values that is no operation of the arithmetic."""
+
+
 class Kind(Enum):
     """What a value is on the target."""
 
@@ -24,8 +30,47 @@ class Kind(Enum):
     INDEX = "index"
 
 
+#: Python's own operations on a value, and what a law uses in their place: they would compute with raw integers in fixed
+#: point, where ``*`` and ``/`` give another format and nothing wraps.
+_INSTEAD = {
+    "+": ("ar.add", ("add", "radd", "iadd", "pos")),
+    "-": ("ar.sub", ("sub", "rsub", "isub")),
+    "-x": ("ar.neg", ("neg",)),
+    "*": ("ar.mpy or ar.rmpy", ("mul", "rmul", "imul", "matmul", "rmatmul")),
+    "/": ("ar.div", ("truediv", "rtruediv", "floordiv", "rfloordiv", "mod", "rmod", "divmod", "rdivmod")),
+    "**": ("ar.mpy, or ar.sqrt", ("pow", "rpow")),
+    "abs()": ("ar.abs", ("abs",)),
+    "a comparison": ("ar.gt with ar.where, ar.minimum or ar.maximum", ("lt", "le", "gt", "ge")),
+    "a shift": ("ar.convert", ("lshift", "rlshift", "rshift", "rrshift")),
+    "a bit operation": ("conditions of ar.gt with ar.where", ("and", "rand", "or", "ror", "xor", "rxor", "invert")),
+    "rounding": ("ar.quantise", ("round", "floor", "ceil", "trunc")),
+    "a Python number": ("ar.raw outside of the law", ("int", "float", "complex", "index")),
+}
+
+
+class _Operand:
+    """What :class:`Value` says to Python's own operations.
+
+    :raises OperandError: in each of them, with the operation of the arithmetic that takes its place.
+    """
+
+    __slots__ = ()
+
+
+def _refusing(sign: str, instead: str) -> Callable[..., NoReturn]:
+    def refuse(self: _Operand, *_: object) -> NoReturn:
+        raise OperandError(f"{sign} on a value of the law: use {instead}")
+
+    return refuse
+
+
+for _sign, (_instead, _names) in _INSTEAD.items():
+    for _name in _names:
+        setattr(_Operand, f"__{_name}__", _refusing(_sign, _instead))
+
+
 @dataclass(frozen=True, slots=True)
-class Value:
+class Value(_Operand):
     """An operand: the result of an operation or an input (``number`` >= 0), or a constant.
 
     ``q`` is the format, None where the value is no fixed-point number or fits every format (the constant 0).

@@ -6,11 +6,15 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+
+#: Functions of a law behind the names of its programs, where they differ.
+_FUNCTIONS = {"sent": "with_sent", "first step": "step"}
 
 
 def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
@@ -47,11 +51,22 @@ def record(
     """Programs of a law on a scenario.
 
     :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
-    :raises scenarios.errors.InputError: an unknown law or indexing.
-    :raises FormatError: the law mixes formats, or its state changes its formats.
+    :raises scenarios.errors.InputError: an unknown law or indexing; a law that raises, mixes formats, computes with
+        Python's operators or changes the formats of its state: with its place in the law's text.
     """
     tracer = Tracer(wide)
     loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing, parameters)
+    try:
+        return _recorded(tracer, loop, law)
+    except Exception as error:
+        program = tracer.program
+        quantity = program.quantities[-1].name if program is not None and program.quantities else None
+        function = program.name if program is not None else "inputs"
+        raise law_fault(law, type(loop.law), error, _FUNCTIONS.get(function, function), quantity) from error
+
+
+def _recorded(tracer: Tracer, loop: ControlLoop[Value], law: str) -> LawProgram:
+    wide = tracer.wide
 
     def fresh(name: str, old: Value) -> Value:
         return tracer.input(name, old.q, old.kind)

@@ -11,11 +11,21 @@ from collections.abc import Sequence
 from typing import Any, ClassVar
 
 from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve
-from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
+from railhil.controller_node.program.model import Kind, OperandError, Operation, Program, Quantity, Table, Value
 
 
 class FormatError(Exception):
     """Two operands of one operation have different formats, or a result has another one than the law says."""
+
+
+def _q(a: Value) -> int | None:
+    """Format of an operand.
+
+    :raises OperandError: it is a number of Python's, or anything else that no operation has made.
+    """
+    if not isinstance(a, Value):
+        raise OperandError(f"{a!r} as an operand: use ar.const of a Constant")
+    return a.q
 
 
 class Tracer(Arithmetic[Value]):
@@ -74,17 +84,19 @@ class Tracer(Arithmetic[Value]):
 
     def _same(self, op: str, values: Sequence[Value]) -> int | None:
         """The one format of several operands."""
-        formats = sorted({value.q for value in values if value.q is not None})
+        formats = sorted({q for q in map(_q, values) if q is not None})
         if len(formats) > 1:
-            self._refuse(f"{op} of {' and '.join(f'Q{q}' for q in formats)}")
+            self._refuse(f"{op} of {' and '.join(f'Q{q}' for q in formats)}: ar.convert changes a format")
         return formats[0] if formats else None
 
     def _expect(self, op: str, a: Value, q: int) -> None:
-        if a.q is not None and a.q != q:
-            self._refuse(f"{op} of a Q{a.q} as if it were Q{q}")
+        found = _q(a)
+        if found is not None and found != q:
+            self._refuse(f"{op} of a Q{found} as if it were Q{q}")
 
     def _product(self, a: Value, b: Value, q: int) -> int | None:
-        return None if a.q is None or b.q is None else a.q + b.q - q
+        first, second = _q(a), _q(b)
+        return None if first is None or second is None else first + second - q
 
     def const(self, constant: Constant) -> Value:
         return Value(-1, constant.q if constant.raw else None, constant=constant)
@@ -124,6 +136,7 @@ class Tracer(Arithmetic[Value]):
         return self._emit("sub", [a, b], self._same("sub", [a, b]))
 
     def neg(self, a: Value) -> Value:
+        q = _q(a)
         if a.constant is not None:
             constant = a.constant
             if self.wide:
@@ -131,10 +144,10 @@ class Tracer(Arithmetic[Value]):
             # From the integer, as the fixed point does it: a value between two integers would be rounded anew.
             raw = constant.raw if constant.raw == INT32_MIN else -constant.raw
             return self.const(Constant(f"-{constant.name}", math.ldexp(raw, -constant.q), constant.q, constant.origin))
-        return self._emit("neg", [a], a.q)
+        return self._emit("neg", [a], q)
 
     def abs(self, a: Value) -> Value:
-        return self._emit("abs", [a], a.q)
+        return self._emit("abs", [a], _q(a))
 
     def mpy(self, a: Value, b: Value, q: int) -> Value:
         return self._emit("mpy", [a, b], self._product(a, b, q), (q,))

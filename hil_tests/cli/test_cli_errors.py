@@ -43,7 +43,7 @@ DBC = ROOT / "dbc" / "railhil.dbc"
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
     """The command in this process, in an empty folder: as in a process of its own, but faster."""
     monkeypatch.chdir(tmp_path)
-    handler = signal.getsignal(signal.SIGTERM)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
 
     def call(*arguments: str | Path) -> Done:
         try:
@@ -54,7 +54,8 @@ def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
         return Done(code, said.out, said.err)
 
     yield call
-    signal.signal(signal.SIGTERM, handler)
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
 
 
 def complaint(done: Done, exit_code: int = 2) -> str:
@@ -94,6 +95,11 @@ USAGE = {
     "negative seed": (["run", "--seed", "-1"], "--seed: found -1, allowed 0..4294967295"),
     "huge seed": (["run", "--seed", "4294967296"], "--seed: found 4294967296"),
     "text as seed": (["run", "--seed", "x"], "--seed: found x, allowed 0..4294967295"),
+    "endless seed": (["run", "--seed", "9" * 5000], "--seed: found 999999"),
+    "endless bit rate": (["bus", "hub", "--bitrate-model", "-b", "9" * 4000], "-b/--bitrate: found 999"),
+    "endless queue": (["bus", "hub", "--queue-limit", "9" * 5000], "--queue-limit: found 999"),
+    "endless TCP port": (["bus", "hub", "-c", f"tcp://127.0.0.1:{'9' * 5000}"], "found port '999"),
+    "endless setting": (["bus", "hub", "--port", f"railhil:a,fd={'9' * 5000}"], "key 'fd': found 999"),
     "rate 0": (["run", "--rate", "0"], "--rate: found 0, allowed 0.01 to 1000"),
     "no rate": (["run", "--rate", "nan"], "--rate: found nan"),
     "empty out": (["run", "--out", ""], "--out: found ''"),
@@ -113,6 +119,22 @@ def test_usage(here, tmp_path, case):
     arguments, words = USAGE[case]
     assert words in complaint(here(*arguments))
     assert not list(tmp_path.iterdir())
+
+
+PARAMETERS = {
+    "digits": (
+        f"softening_max = {'9' * 5000}",
+        "found a whole number of thousands of digits, allowed a parameter file",
+    ),
+    "depth": (f"{'a.' * 4000}a = 1", "found tables or arrays more than 32 deep, allowed a parameter file"),
+}
+
+
+@pytest.mark.parametrize("case", PARAMETERS)
+def test_parameter_file(here, case):
+    text, words = PARAMETERS[case]
+    Path("mine.toml").write_text(f'law = "ipfc"\n[parameters]\n{text}\n', encoding="utf-8")
+    assert words in complaint(here("run", "--parameters", "mine.toml"))
 
 
 SCENARIOS = {
@@ -288,6 +310,10 @@ def test_a_program_that_the_installation_lacks(monkeypatch):
 # -- logs -------------------------------------------------------------------------------------------------------------
 
 
+#: Beyond 64 bit of nanoseconds, beyond what Python converts, before the start of the run.
+HUGE_STAMPS = ("9223372037.000000", f"{10**30}.000000", f"{'9' * 5000}.000000", "-00000005.000000", "1_000_000.000000")
+
+
 def test_logs_that_are_none(here, tmp_path):
     whole = log_of(tmp_path, ident_frames()).read_text()
     two_lines = "".join(whole.splitlines(keepends=True)[:2])
@@ -298,6 +324,7 @@ def test_logs_that_are_none(here, tmp_path):
         ("", "my.log: file: found '', allowed a candump log with at least one frame"),
         ("LOGG\x90\xff", "my.log: after line 0: found b'LOGG\\x90\\xff', allowed a candump log (text)"),
         (two_lines, "my.log: PLT_IDENT: found no such telegram"),
+        *((whole + f"({stamp}) mvb0 118#00 R\n", f"my.log: line 4: found '({stamp[:9]}") for stamp in HUGE_STAMPS),
     ):
         Path("my.log").write_bytes(text.encode("latin-1"))
         for command in ("score", "plot"):
@@ -336,7 +363,7 @@ def test_certificates_that_do_not_help(here, tmp_path):
             path.write_bytes(text.encode("latin-1"))
         assert words in complaint(here("score", tmp_path))
     # With the scenario named, a broken certificate is of no importance; the record itself is incomplete.
-    for text in (path.read_text(), "[]", '{"scenario": "lvs'):
+    for text in ("{}", "[]", '{"scenario": "lvs'):
         path.write_text(text)
         done = here("score", tmp_path, "--scenario", "lvshun_tieshan")
         assert (done.exit_code, done.out) == (3, "INVALID: run record_incomplete\n")

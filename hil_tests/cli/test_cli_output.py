@@ -5,9 +5,12 @@ from __future__ import annotations
 import io
 import json
 import os
+import pty
+import re
 import shlex
 import signal
 import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from contextlib import redirect_stdout
 from dataclasses import replace
@@ -25,10 +28,11 @@ from railhil.bus.telegrams import SimTruth
 from railhil.cli.commands import parser
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.output import Output
+from railhil.common.plain_text import plain
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load, names
 from railhil.supervisor.folder import RecordFailed, write_folder
-from railhil.supervisor.framelog import FrameLog, log_line, read_log
+from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
@@ -85,15 +89,22 @@ def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_pat
 
 
 @pytest.mark.loop
-def test_a_certificate_of_another_log_says_nothing_about_this_one(json_run, short, tmp_path):
-    folder, document, _ = json_run
-    (tmp_path / "frames.log").write_bytes((folder / "frames.log").read_bytes())
-    certificate = strict_json(folder / "certificate.json")
-    other = certificate | {"verdict": "INVALID", "line": "timing: too late", "frames_sha256": "00"}
-    (tmp_path / "certificate.json").write_text(json.dumps(other))
+def test_a_log_that_was_changed_stays_invalid_when_the_scenario_is_named(json_run, short, tmp_path):
+    """Two lines swapped: every telegram of it is good."""
+    folder, _, _ = json_run
+    lines = (folder / "frames.log").read_text().splitlines(keepends=True)
+    lines[-2:] = reversed(lines[-2:])
+    log = tmp_path / "frames.log"
+    log.write_text("".join(lines))
+    certified = strict_json(folder / "certificate.json")
+    (tmp_path / "certificate.json").write_text(json.dumps(certified | {"verdict": "INVALID", "line": "too late"}))
     done = railhil("score", tmp_path, "--scenario", short, "--json")
-    assert done.json["verdict"] == document["verdict"]
-    assert done.exit_code == {"PASS": 0, "FAIL": 1}[document["verdict"]]
+    assert (done.exit_code, done.json["verdict"]) == (3, "INVALID")
+    other = f"(sha256 {sha256_of(log)}) is not the log that certificate.json beside it is of"
+    assert f"frames.log {other} (sha256 {certified['frames_sha256']})" in done.json["line"]
+    # Without a certificate nobody says which log it should be.
+    (tmp_path / "certificate.json").unlink()
+    assert railhil("score", tmp_path, "--scenario", short).exit_code in (0, 1)
 
 
 @pytest.mark.loop
@@ -226,6 +237,48 @@ def test_text_of_users_is_printed_as_it_is(lvshun):
     assert text.getvalue().count(odd) == 4
 
 
+#: Clears the screen, sets the window's title, turns what follows round, begins a line of its own.
+STEERING = "\x1b[2J\x1b]0;owned\x07 \u202egnorw\u2066 \x9b31m \x7f \r\n"
+WRITTEN_OUT = r"\x1b[2J\x1b]0;owned\x07 \u202egnorw\u2066 \x9b31m \x7f"
+
+
+def test_text_of_files_never_steers_the_terminal(monkeypatch, lvshun, capsys):
+    text = io.StringIO()
+    monkeypatch.setattr("sys.stdout", text)
+    row = replace(lvshun.published[0], controller=STEERING)
+    scenario = replace(lvshun, title=STEERING, published=(row,))
+    console = Output()
+    console.width = 200
+    print_scores(console, scenario, [(STEERING, _SCORE)])
+    print_verdict(console, "FAIL", STEERING)
+    assert text.getvalue().count(WRITTEN_OUT) == 4
+    assert set(text.getvalue()) & set(STEERING) <= set("[2J]0;owned gr31m\n")
+    with pytest.raises(SystemExit):
+        parser().parse_args(["run", "--rate", STEERING])
+    assert WRITTEN_OUT in (said := capsys.readouterr().err)
+    assert "\x1b" not in said
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("Zürich – 北京\u3000南\t\n", "Zürich – 北京\u3000南\t\n"),
+        ("\u200d\u200c\u00ad\N{VARIATION SELECTOR-16}", "\u200d\u200c\u00ad\N{VARIATION SELECTOR-16}"),
+        ("\u2028\udc80\U000e0041", r"\u2028\udc80\U000e0041"),
+    ],
+)
+def test_writing_of_every_language_stays_as_it_is(text, shown):
+    assert plain(text) == shown
+
+
+def test_errors_in_files_never_steer_the_terminal(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('extends = "lvshun_tieshan"\n[plan]\n"\\u001b[2J\\u202e" = 3\n', encoding="utf-8")
+    done = railhil("scenarios", path)
+    assert done.exit_code == 2
+    assert r"found the unknown key \x1b[2J\u202e, allowed" in done.one_line()
+
+
 def test_a_terminal_without_the_characters_gets_question_marks(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text('extends = "lvshun_tieshan"\nname = "mine"\ntitle = "Zürich – Bern"\n', encoding="utf-8")
@@ -255,9 +308,15 @@ def interruptible() -> None:
 
 
 @pytest.mark.loop
-@pytest.mark.parametrize(("number", "whole_group"), [(signal.SIGINT, True), (signal.SIGTERM, False)])
-def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, number, whole_group):
-    """Ctrl-C reaches every process of the terminal at once, SIGTERM only the one it is sent to."""
+@pytest.mark.parametrize(
+    ("number", "whole_group"),
+    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True), (signal.SIGHUP, False)],
+)
+def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number, whole_group):
+    """Ctrl-C and a terminal that is gone reach every process of it at once, SIGTERM only the one it is sent to."""
+    sockets = tmp_path / "sockets"
+    sockets.mkdir()
+    monkeypatch.setenv("TMPDIR", str(sockets))
     folder = tmp_path / "run"
     process = subprocess.Popen(
         command("run", "--pace", "realtime", "--rate", "20", "--out", folder),
@@ -279,22 +338,105 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, number, whole_group)
     assert set(score["scores"].values()) == {None}
     assert set(score["signed"]) == {"time_error_s", "stop_error_m"}
     suite = ET.parse(folder / "junit.xml").getroot()
-    assert "stopped by" in suite.find("testcase/failure").get("message")
+    assert "stopped by" in suite.find("testcase/error").get("message")
+    assert (suite.get("failures"), suite.get("errors"), suite.find(".//failure")) == ("0", "1", None)
+    properties = {found.get("name"): found.get("value") for found in suite.findall("properties/property")}
+    assert (properties["verdict"], properties["frames_sha256"]) == ("INVALID", certificate["frames_sha256"])
+    assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
+    assert not list(sockets.iterdir())
     assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]
     assert railhil("score", folder).exit_code == 3
 
 
+#: Sends Ctrl-C twice from within the writing of the results.
+INTERRUPTED = """
+import os, signal, sys
+import railhil.supervisor.folder
+from railhil.cli import main
+written = railhil.supervisor.folder.write_blf
+def interrupted(log, out):
+    os.kill(os.getpid(), signal.SIGINT)
+    written(log, out)
+    os.kill(os.getpid(), signal.SIGINT)
+railhil.supervisor.folder.write_blf = interrupted
+sys.exit(main())
+"""
+
+
 @pytest.mark.loop
-def test_log_that_cannot_grow(tmp_path):
-    """A limit on the file's size stands for a full disk: the log is kept, and nothing looks like a result."""
+def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
+    (tmp_path / "short.toml").write_text(QUICK_TOML)
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, "run", "short.toml", "--no-report", "--out", "run"],
+        capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, "")
+    assert {path.name for path in (tmp_path / "run").iterdir()} == {
+        "frames.log", "frames.blf", "signals.csv", "score.json", "junit.xml", "certificate.json",
+        "telemetry.json", "hub.txt", "plant.txt", "controller.txt",
+    }  # fmt: skip
+    assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
+
+
+@pytest.mark.loop
+def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
+    """The progress bar and the verdict find no terminal any more."""
     folder = tmp_path / "run"
-    limited = f"ulimit -f 300; exec {shlex.join(command('run', '--out', folder))}"
-    done = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, timeout=60, check=False)
-    line = Done(done.returncode, done.stdout, done.stderr).one_line()
-    assert done.returncode == 4
-    assert f"run folder {folder} cannot be written: file too large; frames.log is kept" in line
-    assert (folder / "frames.log").stat().st_size == 300 * 1024
-    assert {path.suffix for path in folder.iterdir()} == {".log", ".txt"}
+    child, terminal = pty.fork()
+    if child == 0:
+        os.execv(sys.executable, command("run", "--pace", "realtime", "--rate", "20", "--out", folder))
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
+    os.close(terminal)
+    _, status = os.waitpid(child, 0)
+    assert os.waitstatus_to_exitcode(status) == 129
+    assert "stopped by SIGHUP" in json.loads((folder / "certificate.json").read_text())["line"]
+
+
+def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:
+    """A command with so much room in a folder: on a disk of its own where a user may mount one, else by a limit on the
+    size of each file. What the folder holds is copied into ``kept`` beside it."""
+    disk.mkdir()
+    keep = f"cp -r {shlex.quote(str(disk))} {shlex.quote(str(disk.with_name('kept')))}"
+    mounted = ["unshare", "--mount", "bash", "-c"]
+    kept = f"code=$?; {keep}; exit $code"
+    tmpfs = f"mount -t tmpfs -o size={size_kib}k none {shlex.quote(str(disk))}"
+    if subprocess.run([*mounted, tmpfs], capture_output=True, check=False).returncode == 0:
+        done = subprocess.run(
+            [*mounted, f"{tmpfs}; {shlex.join(map(str, words))}; {kept}"],
+            capture_output=True,
+            text=True,
+            timeout=90,
+            check=False,
+        )
+    else:
+        limited = f"(ulimit -f {size_kib}; {shlex.join(map(str, words))}); {kept}"
+        done = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, timeout=90, check=False)
+    return Done(done.returncode, done.stdout, done.stderr)
+
+
+@pytest.mark.loop
+def test_disk_that_is_full_in_the_run(tmp_path):
+    """The log is kept up to its last whole line, and nothing looks like a result."""
+    folder = tmp_path / "disk" / "run"
+    done = on_small_disk(tmp_path / "disk", 512, *command("run", "--out", folder))
+    line = done.one_line()
+    assert done.exit_code == 4
+    assert line.startswith(f"railhil: run folder {folder} cannot be written: ")
+    assert re.search(r": (file too large|no space left on device); frames.log is kept as far as it got$", line)
+    kept = tmp_path / "kept" / "run"
+    assert len(list(read_log(kept / "frames.log"))) > 1000
+    assert {path.suffix for path in kept.iterdir()} <= {".log", ".txt", ".json"}
+    assert not {"certificate.json", "score.json"} & {path.name for path in kept.iterdir()}
+
+
+@pytest.mark.parametrize("size_kib", [4, 100])
+def test_disk_without_room_for_a_run(tmp_path, size_kib):
+    folder = tmp_path / "disk" / "run"
+    done = on_small_disk(tmp_path / "disk", size_kib, *command("run", "--out", folder))
+    assert done.exit_code == 4
+    said = rf"railhil: {folder} cannot be written: (file too large|no space left on device)"
+    assert re.fullmatch(said, done.one_line())
+    assert not list((tmp_path / "kept").iterdir())
 
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
@@ -314,8 +456,9 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
+    (tmp_path / "telemetry.json").touch()
     monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
         write_folder(tmp_path, lvshun, run.options, result, trace, [])
     assert caught.value.exit_code == 4
-    assert [path.name for path in tmp_path.iterdir()] == ["frames.log"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]

@@ -61,7 +61,17 @@ def test_run_folder_is_complete(hub_run):
     assert set(document["signed"]) == {"time_error_s", "stop_error_m"}
     assert set(document["run"]) >= _RUN_KEYS
     suite = ET.parse(hub_run / "junit.xml").getroot()
-    assert int(suite.get("tests", "0")) == len(suite.findall("testcase")) == 7
+    cases = suite.findall("testcase")
+    assert int(suite.get("tests", "0")) == len(cases) == 7
+    assert (suite.get("failures"), suite.get("errors")) == (str(len(document["failures"])), "0")
+    assert len(suite.findall(".//failure")) == len(document["failures"])
+    assert {found.get("name"): found.get("value") for found in suite.findall("properties/property")} == {
+        "scenario": "lvshun_tieshan", "seed": "1", "controller": "ipfc", "arithmetic": "iq",
+        "verdict": document["verdict"],
+        "frames_sha256": certificate(hub_run)["frames_sha256"],
+    }  # fmt: skip
+    # The time of the cases is the time of the run.
+    assert sum(float(case.get("time", "nan")) for case in cases) == float(suite.get("time", "0")) > 0
 
 
 def test_bench_health(hub_run):
@@ -175,6 +185,29 @@ def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     last_notch_s = trace.times_s(NotchCmd.PORT)[-1]
     after = trace.times_s("SIM_TRUTH") > last_notch_s + 0.1
     assert trace.values("SIM_TRUTH", "TractionForce")[after].max() == 0, "traction is cut within 100 ms"
+
+
+#: Makes the hub's process late, or ends it before it is there.
+BUSY = """
+import os, sys, time
+if "railhil.bus.hub" in sys.orig_argv:
+    if os.environ["HUB"] == "late":
+        time.sleep(6)
+    else:
+        print("no memory for the hub", file=sys.stderr, flush=True)
+        os._exit(1)
+"""
+
+
+@pytest.mark.parametrize(("hub", "codes"), [("late", (0, 1)), ("dead", (2,))])
+def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypatch, hub, codes):
+    (tmp_path / "sitecustomize.py").write_text(BUSY)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    monkeypatch.setenv("HUB", hub)
+    done = railhil("run", short, "--out", tmp_path / "run", "--quiet", "--no-report", "-i", "railhil")
+    assert done.exit_code in codes, done.err
+    if hub == "dead":
+        assert done.one_line() == "railhil: no memory for the hub"
 
 
 def test_killed_supervisor_stops_the_nodes(tmp_path):

@@ -23,7 +23,7 @@ exit codes:
   2    usage or bad input; one line says what was found and what is allowed
   3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
   4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
-  130  stopped by Ctrl-C; 143 by SIGTERM (what is done is kept, --resume goes on)"""
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume goes on)"""
 #: Options that say what is run: None when not given, so that --resume takes them from the campaign.
 _REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
 

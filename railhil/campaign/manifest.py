@@ -77,7 +77,7 @@ def read_manifest(folder: Path) -> Manifest:
         document = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(path, "", Words((error.strerror or str(error)).lower()), "folder of a campaign") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise InputError(path, "", Words("no JSON"), "what `railhil campaign` has written") from None
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of a campaign of this railhil")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import errno
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import entry_points
@@ -31,6 +30,7 @@ from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.sockets import private_socket
 
 #: What the operating system says when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -117,8 +117,8 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
     :raises InputError: what is chosen cannot carry a run.
     """
-    with tempfile.TemporaryDirectory(prefix="railhil-") as private:
-        choice = choose_bus(namespace, None if attach else Path(private) / "hub.sock")
+    with private_socket() as private:
+        choice = choose_bus(namespace, None if attach else private)
         require_interface(choice)
         interface = choice.config.get("interface")
         if interface == "virtual":
@@ -130,7 +130,7 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 def recorded(
     scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, made: bool, console: Output, quiet: bool
 ) -> tuple[Run, RunResult]:
-    """Run one law and write its folder.
+    """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
     :param made: whether the folder was made for the run; it then goes when the run never began.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
@@ -142,13 +142,16 @@ def recorded(
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
         run = Run(scenario, options, choice, folder, on_progress)
-        result = _executed(run, folder, made)
-    refused = result.exit_code == USAGE and result.sim_time_s == 0
-    if refused or result.frames == 0:
-        discard_folder(folder, made)
-        raise NeverBegan(result.line or "no frame came", result.exit_code)
-    given = [] if choice.needs_hub else choice.arguments
-    write_folder(folder, scenario, options, result, run.trace, given)
+        with run.stop:
+            result = _executed(run, folder, made)
+            refused = result.exit_code == USAGE and result.sim_time_s == 0
+            if refused or result.frames == 0:
+                discard_folder(folder, made)
+                raise NeverBegan(result.line or "no frame came", result.exit_code)
+            given = [] if choice.needs_hub else choice.arguments
+            write_folder(folder, scenario, options, result, run.trace, given)
+    if run.stop.number:
+        run.stopped_exit_code = 128 + run.stop.number
     return run, result
 
 

@@ -149,7 +149,7 @@ def work(namespace: argparse.Namespace) -> int:
             runs.append((own, as_recorded(own, done, result)))
             codes.append(result.exit_code)
             if done.stopped_exit_code:
-                print_verdict(console, "INVALID", f"{result.line}; {_so_far(runs, plan, folder)}")
+                print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
                 return done.stopped_exit_code
     except BaseException:
         if runs and folder is not None:

@@ -18,6 +18,8 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.common.plain_text import plain
+from railhil.common.whole_file import whole_file
 from railhil.dbc import wire_contract
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.model import Scenario
@@ -28,7 +30,6 @@ from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
@@ -52,9 +53,10 @@ _COLUMNS = (
 )
 
 
-#: What is computed from ``frames.log`` when the run is over, and what the controller says of it; removed again unless
-#: all of it could be written.
-_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE, TELEMETRY)
+#: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
+ROOM_MIN_BYTES = 128 * 1024
+#: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
+_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
@@ -69,6 +71,7 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         raise InputError("command line", "--out", out, "name of an empty or new folder")
     stamp = time.strftime("%Y%m%dT%H%M%SZ", time.gmtime())
     folder = Path(out) if out is not None else Path("runs") / f"{stamp}-{scenario}-{controller}"
+    made = False
     try:
         made = out is None or not folder.exists()
         if out is None:
@@ -76,9 +79,13 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         else:
             folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
-        # Leaves nothing behind; asking for permissions would not notice a read-only file system.
-        tempfile.TemporaryFile(dir=folder).close()
+        # Leaves nothing behind; asking for permissions would not notice a read-only or a full file system.
+        with tempfile.TemporaryFile(dir=folder) as probe:
+            probe.write(bytes(ROOM_MIN_BYTES))
+            probe.flush()
     except OSError as error:
+        if made and folder.is_dir():
+            folder.rmdir()
         raise not_written("--out", folder, "folder", error) from None
     if occupied:
         raise InputError("command line", "--out", str(folder), "an empty or new folder")
@@ -134,8 +141,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
 def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
-    if result.exit_code not in (0, 1):
-        document["verdict"] = "INVALID"
+    document["verdict"] = result.verdict
     document["line"] = result.line
     document["run"] = {
         "sim_time_s": result.sim_time_s,
@@ -188,7 +194,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
-        "verdict": result.score.verdict if result.exit_code in (0, 1) else "INVALID",
+        "verdict": result.verdict,
         "line": result.line,
         "command": run_command(options, bus_arguments),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
@@ -198,11 +204,15 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
 
 
 def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
-    """JUnit report with one case per limit of the scenario."""
+    """JUnit report with one case per limit of the scenario.
+
+    A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
+    ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
+    """
     plan, found = scenario.plan, result.score
-    cases: list[tuple[str, str]] = [("bench_valid", "" if result.exit_code in (0, 1) else result.line)]
-    if result.exit_code in (0, 1):
-        cases += [
+    cases: list[tuple[str, str]] = []
+    if result.trusted:
+        cases = [
             ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
             ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
             ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
@@ -212,18 +222,36 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
         ]
     suite = ET.Element(
         "testsuite",
-        name=f"{scenario.name}.{options.controller}",
-        tests=str(len(cases)),
+        name=_xml(f"{scenario.name}.{options.controller}"),
+        tests=str(1 + len(cases)),
         failures=str(sum(bool(text) for _, text in cases)),
+        errors=str(int(not result.trusted)),
         time=f"{result.wall_time_s:.3f}",
     )
+    properties = ET.SubElement(suite, "properties")
+    for name, value in (
+        ("scenario", options.scenario),
+        ("seed", options.seed),
+        ("verdict", result.verdict),
+        ("frames_sha256", result.frames_sha256),
+        ("controller", options.label),
+        ("arithmetic", options.arithmetic),
+    ):
+        ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
+    classname = _xml(f"railhil.{scenario.name}")
+    bench = ET.SubElement(suite, "testcase", classname=classname, name="bench_valid", time=suite.attrib["time"])
+    if not result.trusted:
+        ET.SubElement(bench, "error", message=_xml(result.line))
     for name, text in cases:
-        case = ET.SubElement(suite, "testcase", classname=f"railhil.{scenario.name}", name=name)
+        case = ET.SubElement(suite, "testcase", classname=classname, name=name, time="0.000")
         if text:
-            # XML has no way to write a control character.
-            shown = "".join(letter if letter.isprintable() else "?" for letter in text)
-            ET.SubElement(case, "failure", message=shown)
+            ET.SubElement(case, "failure", message=_xml(text))
     return ET.ElementTree(suite)
+
+
+def _xml(text: str) -> str:
+    """Text as XML can hold it, which has no way to write a control character."""
+    return plain(" ".join(text.split()))
 
 
 def _beyond(value: float | None, limit: float, unit: str) -> str:
@@ -257,14 +285,18 @@ def write_folder(
 ) -> None:
     """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
 
-    :raises RecordFailed: the folder cannot be written; it then holds the log and nothing that looks like a result.
+    :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, what the nodes have
+        said and measured) and nothing that looks like a result.
     """
     try:
         if trace.count(SimTruth.PORT):
-            write_signals(trace, folder / "signals.csv")
-        write_blf(folder / "frames.log", folder / "frames.blf")
+            with whole_file(folder / "signals.csv") as draft:
+                write_signals(trace, draft)
+        with whole_file(folder / "frames.blf") as draft:
+            write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))
-        junit(scenario, options, result).write(folder / "junit.xml", encoding="unicode", xml_declaration=True)
+        with whole_file(folder / "junit.xml") as draft:
+            junit(scenario, options, result).write(draft, encoding="unicode", xml_declaration=True)
         write_json(folder / CERTIFICATE, certificate(scenario, options, result, bus_arguments))
     except BaseException as error:
         if isinstance(error, OSError):

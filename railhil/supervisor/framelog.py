@@ -7,6 +7,7 @@ made from it. One run has one log, byte for byte, on every transport.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -21,6 +22,10 @@ CHANNEL = "mvb0"
 #: candump's mark of an error frame in the identifier (python-can writes a bus error).
 _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
+#: Simulation times are 64 bit.
+_TIME_MAX_NS = (1 << 63) - 1
+#: No line is longer: 64 bytes of CAN FD in hexadecimal, with what stands around them.
+_LINE_MAX_BYTES = 1024
 #: Standard identifiers as they stand in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -57,14 +62,29 @@ class FrameLog:
         self.path = folder / "frames.log"
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
+        #: Hand what is buffered to the kernel: from then on a killed recorder no longer loses it.
+        self.flush = self._stream.flush
 
     def close(self) -> str:
         """Finish the file.
 
         :returns: its SHA-256.
+        :raises OSError: the rest of it cannot be written; the file then ends with its last whole line.
         """
-        self._stream.close()
+        try:
+            self._stream.close()
+        except OSError:
+            _cut_to_whole_lines(self.path)
+            raise
         return sha256_of(self.path)
+
+
+def _cut_to_whole_lines(path: Path) -> None:
+    """What a full disk has cut off in the middle can still be read, up to there."""
+    with path.open("r+b") as stream:
+        size = stream.seek(0, os.SEEK_END)
+        start = stream.seek(max(0, size - _LINE_MAX_BYTES))
+        stream.truncate(start + stream.read().rfind(b"\n") + 1)
 
 
 def sha256_of(path: Path) -> str:
@@ -103,9 +123,12 @@ def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
 def _time_ns(stamp: str) -> int:
     """Time of what a line begins with, the other way round than :func:`_stamp`; ValueError or IndexError."""
     seconds, micros = stamp.split(".")
-    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7:
+    if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7 or not (seconds[1:] + micros[:-1]).isdigit():
         raise ValueError(stamp)
-    return int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+    time_ns = int(seconds[1:]) * 1_000_000_000 + int(micros[:-1]) * _NS_PER_US
+    if time_ns > _TIME_MAX_NS:
+        raise ValueError(stamp)
+    return time_ns
 
 
 def _parsed(line: str) -> tuple[int, Frame]:

@@ -18,7 +18,7 @@ from railhil.common.scheduling import is_said
 #: Time that a node gets to end by itself after SIGTERM.
 TERMINATE_S = 1.0
 #: Exit codes of a node that a signal has ended in good order.
-_STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTERM)}
+_STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
 #: What a link says of an outage that is over, and at the end of a node: no reason for anything.
 _OF_THE_CONNECTION = re.compile(r" is back after [\d.]+ s$|: [a-z_]+ \d+(, [a-z_]+ \d+)*$")
 #: Index of ``starttime`` in /proc/PID/stat, counted behind the command name (proc(5), field 22).

@@ -24,7 +24,8 @@ _BESIDE = "a certificate beside the log, or --scenario"
 class Record:
     """A record whose parts fit together.
 
-    ``invalid``: why the bench could not be trusted when it was made; ``certificate``: empty when none is of this log.
+    ``invalid``: why the bench could not be trusted when it was made, or that the log is not the one that was made
+    then; ``certificate``: empty when none is of this log.
     """
 
     log: Path
@@ -78,7 +79,8 @@ def checked_record(text: str, name: str | None) -> Record:
     is not the one that was certified.
 
     :param text: log or run folder.
-    :param name: scenario when the user names one; a certificate that is broken or not of this log is then left aside.
+    :param name: scenario when the user names one. A certificate that is broken is then left aside; a log that is not
+        the one that it certifies is a record all the same, INVALID.
     :raises InputError: one line for the first thing that does not fit.
     """
     log = log_path(text)
@@ -95,6 +97,9 @@ def checked_record(text: str, name: str | None) -> Record:
     if wanted != found:
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
+        if wanted is not None:
+            other = f"{log.name} (sha256 {found}) is not the log that {CERTIFICATE} beside it is of (sha256 {wanted})"
+            return Record(log, scenario, trace, other)
         document = {}
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
     return Record(log, scenario, trace, invalid, document)

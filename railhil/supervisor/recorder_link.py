@@ -27,13 +27,21 @@ def open_recorder(
 ) -> Link:
     """Open the bus for the recorder.
 
+    A hub of the run's own is waited for while its process lives.
+
     :param open_bus: makes the link from the arguments of ``can.Bus`` and the name of the node.
     :raises BusUnavailable: it cannot be opened; the reason is the hub's when that has ended.
     """
+
+    def look() -> None:
+        if any(node.role == "hub" for node in nodes.ended()):
+            raise BusUnavailable("the hub has ended")
+
+    waiting = {"while_connecting": look} if choice.needs_hub else {}
     try:
-        link = open_bus(choice.config | (_bulk_reading(choice) if lockstep else {}), "supervisor")
+        link = open_bus(choice.config | waiting | (_bulk_reading(choice) if lockstep else {}), "supervisor")
     except BusUnavailable:
-        for node in nodes.ended():
+        if (node := nodes.blamed()) is not None:
             raise BusUnavailable(node.last_words()) from None
         raise
     link.lossless = lockstep

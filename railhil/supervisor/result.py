@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from railhil.common.exit_codes import FAIL, PASS
 from railhil.supervisor.jitter import Timing
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -29,6 +30,16 @@ class RunResult:
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: Timing | None = None
+
+    @property
+    def trusted(self) -> bool:
+        """True when the bench could be trusted: only then there is a verdict on the controller."""
+        return self.exit_code in (PASS, FAIL)
+
+    @property
+    def verdict(self) -> str:
+        """PASS or FAIL of the score, INVALID for a bench that could not be trusted."""
+        return self.score.verdict if self.trusted else "INVALID"
 
     @property
     def speed_factor(self) -> float:

@@ -42,6 +42,8 @@ SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
+#: Wall time after which the log is handed to the kernel: about as much of it a recorder that is killed can lose.
+FLUSH_S = 0.2
 _REAP_S = 1.0
 #: The plant knows better who is missing: it may give up first.
 _LATER_S = 2.0
@@ -92,6 +94,8 @@ class Run:
         self.trace = Trace()
         #: Exit code of a run that a signal has ended (128 + its number), else 0.
         self.stopped_exit_code = 0
+        #: Who writes results after :meth:`execute` enters it too: then no signal strikes before they are whole.
+        self.stop = StopSignals()
         self._lost = ""
         self._scheduling = Scheduling()
         # The hub has one order for all; a kernel bus has one per processor.
@@ -99,24 +103,29 @@ class Run:
         self._order = None if in_order else BusOrder(fd=choice.fd)
 
     def execute(self) -> RunResult:
-        """The whole run. A signal (Ctrl-C, SIGTERM) during the record ends it as INVALID, with what was recorded.
+        """The whole run. A signal (Ctrl-C, SIGTERM, SIGHUP) during the record ends it as INVALID, with what was
+        recorded; one that comes after the record is only noted in :attr:`stop`.
 
         :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
         """
-        started_ns = process_start_ns()
+        with self.stop:
+            return self._execute(process_start_ns())
+
+    def _execute(self, started_ns: int) -> RunResult:
         try:
             with Nodes(self.folder) as nodes:
-                link = self._join(nodes)
+                with self.stop.at_once():
+                    link = self._join(nodes)
                 try:
                     self._record_until_stopped(link, nodes)
                 except BusLost as error:
                     # A killed process closes its sockets a moment before it can be seen to have ended.
                     nodes.wait(("hub",), _REAP_S)
                     self._lost = self._who_died(nodes) or str(error)
-                except (KeyboardInterrupt, SystemExit) as stopped:
+                except (KeyboardInterrupt, SystemExit):
                     if not self.session.recording:
                         raise
-                    number = signal.SIGINT if isinstance(stopped, KeyboardInterrupt) else signal.SIGTERM
+                    number = signal.Signals(self.stop.number)
                     self.stopped_exit_code = 128 + number
                     self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
                 finally:
@@ -153,19 +162,20 @@ class Run:
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
         priority = RECORDER_PRIORITY if self.options.realtime_scheduling else 0
-        with StopSignals() as stop, cycle("supervisor", priority, aloud=False) as self._scheduling:
-            link.while_waiting = stop.check
+        with cycle("supervisor", priority, aloud=False) as self._scheduling:
+            link.while_waiting = self.stop.check
             try:
-                self._record(link, nodes, stop)
+                self._record(link, nodes, self.stop)
             except BusLost:
                 # Ctrl-C ends the other nodes too, and they may be quicker.
-                stop.check()
+                self.stop.check()
                 raise
-            stop.check()
+            self.stop.check()
 
     def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
         session = self.session
         look_s = time.monotonic() + _LOOK_S
+        flush_s = time.monotonic() + FLUSH_S
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         apart = self.options.pace == "lockstep" and bool(nodes.nodes)
@@ -182,6 +192,9 @@ class Run:
             if now_s < look_s:
                 continue
             look_s = now_s + _LOOK_S
+            if now_s >= flush_s:
+                self.log.flush()
+                flush_s = now_s + FLUSH_S
             if give_up_s is None:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)

@@ -134,7 +134,7 @@ def test_round_trip_between_two_processes(scheme: str) -> None:
         assert hub.stderr() == ""
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
 def test_a_signal_ends_the_hub_cleanly(number: signal.Signals) -> None:
     with running_hub() as hub, hub.bus():
         path = Path(hub.channel)
@@ -252,8 +252,8 @@ def test_no_hub_is_one_line_and_a_late_hub_is_waited_for() -> None:
 def test_a_hub_that_is_only_just_starting_is_waited_for_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
     waited_s: list[float] = []
 
-    def refuse(address: object, connect_timeout_s: float) -> NoReturn:
-        waited_s.append(connect_timeout_s)
+    def refuse(address: object, deadline_s: float, _: object) -> NoReturn:
+        waited_s.append(round(deadline_s - time.monotonic()))
         raise HubUnavailable(f"no hub at {address}")
 
     monkeypatch.setattr(client, "_connect", refuse)

@@ -28,7 +28,7 @@ from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.load import bus_load, longest_frame_bits, telegram_bits
 from railhil.bus.local import LocalBus
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, exit_code_of, guarded
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE, ending_signals, exit_code_of, guarded
 from railhil.dbc import ContractError, wire_contract
 from railhil.dbc.contract import WIRE_VERSION
 
@@ -184,9 +184,10 @@ def _raising(error: BaseException) -> Callable[[], int]:
 
 @pytest.fixture(autouse=True)
 def _signals() -> object:
-    before = signal.getsignal(signal.SIGTERM)
+    before = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
     yield
-    signal.signal(signal.SIGTERM, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 def test_one_line_whatever_the_text(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
@@ -196,17 +197,30 @@ def test_one_line_whatever_the_text(capsys: pytest.CaptureFixture[str], monkeypa
     assert capsys.readouterr().err == "railhil: two lines\nrailhil: ValueError: ValueError\n"
 
 
-def test_result_interrupt_and_sigterm(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_result_and_interrupt() -> None:
     assert guarded("railhil", lambda: FAIL) == FAIL
     assert guarded("railhil", _raising(KeyboardInterrupt())) == 130
 
-    def terminated() -> int:
-        os.kill(os.getpid(), signal.SIGTERM)
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+def test_signals_that_end_a_command(number: int, code: int) -> None:
+    with pytest.raises(SystemExit) as caught:
+        guarded("railhil", _killing(number))
+    assert caught.value.code == code
+
+
+def test_nohup_is_respected() -> None:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    assert guarded("railhil", _killing(signal.SIGHUP)) == PASS
+    assert signal.SIGHUP not in ending_signals()
+
+
+def _killing(number: int) -> Callable[[], int]:
+    def main() -> int:
+        os.kill(os.getpid(), number)
         return PASS
 
-    with pytest.raises(SystemExit) as caught:
-        guarded("railhil", terminated)
-    assert caught.value.code == 143
+    return main
 
 
 def test_traceback_for_the_one_who_mends_it(monkeypatch: pytest.MonkeyPatch) -> None:

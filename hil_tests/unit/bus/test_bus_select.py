@@ -133,12 +133,18 @@ def test_bus_arguments_keep_their_type(value: object) -> None:
 def test_the_choice_itself_can_be_handed_on(hub: Path | None) -> None:
     choice = choose_bus(parsed(), hub)
     again = config_from_namespace(parsed(*choice.arguments))
-    assert {key: str(value) for key, value in again.items()} == choice.config
+    assert {key: str(value) for key, value in again.items()} == {
+        key: str(value) for key, value in choice.config.items()
+    }
 
 
 def test_hub_without_channel_is_a_hub_of_the_run_s_own(tmp_path: Path) -> None:
     choice = choose_bus(parsed("-i", "railhil"), tmp_path / "hub.sock")
     assert choice.needs_hub
     assert choice.config["channel"] == str(tmp_path / "hub.sock")
+    # Nodes cannot see its process: they wait long, unless told otherwise.
+    assert choice.arguments[-2:] == ["--bus-kwargs", "connect_timeout=300.0"]
+    told = choose_bus(parsed("-i", "railhil", "--bus-kwargs", "connect_timeout=9"), tmp_path / "hub.sock")
+    assert told.config["connect_timeout"] == 9
     # Without a place for one of its own, python-can's plugin takes the user's default hub.
     assert not chosen("-i", "railhil").needs_hub

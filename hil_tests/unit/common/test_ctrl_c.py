@@ -72,7 +72,7 @@ def test_railhil_holds_ctrl_c_back_when_it_becomes_another_program(monkeypatch):
 
 
 def test_a_program_in_good_order_hears_ctrl_c():
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         hold_back_interrupts()

@@ -122,7 +122,11 @@ def test_a_missing_key_names_the_table_that_should_have_it(tmp_path: Path) -> No
     [
         ("a = [[[", "TOML 1.0"),
         ("[a]\n[a]\n", "TOML 1.0"),
-        ("a = " + 5000 * "[", "TOML 1.0"),
+        ("a = " + 5000 * "[", "found tables or arrays more than 32 deep, allowed TOML 1.0"),
+        ("a = " + 33 * "[" + 33 * "]", "found tables or arrays more than 32 deep, allowed TOML 1.0"),
+        (4000 * "a." + "a = 1", "found tables or arrays more than 32 deep, allowed TOML 1.0"),
+        ("a = " + 5000 * "9", "found a whole number of thousands of digits, allowed TOML 1.0"),
+        ("a = " + 4000 * "9", "found the unknown key a"),
         ('extends = "mine.toml"\n', "at most 8 files"),
         ('extends = "nix"\n', "one of lvshun_tieshan"),
         ('extends = "nix.toml"\n', "a file that exists"),

@@ -94,6 +94,22 @@ def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, is_down: bool) -> No
             assert run._lost == "no tick for 0.1 s of wall time: bench is deadlocked"
 
 
+def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(run: Run) -> None:
+    """At 1x the buffer holds seconds of it; a recorder that is killed loses a fifth of one."""
+    line = "(0.000000) mvb0 7FF#00 R\n"
+
+    def killed_when_it_is_there() -> None:
+        if run.log.path.stat().st_size:
+            raise BusLost("killed")
+
+    run.log.write(line)
+    run.session.recording = True
+    run.session.first_frame_ns = time.monotonic_ns()
+    with Nodes(run.folder) as nodes, pytest.raises(BusLost):
+        run._record(Bus(FOREIGN, killed_when_it_is_there), nodes, StopSignals())
+    assert run.log.path.read_text().startswith(line)
+
+
 # -- why a node has ended ---------------------------------------------------------------------------------------------
 
 CHATTER = (
@@ -118,6 +134,7 @@ def node_that(code: int | None, said: str, folder: Path, role: str = "controller
     [
         (-9, CHATTER + TROUBLE, "killed by SIGKILL"),
         (143, CHATTER + TROUBLE, "ended by SIGTERM"),
+        (129, CHATTER + TROUBLE, "ended by SIGHUP"),
         (130, CHATTER, "ended by SIGINT"),
         (3, CHATTER + BACK + "controller: no frame for 3 s\n" + TROUBLE, "controller: no frame for 3 s"),
         (3, CHATTER + "controller: can0: not back\n" + BACK + TROUBLE, "controller: can0: not back"),

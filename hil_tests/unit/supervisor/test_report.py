@@ -158,6 +158,13 @@ def test_realtime_run_states_its_jitter(run: RecordedRun) -> None:
     assert "9.00 s simulated in 4.25 s of wall time" in found
 
 
+def test_text_of_files_is_harmless_in_the_page(lvshun: Scenario, run: RecordedRun) -> None:
+    title = "<b>\x1b[2J \u202edne"
+    text = page([replace(run, scenario=replace(lvshun, title=title))])
+    assert r"&lt;b&gt;\x1b[2J \u202edne" in text
+    assert not {"\x1b", "\u202e"} & set(text)
+
+
 def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> None:
     found = words(single)
     for text in (

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.deviations import deviations
@@ -33,6 +34,8 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
+        # What is safe already (markup, drawings) is no plain text.
+        finalize=lambda value: plain(value) if type(value) is str else value,
     )
     source, deviating = deviations() if scenario.published else ("", ())
     return environment.get_template("report.html.j2").render(

@@ -1,0 +1,61 @@
+"""What a law that fails is told: where in its text, after which quantity, and what to use instead."""
+
+from __future__ import annotations
+
+import inspect
+import traceback
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.laws.base import Law
+
+_ALLOWED = "operations of the arithmetic on operands, formats that agree, no branch on data"
+
+
+def _folders(kind: type[Law[Any, Any]]) -> set[Path]:
+    """Folders of the files in which a law and what it inherits from are written."""
+    found = set()
+    for part in kind.__mro__:
+        if issubclass(part, Law) and part is not Law:
+            try:
+                found.add(Path(inspect.getfile(part)).resolve().parent)
+            except (OSError, TypeError):
+                # Made without a file, in a console: it has no place to name.
+                continue
+    return found
+
+
+def place(kind: type[Law[Any, Any]], error: BaseException) -> str:
+    """Where in the text of a law an exception came from, ``FILE:LINE``; empty when no line of it was involved."""
+    folders = _folders(kind)
+    at = ""
+    for frame in traceback.extract_tb(error.__traceback__):
+        if Path(frame.filename).resolve().parent in folders:
+            at = f"{frame.filename}:{frame.lineno}"
+    return at
+
+
+def _beginning(kind: type[Law[Any, Any]], function: str) -> str:
+    """Where a function of a law begins, ``FILE:LINE``: the place of a failure over what it has answered."""
+    code = getattr(getattr(kind, function, None), "__code__", None)
+    return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else kind.__qualname__
+
+
+def law_fault(
+    name: str, kind: type[Law[Any, Any]], error: Exception, function: str, quantity: str | None
+) -> InputError:
+    """The one line for an exception that a law has raised, or that its answer has caused.
+
+    :param name: under which the law was asked for.
+    :param function: name of the law's function that was called.
+    :param quantity: the last quantity that the law had named, None for none.
+    """
+    if isinstance(error, InputError):
+        return error
+    after = f"after quantity {quantity}" if quantity else "before its first quantity"
+    cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    key = f"law {name}, {function}, {after}"
+    return InputError(
+        place(kind, error) or _beginning(kind, function), key, Words("an operation that fails"), _ALLOWED, cause
+    )

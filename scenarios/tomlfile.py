@@ -1,0 +1,37 @@
+"""TOML text as a table, with what tomllib leaves to its caller: numbers and depths that nobody can work with."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+#: Tables and arrays inside each other; ours have four.
+DEPTH_MAX = 32
+
+
+def parsed_toml(text: str) -> dict[str, Any]:
+    """The table that a TOML text says.
+
+    :raises ValueError: it is no TOML, nests deeper than :data:`DEPTH_MAX`, or has a whole number of thousands of
+        digits; one line that says so.
+    """
+    try:
+        table = tomllib.loads(text)
+    except tomllib.TOMLDecodeError:
+        raise
+    except ValueError:
+        # The limit of Python's own conversion (sys.get_int_max_str_digits).
+        raise ValueError("a whole number of thousands of digits") from None
+    except RecursionError:
+        raise ValueError(_too_deep()) from None
+    level: list[Any] = [table]
+    for _ in range(DEPTH_MAX):
+        level = [inner for outer in level for inner in (outer.values() if isinstance(outer, dict) else outer)]
+        level = [inner for inner in level if isinstance(inner, dict | list)]
+        if not level:
+            return table
+    raise ValueError(_too_deep())
+
+
+def _too_deep() -> str:
+    return f"tables or arrays more than {DEPTH_MAX} deep"
