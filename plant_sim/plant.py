@@ -195,7 +195,8 @@ class Plant:
             self._pass_balise(
                 self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
             )
-        if motion.speed_mps <= 0.0 < position_m - before.position_m and position_m - self._leg_from_m >= MOVED_MIN_M:
+        # By the speed, not by the distance: far from 0 the position of a creeping train no longer grows in a step.
+        if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= MOVED_MIN_M:
             self._leg_from_m = position_m
             self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
 
