@@ -86,8 +86,9 @@ class Trace:
 
     def ident(self, telegram: type[Ident]) -> Ident | None:
         """First handshake telegram of a node, None when it is not in the record."""
-        data = self._data.get(telegram.PORT)
-        return telegram.decode(bytes(data[:16])) if data else None
+        data, size = bytes(self._data.get(telegram.PORT, b"")), telegram.port().data_bytes
+        idents = (telegram.decode(data[at : at + size]) for at in range(0, len(data), size))
+        return next((ident for ident in idents if ident.is_own), None)
 
 
 def trace_of(frames: Iterable[tuple[int, Frame]]) -> Trace:

@@ -249,10 +249,10 @@ def test_a_draw_does_not_depend_on_what_else_is_perturbed(lvshun: Scenario) -> N
 def test_streams_of_one_seed_are_independent_and_repeatable() -> None:
     first = streams.generator(1, streams.SPEED_NOISE).standard_normal(1000)
     assert np.array_equal(first, streams.generator(1, streams.SPEED_NOISE).standard_normal(1000))
-    other = streams.generator(1, streams.BALISE).standard_normal(1000)
+    other = streams.generator(1, streams.TUNING).standard_normal(1000)
     assert abs(float(np.corrcoef(first, other)[0, 1])) < 0.15
     with pytest.raises(ValueError, match="-1"):
-        streams.generator(-1, streams.BALISE)
+        streams.generator(-1, streams.TUNING)
 
 
 # --- profiles under a train ----------------------------------------------------------------------------------
