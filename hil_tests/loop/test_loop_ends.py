@@ -13,7 +13,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth, SupCmd, SupCommand
+from railhil.bus.telegrams import EVENT_COPIES, CtlStat, Event, NotchCmd, RunEvent, SimTruth, SupCmd, SupCommand
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
@@ -78,6 +78,20 @@ def test_a_controller_with_a_strange_role_is_refused(lvshun, session):
     with pytest.raises(Refused, match=r"^CTL_IDENT has role 9, allowed 1$"):
         plant_with(lvshun, session, node.handle).run()
     assert session.ended is Event.ENDED_REFUSED
+
+
+@pytest.mark.parametrize("kept", range(EVENT_COPIES))
+def test_the_end_of_the_run_is_heard_when_one_repetition_arrives(lvshun, session, kept):
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    node = ControllerNode(scenario, ControllerOptions())
+    ends = iter(range(EVENT_COPIES))
+
+    def disturbed(frame: Frame) -> list[Frame]:
+        lost = frame.can_id == RunEvent.port().can_ids[-1] and next(ends) != kept
+        return [] if lost else node.handle(frame)
+
+    assert plant_with(scenario, session, disturbed).run() is node.ended is Event.ENDED_NOT_STOPPED
 
 
 def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controller(lvshun, session):
