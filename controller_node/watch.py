@@ -151,6 +151,7 @@ def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
 
 def _may_leave(level: Level, good_run: int, seen: Seen) -> bool:
     if level is Level.EMERGENCY:
+        # Nothing on this bench resets it.
         return False
     if level is Level.SERVICE_BRAKE:
         return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
@@ -198,6 +199,8 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
     else:
         code = min(law_code, last + ramp) if returning else law_code
         returning = code < law_code
+    # A clock that was set back makes the ramp run backwards for one notch.
+    code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)
     return state, code, level is Level.EMERGENCY

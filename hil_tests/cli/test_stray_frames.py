@@ -216,9 +216,23 @@ def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: BenchRun
     first_s = stands_s[stands_s > 4][0]
     assert found.verdict == "INVALID"
     assert found.failures == (f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {first_s:.2f} s on",)
-    # A stop that comes afterwards is not that one.
-    late = [RunEvent(Event.STOPPED, 81_000, int(passed.trace.raw(SimTruth.PORT, "TruePos")[-1])), last]
-    assert score(short, truth_of(passed, late)).verdict == "INVALID"
+
+
+def test_a_train_that_creeps_to_its_stand_has_stopped_there(short: Scenario) -> None:
+    """Slower than half a bit of the speed for two seconds, then at rest; and one that goes on from its stand."""
+
+    def verdict(stopped_s: float, goes_on: bool) -> str:
+        trace = Trace()
+        for tick in range(0, 1000, 2):
+            speed = 0 if 400 <= tick < 700 or (not goes_on and tick >= 700) else 3000
+            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(min(20_000, 50 * tick), speed).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, round(stopped_s * 1e4), 20_000, 1).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 100_000, 0, 2).encode())
+        return score(short, trace).verdict
+
+    assert verdict(4.0, False) == verdict(6.0, False) == verdict(6.9, True) == "PASS"
+    assert verdict(8.0, False) == "PASS"
+    assert verdict(9.0, True) == "INVALID"
 
 
 # -- how they are sent ------------------------------------------------------------------------------------------------

@@ -58,17 +58,18 @@ def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray,
                 f"record: STOPPED at {place_m:.2f} m, but SIM_TRUTH shows the train at {position_m[after]:.2f} m "
                 f"at {time_s[after]:.2f} s"
             )
-    stands_s = _standing_from_s(time_s, position_m, speed_mps)
-    if stands_s is not None and not np.any(instants_s <= stands_s + STAMP_ERROR_MAX_S):
-        return f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s:.2f} s on"
+    stands_s = _first_stand_s(time_s, position_m, speed_mps)
+    # Anywhere in it: a train that creeps to its stand reads 0 before it has stopped.
+    if stands_s is not None and not np.any(instants_s <= stands_s[1] + STAMP_ERROR_MAX_S):
+        return f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s[0]:.2f} s on"
     return ""
 
 
-def _standing_from_s(time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> float | None:
-    """First SIM_TRUTH of the first standstill that is a stop; None when there is none."""
+def _first_stand_s(time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> tuple[float, float] | None:
+    """First and last SIM_TRUTH of the first standstill that is a stop; None when there is none."""
     rest = (speed_mps == 0.0) & (position_m >= position_m[0] + STOP_LEG_MIN_M + _LSB_M)
     edges = np.flatnonzero(np.diff(rest.astype(np.int8), prepend=0, append=0))
     for first, end in zip(edges[::2], edges[1::2], strict=True):
         if time_s[end - 1] - time_s[first] >= STANDING_S:
-            return float(time_s[first])
+            return float(time_s[first]), float(time_s[end - 1])
     return None

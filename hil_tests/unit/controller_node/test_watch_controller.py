@@ -262,3 +262,11 @@ def test_harder_braking_is_not_released_by_the_service_brake() -> None:
 def test_emergency_brakes_fully_at_once() -> None:
     state = after(WatchState(code=1000), Seen(1001))
     assert command(LADDER, state, 1000, 20)[1:] == (-LADDER.full_code, True)
+
+
+def test_a_clock_that_is_set_back_makes_no_notch_beyond_the_greatest() -> None:
+    """Elapsed time below 0 turns the ramp round; the train's gate would refuse what lies beyond its range."""
+    back = after(WatchState(code=-LADDER.full_code, returning=True), *goods(1))
+    for elapsed_ms in (-1000, -10, 0, 10):
+        _, code, _ = command(LADDER, back, 0, elapsed_ms)
+        assert code == -LADDER.full_code + max(0, LADDER.ramp_code_per_s * elapsed_ms // 1000)
