@@ -53,6 +53,8 @@ class Ident(Telegram):
     """
 
     PORT: ClassVar[str] = "PLT_IDENT"
+    #: The node that sources the port.
+    ROLE: ClassVar[Role] = Role.PLANT
     scenario_hash: int = signal("{p}ScenarioHash")
     wire_hash: int = signal("{p}WireHash")
     seed: int = signal("{p}Seed")
@@ -65,10 +67,17 @@ class Ident(Telegram):
     pace: int = signal("{p}Pace")
     version: int = signal("{p}Version", WIRE_VERSION)
 
+    @property
+    def is_own(self) -> bool:
+        """True when the role is that of the port's source: anything else is no telegram of a node of the bench."""
+        return self.role == self.ROLE
+
     def differences(self, other: Ident) -> list[str]:
         """One sentence for each thing in which two nodes disagree; what a node does not know (0) never differs."""
-        names = {Role.PLANT: "plant", Role.CONTROLLER: "controller", Role.SUPERVISOR: "supervisor"}
-        mine, theirs = names[Role(self.role)], names.get(Role(other.role), "?")
+        strange = [ident for ident in (self, other) if not ident.is_own]
+        if strange:
+            return [f"{ident.PORT} has role {ident.role}, allowed {ident.ROLE.value}" for ident in strange]
+        mine, theirs = self.ROLE.name.lower(), other.ROLE.name.lower()
         found = []
         for name, title, known in (
             ("scenario_hash", "scenario", lambda value: True),
@@ -115,6 +124,7 @@ class CtlIdent(Ident):
     """CTL_IDENT, see :class:`Ident`."""
 
     PORT: ClassVar[str] = "CTL_IDENT"
+    ROLE: ClassVar[Role] = Role.CONTROLLER
 
 
 @dataclass(slots=True)
@@ -122,6 +132,7 @@ class SupIdent(Ident):
     """SUP_IDENT, see :class:`Ident`."""
 
     PORT: ClassVar[str] = "SUP_IDENT"
+    ROLE: ClassVar[Role] = Role.SUPERVISOR
 
 
 _CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlIdent, Role.SUPERVISOR: SupIdent}

@@ -1,8 +1,10 @@
 """Traffic store: CAN frames in, whole checked telegrams out, with their age.
 
 The receiving rules of the MVB-on-CAN mapping: blocks are staged per port and committed only when the trailer comes,
-all blocks have arrived since the last trailer within ``assembly_ns``, and count, F_code, address and every check
-sequence hold. Otherwise the telegram is dropped whole, its cause counted, and the old value goes on ageing.
+all blocks have arrived since the last trailer, blocks and trailer within ``assembly_ns``, and count, F_code, address
+and every check sequence hold. Otherwise the telegram is dropped whole, its cause counted, and the old value goes on
+ageing. A block that comes again takes the place and the time of the one before: what was left over of one telegram, or
+never belonged to any, does not spoil the next.
 """
 
 from __future__ import annotations
@@ -42,8 +44,8 @@ class _Sink:
     """Receiving side of one port."""
 
     __slots__ = (
-        "accepted", "block_count", "blocks", "committed_ns", "data", "data_bytes", "fd_bytes", "first_ns", "is_single",
-        "last_ns", "missing", "name", "tail",
+        "accepted", "block_count", "blocks", "committed_ns", "data", "data_bytes", "fd_bytes", "is_single", "missing",
+        "name", "tail", "times_ns",
     )  # fmt: skip
 
     def __init__(self, port: Port) -> None:
@@ -60,10 +62,11 @@ class _Sink:
             self.fd_bytes = -(-self.fd_bytes // 16) * 16
         # Blocks of the telegram that is coming; how many of them are still to come, and when they came.
         self.blocks = [b""] * port.blocks
+        self.times_ns = [0] * port.blocks
         self.missing = port.blocks
         self.data = b""
         self.committed_ns = -1
-        self.accepted = self.first_ns = self.last_ns = 0
+        self.accepted = 0
 
 
 class TrafficStore:
@@ -114,14 +117,10 @@ class TrafficStore:
             return self._commit_single(sink, data, now_ns)
         if part == -1:
             return self._commit_blocks(sink, data, now_ns)
-        if sink.missing == sink.block_count:
-            sink.first_ns = sink.last_ns = now_ns
-        else:
-            # Blocks that waited in a mailbox are handed over in the order of the blocks, not of their arrival.
-            sink.first_ns, sink.last_ns = min(sink.first_ns, now_ns), max(sink.last_ns, now_ns)
         if not sink.blocks[part]:
             sink.missing -= 1
         sink.blocks[part] = data
+        sink.times_ns[part] = now_ns
         return None
 
     def _reject(self, cause: str) -> str | None:
@@ -142,7 +141,7 @@ class TrafficStore:
         size = sink.data_bytes
         sink.blocks = [data[k : k + 8] for k in range(0, size, 8)]
         sink.missing = 0
-        sink.first_ns = sink.last_ns = now_ns
+        sink.times_ns = [now_ns] * sink.block_count
         return self._commit_blocks(sink, data[size : size + 8], now_ns)
 
     def _commit_blocks(self, sink: _Sink, trailer: bytes, now_ns: int) -> str | None:
@@ -151,7 +150,8 @@ class TrafficStore:
         sink.missing = count
         if missing:
             return self._reject("missing_block")
-        if max(sink.last_ns, now_ns) - min(sink.first_ns, now_ns) > self._assembly_ns:
+        # Blocks that waited in a mailbox are handed over in the order of the blocks, not of their arrival.
+        if max(now_ns, *sink.times_ns) - min(now_ns, *sink.times_ns) > self._assembly_ns:
             return self._reject("assembly_timeout")
         if trailer[4] & 0xF != count:
             return self._reject("wrong_block_count")

@@ -13,6 +13,12 @@ from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
 
+#: A milestone is sent so often, at its tick and then so far apart: further than the blocks of one telegram may be, so
+#: that what spoils one of them cannot spoil the next. The last one of a run is sent so often at once.
+EVENT_COPIES = 3
+EVENT_SPACING_NS = 20_000_000
+#: STOPPED is a standstill after at least this distance.
+STOP_LEG_MIN_M = 1.0
 #: CTL_STAT: no quantity is shown; the quantity has used no bit, or has no bits.
 NO_QUANTITY = 127
 HEADROOM_UNUSED = 31
@@ -22,11 +28,8 @@ class SupCommand(IntEnum):
     """Orders of the supervisor."""
 
     NONE = 0
-    INIT = 1
     START = 2
-    PAUSE = 3
     STOP = 4
-    RESET = 5
 
 
 class CtlMode(IntEnum):
@@ -107,21 +110,15 @@ class SupCmd(Telegram):
 
     ::
 
-          0       1        2       3      4    5     6    7
-        +-------+--------+-------+------+---------+-----+---------------+
-        |command|scenario| fault |param | target  | seq |chk arm  life  |
-        +-------+--------+-------+------+---------+-----+---------------+
+           0      1    2      3
+        +-------+---------+------------------+
+        |command|         | chk         life |
+        +-------+---------+------------------+
     """
 
     PORT: ClassVar[str] = "SUP_CMD"
     command: int = signal("SupCommand")
-    scenario: int = signal("Scenario")
-    fault_type: int = signal("FaultType")
-    fault_param: int = signal("FaultParam")
-    fault_target: int = signal("FaultTarget")
-    sequence: int = signal("SupCmdSeq")
     check: int = signal("SupChk", CHECK_CORRECT)
-    arm: int = signal("SupArm", FLAG_FALSE)
     life: int = signal("SupLife")
 
 
@@ -218,10 +215,10 @@ class TrkInfo(Telegram):
 
     ::
 
-          0    1    2    3    4    5    6    7
-        +-------------------+---------+---------+
-        | target s32 1 mm   | 0.1 s   | limit   |   limits in 4 mm/s
-        +-------------------+---------+---------+
+          0.7-3.3       3.2-5.0     6    7
+        +-------------+-----------+---------+
+        | target u29  | time u19  | limit   |   1 mm (536 km), 0.1 s (14 h), limits in 4 mm/s
+        +-------------+-----------+---------+
           8    9    10   11   12   13   14     15
         +---------+---------+---------+------+------------------+
         |next lim | dist m  | grade   |speed | chk chk chk life |   grade s16 0.01 permil, speed 0.5 m/s
@@ -311,10 +308,10 @@ class SimTruth(Telegram):
 
     ::
 
-          0    1    2    3    4    5    6       7
-        +-------------------+--------------+-----------------+
-        |  position 0.1 mm  | v s24        | chk spare  life |   v in 0.1 mm/s
-        +-------------------+--------------+-----------------+
+          0.7-4.6        4.5-7.6      7.5-0
+        +--------------+------------+-----------+
+        | position s34 |   v s24    | chk  life |   0.1 mm (859 km), 0.1 mm/s
+        +--------------+------------+-----------+
           8    9    10   11   12   13   14   15
         +---------+---------+---------+---------+
         | a s16   |traction | brake   | grade   |   a 0.1 mm/s2, forces 20 N, grade 0.01 permil
@@ -325,7 +322,6 @@ class SimTruth(Telegram):
     position_01mm: int = signal("TruePos")
     speed_01mmps: int = signal("TrueSpeed")
     check: int = signal("TruthChk", CHECK_CORRECT)
-    spare: int = signal("TruthSpare")
     life: int = signal("TruthLife")
     accel_01mmps2: int = signal("TrueAccel")
     traction_20n: int = signal("TractionForce")
@@ -339,13 +335,21 @@ class RunEvent(Telegram):
 
     ::
 
-           0.7-4   0.3-3.0          4    5    6    7
-        +-------+---------------+-------------------+
-        | event | time u28      |  position s32     |   0.1 ms, 0.1 mm
-        +-------+---------------+-------------------+
+          0     1    2    3     4    5    6    7
+        +-----+----+---------+-------------------+
+        |event|    | number  |     time u32      |   0.1 ms
+        +-----+----+---------+-------------------+
+          8    9    10   11   12   13   14   15
+        +-----------------------------+---------+
+        |        position s48         |         |   0.1 mm
+        +-----------------------------+---------+
+
+    It is sent :data:`EVENT_COPIES` times. A receiver drops repetitions by the number, and a number that is missing
+    says that a milestone was lost.
     """
 
     PORT: ClassVar[str] = "RUN_EVENT"
     event: int = signal("RunEvent")
     instant_01ms: int = signal("EventTime")
     position_01mm: int = signal("EventPos")
+    number: int = signal("EventNumber")

@@ -85,7 +85,7 @@ class Guard:
             age_ns = self._age.ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
         # In the order of its fields: this runs at every tick, and names take twice as long.
-        seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, False, self._odometer.lost(now_ns))
+        seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, self._odometer.lost(now_ns))
         self._state = observe(self._ladder, self._state, seen)
 
     def look(self, now_ns: int) -> None:

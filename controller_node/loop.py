@@ -19,8 +19,8 @@ from railhil.scenarios.parameters import ParameterSet
 #: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
 
-#: Positions are limited to this before the law sees them (0.1 mm, 200 km: the wire's own limit), so that they and
-#: their differences fit into 32 bits.
+#: Positions are limited to this before the law sees them (0.1 mm, 200 km), so that they and their differences fit
+#: into 32 bits. A law that uses the position is refused for a longer run.
 POSITION_MAX_01MM = 2_000_000_000
 
 
@@ -73,6 +73,12 @@ class ControlLoop(Generic[T]):
         kind = load(law)
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", law, indexing, f"{' or '.join(kind.indexings)} with this law")
+        distance_m = scenario.plan.distance_m
+        if (kind.track or indexing == "distance") and distance_m * 1e4 > POSITION_MAX_01MM:
+            allowed = (
+                f"at most {POSITION_MAX_01MM / 1e4:g} m for {law} with set-points by {indexing}: it uses the position"
+            )
+            raise InputError(scenario.name, "plan.distance_m", distance_m, allowed)
         given = law_parameters(law, kind, parameters)
         with _starting(law, kind, scenario):
             self.law: Law[T, Any] = kind(arithmetic, scenario, given)

@@ -6,17 +6,15 @@ level          entered when (age: of the last accepted telegram)  notch sent    
 NORMAL         age <= hold                                       the law's                     -
 HOLD           age > hold, or a bad telegram                     the last one, or less         1 good telegram
                                                                  traction if the law asks
-TRACTION_CUT   age > traction cut, 3 bad in the last 10 with     at most 0, braking kept       5 good in a row
-               this one, or implausible values
+TRACTION_CUT   age > traction cut, or 3 bad in the last 10       at most 0, braking kept       5 good in a row
+               with this one
 SERVICE_BRAKE  age > service brake, or the channel is lost       ramp to the full service      standstill, or 10 good
-                                                                 brake, jerk limited           in a row and below the
-                                                                                               target speed
-EMERGENCY      age > emergency while moving, or overspeed        full brake, emergency flag    operator reset at
-                                                                                               standstill
+                                                                 brake, jerk limited           in a row
+EMERGENCY      age > emergency while moving, or overspeed        full brake, emergency flag    never in a run
 ============== ================================================= ============================= =====================
 
 A level is entered at once and only upwards; every leave leads to NORMAL or to what the same moment demands. "In a row"
-ends with a bad or implausible telegram and with an age above hold. After a level above HOLD the notch comes back
+ends with a bad telegram and with an age above hold. After a level above HOLD the notch comes back
 on the ramp of the service brake, so that no release of the brake is a jump into traction.
 
 Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts follow common practice for vital
@@ -97,18 +95,15 @@ class Ladder(NamedTuple):
 class Seen(NamedTuple):
     """One look at the world: at every telegram, and at every tick without one.
 
-    ``age_ms`` of the last accepted telegram (0 with a good one), ``standstill`` by that telegram. ``implausible``:
-    speed and position do not fit each other or physics. ``channel_lost``: bus-off, or a channel monitor spoke.
+    ``age_ms`` of the last accepted telegram (0 with a good one), ``standstill`` by that telegram. ``channel_lost``: the
+    position that the law needs is lost.
     """
 
     age_ms: int
     telegram: Telegram = Telegram.NONE
     standstill: bool = False
     overspeed: bool = False
-    implausible: bool = False
     channel_lost: bool = False
-    below_target: bool = True
-    reset: bool = False
 
 
 class WatchState(NamedTuple):
@@ -134,7 +129,7 @@ def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
         state.level is Level.NORMAL
         and seen.age_ms <= ladder.hold_ms
         and seen.telegram is not Telegram.BAD
-        and not (seen.overspeed or seen.implausible or seen.channel_lost)
+        and not (seen.overspeed or seen.channel_lost)
         and (seen.telegram is Telegram.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
     ):
         # A healthy channel that has been so for a while: nothing to remember, and this is nearly every look.
@@ -142,7 +137,7 @@ def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
     if seen.telegram is not Telegram.NONE:
         recent = (recent << 1 | (seen.telegram is Telegram.BAD)) & _RECENT_MASK
     good_run = state.good_run
-    if seen.telegram is Telegram.BAD or seen.implausible or seen.age_ms > ladder.hold_ms:
+    if seen.telegram is Telegram.BAD or seen.age_ms > ladder.hold_ms:
         good_run = 0
     elif seen.telegram is Telegram.GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
@@ -156,9 +151,10 @@ def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
 
 def _may_leave(level: Level, good_run: int, seen: Seen) -> bool:
     if level is Level.EMERGENCY:
-        return seen.standstill and seen.reset
+        # Nothing on this bench resets it.
+        return False
     if level is Level.SERVICE_BRAKE:
-        return seen.standstill or (good_run >= GOOD_AFTER_SERVICE_BRAKE and seen.below_target)
+        return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
     if level is Level.TRACTION_CUT:
         return good_run >= GOOD_AFTER_TRACTION_CUT
     return good_run >= 1
@@ -172,7 +168,7 @@ def _demanded(ladder: Ladder, recent: int, seen: Seen) -> Level:
     if seen.age_ms > ladder.service_brake_ms or seen.channel_lost:
         return Level.SERVICE_BRAKE
     # Only a bad telegram brings the count into play: an old burst must not cut traction again after a good run.
-    if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms or seen.implausible:
+    if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms:
         return Level.TRACTION_CUT
     if bad or seen.age_ms > ladder.hold_ms:
         return Level.HOLD
@@ -203,6 +199,8 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
     else:
         code = min(law_code, last + ramp) if returning else law_code
         returning = code < law_code
+    # A clock that was set back makes the ramp run backwards for one notch.
+    code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)
     return state, code, level is Level.EMERGENCY

@@ -9,9 +9,6 @@ from typing import Literal
 from railhil.plant_sim.dynamics import Motion
 from railhil.scenarios.model import Balise
 
-#: A standstill counts as a stop after at least this distance.
-MOVED_MIN_M = 1.0
-
 EventKind = Literal["departed", "stopped", "emergency", "balise"]
 
 
@@ -19,8 +16,9 @@ EventKind = Literal["departed", "stopped", "emergency", "balise"]
 class PlantEvent:
     """Something that happened inside a tick, at its exact instant and true position of the train's front.
 
-    ``departed``: first motion; ``stopped``: standstill after at least :data:`MOVED_MIN_M`; ``emergency``: the
-    emergency brake was applied; ``balise``: the front passed ``balise`` with the odometer at ``odometer_mm``.
+    ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.telegrams.STOP_LEG_MIN_M`;
+    ``emergency``: the emergency brake was applied; ``balise``: the front passed ``balise`` with the odometer at
+    ``odometer_mm``.
     """
 
     kind: EventKind

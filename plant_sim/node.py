@@ -15,10 +15,11 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
+from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
 from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.gate import CommandGate
+from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.plant import Plant, PlantError
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.plant_sim.telegrams import TrainTelegrams
@@ -91,6 +92,7 @@ class PlantNode:
             watchdog_ns=options.watchdog_ns,
             reply_ns=options.reply_ns,
         )
+        self._milestones = Milestones(self.administrator.publish, self._tick_ns)
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
         clock_port = contract.clock_port.name
         self._published = sorted(
@@ -214,6 +216,7 @@ class PlantNode:
                 telegram = make()
                 if telegram is not None:
                     administrator.publish(telegram)
+        self._milestones.repeat(tick)
         for event in self.plant.drain_events():
             if event.balise is not None:
                 telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
@@ -221,7 +224,7 @@ class PlantNode:
             else:
                 kind = Event[event.kind.upper()]
                 stopped = stopped or kind is Event.STOPPED
-                administrator.publish(RunEvent(kind, event.instant_01ms, event.position_01mm))
+                self._milestones.reached(tick, kind, event.instant_01ms, event.position_01mm)
         for period, port in self._polled:
             if self._ended is not None:
                 # The supervisor has just ended the run: the controller is leaving.
@@ -291,7 +294,7 @@ class PlantNode:
     def _announce(self, event: Event) -> None:
         self._ended = event
         instant_01ms = self.plant.tick * self._tick_ns // 100_000
-        self.administrator.publish(RunEvent(event, instant_01ms, self._position_01mm))
+        self._milestones.end(event, instant_01ms, self._position_01mm)
 
     def _end(self, event: Event) -> None:
         """Last status and last event; the final poll tells that the supervisor has recorded everything."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections import deque
 from math import inf, isfinite
 
+from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.plant_sim import dynamics, forces
 from railhil.plant_sim.dynamics import Lag, Motion, Window
-from railhil.plant_sim.events import MOVED_MIN_M, EventKind, PlantEvent, passing_s
+from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.plant_sim.status import TrainStatus
-from railhil.plant_sim.watch import INITIAL, Level, operator_reset, watch_brake_mps2, watch_step, watch_ticks
+from railhil.plant_sim.watch import INITIAL, Level, watch_brake_mps2, watch_step, watch_ticks
 from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
 from railhil.scenarios.profiles import front_speed_limit
 
@@ -88,14 +89,6 @@ class Plant:
         if code != self._staged_code:
             self._staged_code = code
             self._staged.append((self.tick + self._delay_ticks, code))
-
-    def reset_emergency(self) -> bool:
-        """Operator reset of a latched emergency brake; False (and nothing happens) while the train moves."""
-        if self._motion.speed_mps > 0.0:
-            return False
-        self._emergency_commanded = False
-        self._watch = operator_reset(self._watch, moving=False)
-        return True
 
     # -- time -----------------------------------------------------------------------------------------------------
 
@@ -195,7 +188,8 @@ class Plant:
             self._pass_balise(
                 self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
             )
-        if motion.speed_mps <= 0.0 < position_m - before.position_m and position_m - self._leg_from_m >= MOVED_MIN_M:
+        # By the speed, not by the distance: far from 0 the position of a creeping train no longer grows in a step.
+        if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= STOP_LEG_MIN_M:
             self._leg_from_m = position_m
             self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
 

@@ -97,8 +97,8 @@ class TrainTelegrams:
         following = next(((at_m, limit) for at_m, limit in limits if at_m > front_m), None)
         next_at_m, next_limit = following or (front_m, here)
         return TrkInfo(
-            target_mm=_clamped(plan.distance_m * 1000, -(2**31), 2**31 - 1),
-            target_time_ds=_clamped(plan.running_time_s * 10, 0, 0xFFFF),
+            target_mm=_clamped(plan.distance_m * 1000, 0, 2**29 - 1),
+            target_time_ds=_clamped(plan.running_time_s * 10, 0, 2**19 - 1),
             speed_limit_4mmps=_clamped(here * 250, 0, 0xFFFF),
             next_limit_4mmps=_clamped(next_limit * 250, 0, 0xFFFF),
             next_limit_distance_m=_clamped(next_at_m - front_m, 0, 0xFFFF),

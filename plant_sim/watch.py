@@ -9,13 +9,13 @@ TRACTION_CUT   age > traction cut                        no traction, braking ke
 SERVICE_BRAKE  age > service brake, or before the first  full service brake, jerk limited    standstill and 1 good, or
                accepted command                                                              10 good in a row and below
                                                                                              the speed limit
-EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at once          operator reset at
-               emergency command, safety loop open                                           standstill
+EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at once          never in a run
+               emergency command, safety loop open
 ============== ========================================= =================================== ========================
 
 The age is the simulation time since the last accepted command; "in a row" means that no command came later than the
-hold limit after the one before it. Every leave leads to NORMAL, the operator reset to SERVICE_BRAKE, which holds the
-train until a command comes. The thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`).
+hold limit after the one before it. Every leave leads to NORMAL. The thresholds are scenario data
+(:class:`railhil.scenarios.model.WatchLimits`).
 """
 
 from __future__ import annotations
@@ -116,13 +116,6 @@ def _may_leave(level: Level, good: int, moving: bool, below_limit: bool) -> bool
     if level == Level.TRACTION_CUT:
         return good >= GOOD_AFTER_TRACTION_CUT
     return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
-
-
-def operator_reset(state: WatchState, *, moving: bool) -> WatchState:
-    """Ends EMERGENCY of a standing train; anything else stays as it is."""
-    if state.level != Level.EMERGENCY or moving:
-        return state
-    return WatchState(Level.SERVICE_BRAKE, state.age_ticks, 0)
 
 
 def watch_brake_mps2(

@@ -23,6 +23,7 @@ from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.controller_node.telemetry_file import telemetry_document
+from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
@@ -193,6 +194,7 @@ def coupled_run(
     stop_tick: int | None = None
     ended: Event | None = None
     last_k, code, position_01mm, balise = -1, 0, 0, NO_BALISE
+    milestones = Milestones(lambda telegram: trace.add(RunEvent.PORT, plant.tick * tick_ns, telegram.encode()), tick_ns)
     while ended is None:
         tick = plant.tick
         now_ns = tick * tick_ns
@@ -204,7 +206,7 @@ def coupled_run(
                 kind = Event[event.kind.upper()]
                 if kind is Event.STOPPED and stop_tick is None:
                     stop_tick = tick
-                trace.add(RunEvent.PORT, now_ns, RunEvent(kind, event.instant_01ms, event.position_01mm).encode())
+                milestones.reached(tick, kind, event.instant_01ms, event.position_01mm)
         if tick % truth_ticks == 0:
             telegram = telegrams.makers[SimTruth.PORT]()
             assert telegram is not None
@@ -221,5 +223,5 @@ def coupled_run(
         elif stop_tick is None and tick > last_tick:
             ended = Event.ENDED_NOT_STOPPED
         plant.advance()
-    trace.add(RunEvent.PORT, plant.tick * tick_ns, RunEvent(ended, 0, 0).encode())
+    milestones.end(ended, 0, 0)
     return BenchRun(trace, score(scenario, trace), ended=ended)

@@ -10,6 +10,7 @@ import numpy as np
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import model
 from railhil.scenarios.profiles import front_speed_limit
+from railhil.scenarios.schema import PORTS
 from railhil.scenarios.target import Target
 
 #: Raises nothing itself: builds the error for a key path (keys, found, allowed).
@@ -23,6 +24,9 @@ TIME_TOLERANCE_S = 0.01
 SPEED_TOLERANCE_MPS = 0.01
 #: Above this the predictive laws limit-cycle (IPFC reading 6).
 LOOP_DELAY_MAX_S = 0.3
+#: The same balise number comes again after so many others at the earliest: receivers tell a balise from the one before
+#: by its number, and some of those between may have been lost.
+BALISES_BETWEEN = 15
 _SAMPLE_S = 0.1
 
 
@@ -41,10 +45,13 @@ def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
         for row, point in enumerate(effort.curve):
             if min(point) < 0:
                 raise refuse(("train", key, "curve_kmh_kn", row), list(point), "speed and force of at least 0")
-    numbers = [balise.number for balise in line.balises]
-    for row, number in enumerate(numbers):
-        if number in numbers[:row]:
-            raise refuse(("line", "balises", row, "number"), number, "a number used only once on the run")
+    order = sorted(range(len(line.balises)), key=lambda index: line.balises[index].surveyed_m)
+    for place, index in enumerate(order):
+        near = order[max(0, place - BALISES_BETWEEN) : place]
+        number = line.balises[index].number
+        if twins := [other for other in near if line.balises[other].number == number]:
+            allowed = f"a number that none of the {BALISES_BETWEEN} balises before and behind it has"
+            raise refuse(("line", "balises", max(index, *twins), "number"), number, allowed)
     if train.inertial_mass_kg < train.mass_kg:
         found = f"{train.inertial_mass_kg / 1000:g} t"
         raise refuse(("train", "inertial_mass_t"), found, "at least mass_t")
@@ -55,6 +62,11 @@ def check_timing(timing: model.Timing, perturbations: model.Perturbations, refus
     tick_ns = timing.base_tick_ns
     if tick_ns <= 0:
         raise refuse(("timing", "base_tick_ms"), tick_ns / 1e6, "at least 0.000001 ms")
+    for port in timing.port_period_ns:
+        if port not in PORTS:
+            raise refuse(
+                ("timing", "port_period_ms", port), Words(f"the unknown port {port}"), f"only {', '.join(PORTS)}"
+            )
     periods = {("timing", "control_period_ms"): timing.control_period_ns} | {
         ("timing", "port_period_ms", port): period_ns for port, period_ns in timing.port_period_ns.items()
     }

@@ -140,13 +140,26 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class WatchLimits:
-    """Reaction ladder: age of the last accepted telegram at which each level is entered."""
+    """Reaction ladder: age of the last accepted telegram at which each level is entered.
+
+    The defaults are those of the shipped scenarios; a watch with a limit above is weaker than they are.
+    """
 
     hold_ms: int = 20
     traction_cut_ms: int = 64
     service_brake_ms: int = 256
     emergency_ms: int = 1000
     overspeed_margin_mps: float = 5 / 3.6
+
+    @property
+    def weakened(self) -> str:
+        """Which limits are above the usual ones, by their keys in a scenario file; empty when none is."""
+        usual = WatchLimits()
+        ages = ("hold_ms", "traction_cut_ms", "service_brake_ms", "emergency_ms")
+        rows = [(name, float(getattr(self, name)), float(getattr(usual, name))) for name in ages]
+        margin, usual_margin = (round(limits.overspeed_margin_mps * 3.6, 6) for limits in (self, usual))
+        rows.append(("overspeed_margin_kmh", margin, usual_margin))
+        return ", ".join(f"{key} {value:g} (usual {most:g})" for key, value, most in rows if value > most)
 
 
 @dataclass(frozen=True, slots=True)

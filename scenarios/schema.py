@@ -15,6 +15,16 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 _LARGEST = 1e7
 _SMALLEST = 1e-9
 
+#: Longest run that a scenario may ask for.
+DISTANCE_MAX_M = 400_000.0
+RUNNING_TIME_MAX_S = 28_800.0
+
+#: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
+PORTS = (
+    "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
+    "SIM_TRUTH",
+)  # fmt: skip
+
 Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
 #: A row ``[x, y]`` of a table; TOML writes it as an array of two numbers.
 Pair = Annotated[tuple[Number, Number], Strict(False)]
@@ -152,9 +162,9 @@ class TargetTable(_Table):
 class PlanTable(_Table):
     """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
 
-    # What the wire can carry: true position in 0.1 mm (signed 32 bit), instants in 0.1 ms (28 bit).
-    distance_m: Annotated[float, Field(gt=0, le=200_000)]
-    running_time_s: Annotated[float, Field(gt=0, le=26_000)] | None = None
+    # 400 km and 8 h; the wire has room for 536 km (TRK_INFO, target) and 14 h (planned arrival).
+    distance_m: Annotated[float, Field(gt=0, le=DISTANCE_MAX_M)]
+    running_time_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)] | None = None
     running_time_reserve_percent: NotNegative | None = None
     stop_error_max_m: Positive
     time_error_max_s: Positive
@@ -167,7 +177,7 @@ class TimingTable(_Table):
     base_tick_ms: Positive = 10.0
     control_period_ms: Positive = 500.0
     loop_delay_s: NotNegative = 0.04
-    port_period_ms: dict[Annotated[str, Field(pattern=r"^[A-Z][A-Z0-9_]*$")], Positive] = {}
+    port_period_ms: dict[Text, Positive] = {}
 
 
 class SensorsTable(_Table):

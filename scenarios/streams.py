@@ -12,12 +12,6 @@ import numpy as np
 PERTURBATION = 0
 #: Noise of the axle speed sensor.
 SPEED_NOISE = 1
-#: Balise reading errors beyond the surveyed position.
-BALISE = 2
-#: Fault pipeline (loss, delay, corruption of telegrams).
-FAULTS = 3
-#: Adhesion, slip and slide.
-ADHESION = 4
 #: Search of tuning parameters.
 TUNING = 5
 

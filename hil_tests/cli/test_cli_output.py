@@ -76,6 +76,19 @@ def test_json_of_a_run_is_its_score_file(json_run):
 
 
 @pytest.mark.loop
+def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
+    path = tmp_path / "weak.toml"
+    path.write_text(QUICK_TOML + "[watch]\nemergency_ms = 100000\noverspeed_margin_kmh = 1e7\n")
+    done = railhil("run", path, "--out", tmp_path / "run")
+    assert done.exit_code in (0, 1), done.err
+    words = "emergency_ms 100000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)"
+    assert [line for line in done.out.splitlines() if line.startswith("watch")] == [f"watch weakened: {words}"]
+    assert f"Watch weakened: {words}." in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    assert strict_json(tmp_path / "run" / "certificate.json")["watch_weakened"] == words
+    assert f"watch weakened: {words}" in railhil("scenarios", path).out
+
+
+@pytest.mark.loop
 def test_score_of_a_run_that_was_invalid_for_its_timing(json_run, short, tmp_path):
     """The timing does not stand in the log, so the certificate beside it has the last word on validity."""
     folder, document, _ = json_run

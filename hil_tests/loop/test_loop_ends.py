@@ -9,12 +9,13 @@ import pytest
 
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
+from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
-from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
+from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.telegrams import EVENT_COPIES, CtlStat, Event, NotchCmd, RunEvent, SimTruth
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.plant_sim import dynamics
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
 from railhil.plant_sim.plant import PlantError
 from railhil.supervisor.score import score
 from railhil.supervisor.session import Session
@@ -47,6 +48,47 @@ def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, sess
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST
     assert plant.plant.tick < 10
+
+
+@pytest.mark.parametrize("telegram", [PltIdent, CtlIdent])
+def test_a_handshake_telegram_with_a_strange_role_is_counted_and_nothing_else(lvshun, session, telegram):
+    """A stray one in the middle of a run, with every check sequence right."""
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    node = ControllerNode(scenario, ControllerOptions())
+    strays = iter([TelegramSource(telegram.port()).frames(telegram(role=role).encode()) for role in (3, 15)])
+
+    def with_strays(frame: Frame) -> list[Frame]:
+        if frame == NOTCH_POLL:
+            for stray in next(strays, []):
+                session.handle(stray)
+        return node.handle(frame)
+
+    assert plant_with(scenario, session, with_strays).run() is session.ended is Event.ENDED_NOT_STOPPED
+    assert session.disagreements == []
+    assert session.counters["wrong_role"] == 2
+
+
+def test_a_controller_with_a_strange_role_is_refused(lvshun, session):
+    node = ControllerNode(lvshun, ControllerOptions())
+    node._ident.role = 9
+    with pytest.raises(Refused, match=r"^CTL_IDENT has role 9, allowed 1$"):
+        plant_with(lvshun, session, node.handle).run()
+    assert session.ended is Event.ENDED_REFUSED
+
+
+@pytest.mark.parametrize("kept", range(EVENT_COPIES))
+def test_the_end_of_the_run_is_heard_when_one_repetition_arrives(lvshun, session, kept):
+    plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
+    scenario = dataclasses.replace(lvshun, plan=plan)
+    node = ControllerNode(scenario, ControllerOptions())
+    ends = iter(range(EVENT_COPIES))
+
+    def disturbed(frame: Frame) -> list[Frame]:
+        lost = frame.can_id == RunEvent.port().can_ids[-1] and next(ends) != kept
+        return [] if lost else node.handle(frame)
+
+    assert plant_with(scenario, session, disturbed).run() is node.ended is Event.ENDED_NOT_STOPPED
 
 
 def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controller(lvshun):
@@ -144,15 +186,17 @@ def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):
 
 def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
     trace = Trace()
+    stopped_01mm = 29_400_000
     for tick in range(0, 19700, 2):
         speed = 0 if tick > 19500 else 150_000
+        position_01mm = stopped_01mm * min(tick, 19500) // 19500
         for _ in range(2 if tick in (0, 400) else 1):
-            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(tick * 1000, speed).encode())
-    unknown = bytearray(RunEvent(0, 0, 0).encode())
+            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(position_01mm, speed).encode())
+    unknown = bytearray(RunEvent(0, 0, 0, 1).encode())
     unknown[0] |= 0xF0
     trace.add(RunEvent.PORT, 0, bytes(unknown))
-    trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 1_950_000, 29_400_000).encode())
-    trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 0, 0).encode())
+    trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, 1_950_000, stopped_01mm, 2).encode())
+    trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 0, 0, 3).encode())
     found = score(lvshun, trace)
     assert found.verdict == "PASS"
     assert np.isfinite([found.itae, found.energy_kj, found.comfort]).all()
@@ -165,7 +209,7 @@ def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
     for tick in range(0, 1000, 2):
         if not 500 < tick <= 500 + lost_ticks:
             trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(tick * 1000, 100).encode())
-    trace.add(RunEvent.PORT, 9_980_000_000, RunEvent(Event.ENDED_NOT_STOPPED, 99_800, 0).encode())
+    trace.add(RunEvent.PORT, 9_980_000_000, RunEvent(Event.ENDED_NOT_STOPPED, 99_800, 0, 1).encode())
     found = score(lvshun, trace)
     assert found.verdict == verdict
     if verdict == "INVALID":

@@ -22,6 +22,9 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     },
     store: {
         ("self.committed_ns = -1", "1 -> 2"): "any negative number says 'never'",
+        # A trailer is refused as long as a block is missing.
+        ("self.times_ns = [0] * port.blocks", "0 -> 1"): "read only when all blocks have come with their times",
+        ("self.times_ns = [0] * port.blocks", "0 -> -1"): "read only when all blocks have come with their times",
         # The CAN FD length of F4, the only one that needs padding.
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",

@@ -12,9 +12,8 @@ from typing import Any
 
 from railhil.batch import compiled, curve, layout
 from railhil.batch.layout import Axle, AxleConstants
-from railhil.bus.telegrams import Event
+from railhil.bus.telegrams import STOP_LEG_MIN_M, Event
 from railhil.plant_sim.dynamics import Lag, Motion, Window
-from railhil.plant_sim.events import MOVED_MIN_M
 from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.watch import WatchState
@@ -135,16 +134,12 @@ def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: fl
         lag_step = lag(train.pole_per_s, ticks * common.step_s)
     notch = train.acting_code if train.traction != 0 else _min(train.acting_code, 0)
     steady_n = notch * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
-    before_m = train.position_m
+    before_mps = train.speed_mps
     after = step(_constants(common, train), grades, _window(train), _motion(train), steady_n, lag_step)
     motion = after.motion
     train.position_m, train.speed_mps = motion.position_m, motion.speed_mps
     train.actuator_n, train.accel_mps2 = motion.actuator_n, motion.accel_mps2
-    if (
-        motion.speed_mps <= 0.0
-        and motion.position_m - before_m > 0.0
-        and motion.position_m - train.leg_from_m >= MOVED_MIN_M
-    ):
+    if motion.speed_mps <= 0.0 < before_mps and motion.position_m - train.leg_from_m >= STOP_LEG_MIN_M:
         train.leg_from_m = motion.position_m
         if train.stop_tick < 0:
             after_s = (now - tick) * common.step_s + after.moving_to_s

@@ -17,7 +17,7 @@ from railhil.cli.bus_run import (
     run_options,
 )
 from railhil.cli.controller_check import check_controllers
-from railhil.cli.show import print_scores, print_verdict
+from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.scenarios.load import load
@@ -161,6 +161,7 @@ def work(namespace: argparse.Namespace) -> int:
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
+    print_watch(console, scenario)
     for run in found:
         console.say(f"{run.label}: {parameters_sentence(run)}", style="dim")
     console.say(f"comparison {folder}")

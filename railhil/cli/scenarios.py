@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from railhil.cli.show import print_watch
 from railhil.common.output import Output, print_json, table
 from railhil.scenarios.load import load, names
 from railhil.scenarios.model import Scenario
@@ -52,4 +53,5 @@ def work(namespace: argparse.Namespace) -> int:
         console.say(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
         for sentence in found[0].assumptions:
             console.say(f"assumed: {sentence}")
+        print_watch(console, found[0])
     return 0

@@ -42,6 +42,12 @@ def print_scores(console: Output, scenario: Scenario, found: Sequence[tuple[str,
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
 
 
+def print_watch(console: Output, scenario: Scenario) -> None:
+    """One line when the scenario's watches are weaker than usual: a verdict under them says less."""
+    if weakened := scenario.watch.weakened:
+        console.say(f"watch weakened: {weakened}", style="bold yellow")
+
+
 def print_verdict(console: Output, verdict: str, line: str) -> None:
     """One line: verdict and why."""
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
@@ -57,6 +63,7 @@ def print_result(console: Output, run: RecordedRun, result: RunResult, folder: P
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
+    print_watch(console, scenario)
     console.say(
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
         f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"

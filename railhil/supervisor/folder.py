@@ -200,6 +200,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
+        # Limits of the watches above the usual ones; empty: none.
+        "watch_weakened": scenario.watch.weakened,
     }
 
 

@@ -21,6 +21,7 @@ from railhil.scenarios.target import Target
 from railhil.supervisor import measures
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.witness import milestone_missing, standstill_unclear
 
 #: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
 #: fails for moments leaves shorter gaps.
@@ -240,6 +241,9 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             f"allowed {HOLE_MAX_S:g} s",
             ended.name.lower(),
         )
+    unclear = milestone_missing(trace) or standstill_unclear(trace, time_s, truth["position"], truth["speed"])
+    if unclear:
+        return _unscored(unclear, ended.name.lower())
     ident = trace.ident(CtlIdent)
     indexing = INDEXINGS[ident.indexing] if ident is not None and ident.indexing < len(INDEXINGS) else "time"
     over = truth["speed"] - limits_under_train(

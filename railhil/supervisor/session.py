@@ -57,6 +57,8 @@ class Session:
         #: Wall time for which the recorder's interface was out during the record.
         self.unheard_ns = 0
         self._ending: Event | None = None
+        #: Newest handshake telegram of each other node.
+        self._heard: dict[str, Ident] = {}
         self._write = write
         self._on_progress = on_progress
         self._life = 0
@@ -154,19 +156,28 @@ class Session:
         return answers
 
     def _committed(self, port: str) -> None:
-        if port == CtlIdent.PORT:
-            self._compare()
+        store, now_ns = self._responder.store, self._clock.now_ns
+        for handshake in (PltIdent, CtlIdent):
+            if port == handshake.PORT:
+                self._take_ident(store.read(handshake, now_ns)[0])
         if port != RunEvent.PORT or not self.recording:
             return
-        telegram, _ = self._responder.store.read(RunEvent, self._clock.now_ns)
+        telegram, _ = store.read(RunEvent, now_ns)
         if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
             self._ending = Event(telegram.event)
 
+    def _take_ident(self, ident: Ident | None) -> None:
+        """Take a handshake telegram, unless it says another role than that of its port's source."""
+        if ident is None or not ident.is_own:
+            self._responder.store.counters["wrong_role"] += 1
+            return
+        self._heard[ident.PORT] = ident
+        if ident.PORT == CtlIdent.PORT:
+            self._compare()
+
     def _compare(self) -> None:
         """Compare what the nodes say; plant and controller alone do not know which controller was asked for."""
-        store, now_ns = self._responder.store, self._clock.now_ns
-        plant: Ident | None = store.read(PltIdent, now_ns)[0]
-        controller: Ident | None = store.read(CtlIdent, now_ns)[0]
+        plant, controller = self._heard.get(PltIdent.PORT), self._heard.get(CtlIdent.PORT)
         if plant is not None and controller is not None:
             own = self._ident
             found = plant.differences(controller) + plant.differences(own)

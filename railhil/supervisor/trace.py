@@ -62,6 +62,10 @@ class Trace:
         """Simulation time of each telegram of a port in s, shape (n,)."""
         return np.array(self._times_ns.get(port, ()), dtype=np.int64) / 1e9
 
+    def has(self, port: str, signal: str) -> bool:
+        """Whether the contract of the record has this signal: that of an earlier version may not."""
+        return any(item.name == signal for item in self.contract.port(port).signals)
+
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
         """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
         entry = self.contract.port(port)
@@ -88,11 +92,17 @@ class Trace:
 
     def ident(self, telegram: type[Ident]) -> Ident | None:
         """First handshake telegram of a node, None when it is not in the record."""
-        if not self.count(telegram.PORT):
-            return None
         known = {entry.name for entry in self.contract.port(telegram.PORT).signals}
-        named = {name: signal for name, signal in telegram.signal_names() if signal in known}
-        return telegram(**{name: int(self.raw(telegram.PORT, signal)[0]) for name, signal in named.items()})
+        columns = {
+            name: self.raw(telegram.PORT, signal).tolist()
+            for name, signal in telegram.signal_names()
+            if signal in known
+        }
+        idents = (
+            telegram(**{name: values[index] for name, values in columns.items()})
+            for index in range(self.count(telegram.PORT))
+        )
+        return next((ident for ident in idents if ident.is_own), None)
 
 
 def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:

@@ -188,8 +188,8 @@ static void take_telegram(railhil_control_t *control, int port, const unsigned c
         railhil_track(&control->guard, process);
         break;
     case RAILHIL_RUN_EVENT:
-        if (process[0] >> 4 >= RAILHIL_ENDED && process[0] >> 4 <= RAILHIL_EVENT_MAX) {
-            control->ended = process[0] >> 4;
+        if (process[0] >= RAILHIL_ENDED && process[0] <= RAILHIL_EVENT_MAX) {
+            control->ended = process[0];
         }
         break;
     default: /* PLT_STAT: checked and counted like the others, of no use to a law */

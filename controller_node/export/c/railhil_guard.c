@@ -113,7 +113,7 @@ static int may_leave(int level, int good_run, int standstill)
 {
     switch (level) {
     case RAILHIL_EMERGENCY:
-        return 0; /* an operator's reset, which this program does not take */
+        return 0; /* never in a run */
     case RAILHIL_SERVICE_BRAKE:
         return standstill || good_run >= GOOD_AFTER_SERVICE_BRAKE;
     case RAILHIL_TRACTION_CUT:

@@ -47,8 +47,7 @@ typedef struct {
     unsigned char data[RAILHIL_BLOCKS_MAX * RAILHIL_BLOCK]; /* newest telegram that was accepted */
     unsigned char staged[RAILHIL_BLOCKS_MAX][RAILHIL_BLOCK];
     unsigned present; /* bit k: block k has come since the last trailer */
-    int64_t first_ns; /* when the first and the last of them came */
-    int64_t last_ns;
+    int64_t arrived_ns[RAILHIL_BLOCKS_MAX]; /* when each of them came */
 } railhil_sink_t;
 
 /* What became of a frame or of a telegram; everything from RAILHIL_WRONG_LENGTH on is counted. */
@@ -129,14 +128,17 @@ static inline int railhil_part(const railhil_port_t *port, uint32_t can_id)
     return offset == RAILHIL_TRAILER && port->bytes >= RAILHIL_BLOCK ? RAILHIL_TRAILER : -1;
 }
 
-/* Takes one frame of a port. A telegram is accepted whole or not at all: all blocks within assembly_ns since the last
- * trailer, their number, the master word and every check sequence right. */
+/* Takes one frame of a port. A telegram is accepted whole or not at all: all blocks since the last trailer, blocks and
+ * trailer within assembly_ns, their number, the master word and every check sequence right. A block that comes again
+ * takes the place and the time of the one before: what was left over of one telegram does not spoil the next. */
 static inline railhil_outcome_t railhil_take(const railhil_port_t *port, railhil_sink_t *sink, int part,
                                              unsigned length, const unsigned char *data, int64_t now_ns,
                                              int64_t assembly_ns)
 {
     const unsigned blocks = railhil_blocks(port);
     const unsigned present = sink->present;
+    int64_t first_ns = now_ns;
+    int64_t last_ns = now_ns;
     unsigned k;
     if (length != RAILHIL_BLOCK) {
         return RAILHIL_WRONG_LENGTH;
@@ -151,13 +153,9 @@ static inline railhil_outcome_t railhil_take(const railhil_port_t *port, railhil
         memcpy(sink->data, data, port->bytes);
         return RAILHIL_COMPLETE;
     }
-    if (present == 0) {
-        sink->first_ns = sink->last_ns = now_ns;
-    }
-    sink->first_ns = now_ns < sink->first_ns ? now_ns : sink->first_ns;
-    sink->last_ns = now_ns > sink->last_ns ? now_ns : sink->last_ns;
     if (part != RAILHIL_TRAILER) {
         memcpy(sink->staged[part], data, RAILHIL_BLOCK);
+        sink->arrived_ns[part] = now_ns;
         sink->present |= 1u << part;
         return RAILHIL_PART;
     }
@@ -165,7 +163,11 @@ static inline railhil_outcome_t railhil_take(const railhil_port_t *port, railhil
     if (present != (1u << blocks) - 1u) {
         return RAILHIL_MISSING_BLOCK;
     }
-    if (sink->last_ns - sink->first_ns > assembly_ns) {
+    for (k = 0; k < blocks; k++) {
+        first_ns = sink->arrived_ns[k] < first_ns ? sink->arrived_ns[k] : first_ns;
+        last_ns = sink->arrived_ns[k] > last_ns ? sink->arrived_ns[k] : last_ns;
+    }
+    if (last_ns - first_ns > assembly_ns) {
         return RAILHIL_ASSEMBLY_TIMEOUT;
     }
     if ((data[4] & 0xFu) != blocks) {

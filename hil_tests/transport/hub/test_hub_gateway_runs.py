@@ -24,7 +24,7 @@ from railhil.supervisor.trace import trace_of
 pytestmark = pytest.mark.loop
 
 #: SHA-256 of the published run (lvshun_tieshan, seed 0, ipfc, iq), on every transport.
-PUBLISHED_SHA256 = "69b106ede7b27d301d86748fa351d76a8484848af9937fa1dacbf7a3e12e248c"
+PUBLISHED_SHA256 = "b0447087ed3b465108d1ebe00aa35467472acf6bc708496715a7809864e03e35"
 
 
 @contextlib.contextmanager

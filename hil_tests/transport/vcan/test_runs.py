@@ -19,7 +19,7 @@ pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 
 NODES = ("controller", "plant")
 #: Of frames.log: lvshun_tieshan, seed 0, ipfc, iq, on every transport.
-PUBLISHED_SHA256 = "69b106ede7b27d301d86748fa351d76a8484848af9937fa1dacbf7a3e12e248c"
+PUBLISHED_SHA256 = "b0447087ed3b465108d1ebe00aa35467472acf6bc708496715a7809864e03e35"
 #: ``struct can_frame`` of linux/can.h: identifier with flags, length, padding, data.
 _CAN_FRAME = struct.Struct("=IB3x8s")
 

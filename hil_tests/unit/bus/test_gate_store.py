@@ -183,6 +183,12 @@ def sweep_store_assembly(module: ModuleType) -> None:
             too_long = max(times_ns) - min(times_ns) > 5 * MS
             assert results[-1] == (None if too_long else port.name)
             assert traffic.counters == ({"assembly_timeout": 1} if too_long else {})
+        # What was left over long ago, or came from nowhere, is replaced by the next telegram.
+        for stray in blocks:
+            traffic = module.TrafficStore([port])
+            traffic.feed(stray._replace(data=bytes(8)), 5_000 * MS)
+            assert fed(traffic, frames, 14_000 * MS) == port.name
+            assert not traffic.counters
         traffic = module.TrafficStore([port])
         assert fed(traffic, telegram_of(port, True)[1], 10**12) == port.name
         assert fed(traffic, telegram_of(port, True)[1], 0) == port.name

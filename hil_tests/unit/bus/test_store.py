@@ -43,7 +43,7 @@ def test_port_without_mailbox_is_never_decoded():
 
 
 @pytest.mark.parametrize("fd", [False, True])
-@pytest.mark.parametrize("telegram", [TrnSpeed(-5), TrnPos(-5), TrkInfo(-5)], ids=lambda item: item.PORT)
+@pytest.mark.parametrize("telegram", [TrnSpeed(-5), TrnPos(-5), TrkInfo(5)], ids=lambda item: item.PORT)
 def test_commit_needs_the_whole_telegram(telegram, fd):
     store = TrafficStore(SINKS)
     frames = TelegramSource(type(telegram).port(), fd).frames(telegram.encode())
@@ -76,6 +76,28 @@ def test_blocks_must_come_within_the_assembly_time(late_ns, accepted):
     store.feed(trailer, late_ns)
     assert store.accepted("TRN_POS") == accepted
     assert store.counters["assembly_timeout"] == 1 - accepted
+
+
+@pytest.mark.parametrize("left_over", [(0,), (1,), (0, 1)])
+def test_what_is_left_over_of_one_telegram_does_not_spoil_the_next(left_over):
+    """A trailer was lost, or a frame of zeros came from nowhere: nine seconds later the port is heard again."""
+    for stray in (None, bytes(8)):
+        store = TrafficStore(SINKS)
+        frames = TelegramSource(SINKS[2]).frames(TrkInfo(1).encode())
+        for part in left_over:
+            store.feed(frames[part] if stray is None else Frame(frames[part].can_id, stray), 5_000_000_000)
+        results = [store.feed(frame, 14_000_000_000) for frame in TelegramSource(SINKS[2]).frames(TrkInfo(2).encode())]
+        assert results[-1] == "TRK_INFO"
+        assert store.read(TrkInfo, 0)[0] == TrkInfo(2)
+        assert not store.counters
+
+
+def test_a_left_over_block_is_no_part_of_the_next_telegram():
+    store = TrafficStore(SINKS)
+    frames = TelegramSource(SINKS[2]).frames(TrkInfo(1).encode())
+    store.feed(frames[0], 0)
+    assert [store.feed(frame, ASSEMBLY_NS + 1) for frame in frames[1:]] == [None, None]
+    assert store.counters == {"assembly_timeout": 1}
 
 
 def mutated(frame: Frame, byte: int, value: int) -> Frame:

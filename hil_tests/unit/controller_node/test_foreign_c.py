@@ -85,6 +85,9 @@ static void make(railhil_frame_t *frame, const railhil_sink_t *sinks)
             railhil_put_tail(frame->data + 5, port->word);
         } else if (part < blocks) {
             frame->can_id = port->address + part;
+            if (port_number == RAILHIL_RUN_EVENT && part == 0) {
+                frame->data[0] &= 0xFu; /* else hardly ever an event that there is */
+            }
         } else {
             frame->can_id = port->address + RAILHIL_TRAILER;
             for (i = 0; i < blocks; i++) {
@@ -286,6 +289,27 @@ def test_telegrams_are_taken_and_refused_as_by_our_store(
         if committed:
             assert bytes(mvb.accepted()[: port.data_bytes]) == store.raw(port.name)
     assert counts == {cause: store.counters[cause] for cause in CAUSES[4:] if store.counters[cause]}
+
+
+@pytest.mark.parametrize("port", PORTS[2:], ids=lambda port: port.name)
+def test_what_is_left_over_of_one_telegram_does_not_spoil_the_next(mvb: ctypes.CDLL, port: Port) -> None:
+    """Of one telegram all but the trailer came, or a frame of zeros from nowhere; the next one is seconds later."""
+    word = port.f_code << 12 | port.address
+
+    def take(frame: Frame, now_ns: int) -> str:
+        return OUTCOMES[
+            mvb.take(port.address, word, port.data_bytes, frame.can_id, 8, frame.data, ctypes.c_int64(now_ns))
+        ]
+
+    whole = TelegramSource(port).frames(bytes(range(port.data_bytes)))
+    for left_over in (whole[:-1], whole[:1], [Frame(whole[-2].can_id, bytes(8))]):
+        mvb.begin()
+        assert {take(frame, 5_000_000_000) for frame in left_over} == {"part"}
+        assert [take(frame, 14_000_000_000) for frame in whole][-1] == "complete"
+    mvb.begin()
+    assert take(whole[0], 0) == "part"
+    late = [take(frame, 5_000_001) for frame in whole[1:]]
+    assert late[-1] == "assembly_timeout"
 
 
 def test_life_signs_are_judged_as_ours(mvb: ctypes.CDLL) -> None:

@@ -321,3 +321,21 @@ def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
         InputError, match=r"^batch: numba: found not installed, allowed pip install 'railhil\[campaign\]'$"
     ):
         run_batch(Case(short), [1])
+
+
+#: Runs in which the train creeps so slowly before it stands that its position, thousands of metres from 0, no longer
+#: grows in the last step.
+CREEPING = (
+    ("lvshun_tieshan", "ipfc", "float64", 1416),
+    ("lvshun_tieshan", "ipfc_plus", "float64", 2173),
+    ("lvshun_tieshan_worn_wheels", "ipfc_plus", "iq", 69739),
+    ("lvshun_tieshan", "tpfc1", "float64", 1125),
+)
+
+
+@pytest.mark.parametrize(("name", "law", "arithmetic", "seed"), CREEPING)
+def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed):
+    (found,) = same_as_the_bench(Case(load(name), law=law, arithmetic=arithmetic), (seed,))
+    assert found.ended == "ended_complete"
+    assert found.stop_error_m is not None
+    assert not any("not stopped" in text for text in found.failures)

@@ -12,7 +12,6 @@ from railhil.plant_sim.watch import (
     Level,
     WatchState,
     WatchTicks,
-    operator_reset,
     watch_step,
     watch_ticks,
 )
@@ -119,22 +118,6 @@ def test_an_emergency_demand_wins_over_every_level(level: Level) -> None:
     assert after(at_level(level), "c", emergency=True).level is Level.EMERGENCY
 
 
-@pytest.mark.parametrize(("moving", "level"), [(True, Level.EMERGENCY), (False, Level.SERVICE_BRAKE)])
-def test_operator_reset_only_at_standstill(moving: bool, level: Level) -> None:
-    assert operator_reset(at_level(Level.EMERGENCY), moving=moving).level is level
-
-
-def test_a_reset_train_waits_for_a_new_command() -> None:
-    state = operator_reset(after(at_level(Level.EMERGENCY), "c" * 20, moving=False), moving=False)
-    assert after(state, "..", moving=False).level is Level.SERVICE_BRAKE
-    assert after(state, "..c", moving=False).level is Level.NORMAL
-
-
-@pytest.mark.parametrize("level", [Level.NORMAL, Level.HOLD, Level.TRACTION_CUT, Level.SERVICE_BRAKE])
-def test_operator_reset_changes_nothing_else(level: Level) -> None:
-    assert operator_reset(at_level(level), moving=False) == at_level(level)
-
-
 class LadderAgainstHistory(RuleBasedStateMachine):
     """The ladder against a reference that keeps the whole history of accepted commands instead of counters."""
 
@@ -167,21 +150,10 @@ class LadderAgainstHistory(RuleBasedStateMachine):
         self.now_ms += 10
         self._reference(self.moving, True, demanded=True)
 
-    @rule()
-    def reset(self) -> None:
-        self.state = operator_reset(self.state, moving=self.moving)
-        if self.level == 4 and not self.moving:
-            self.level = 3
-            # What was good before the reset does not count.
-            self.accepted_ms = self.accepted_ms[-1:]
-            self.forgotten_ms = self.accepted_ms[-1] if self.accepted_ms else -1
-
-    forgotten_ms = -1
-
     def _in_a_row(self) -> int:
         row, later = 0, self.now_ms
         for when in reversed(self.accepted_ms):
-            if later - when > 20 or when <= self.forgotten_ms:
+            if later - when > 20:
                 break
             row, later = row + 1, when
         return row

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from hil_tests.support.paths import ROOT
+from railhil.common.errors import InputError
+from railhil.dbc import wire_contract
 from railhil.scenarios import streams
 from railhil.scenarios.canonical import canonical_json, scenario_sha256
 from railhil.scenarios.json_schema import scenario_json_schema
@@ -20,6 +22,7 @@ from railhil.scenarios.load import load, names
 from railhil.scenarios.model import Line, Perturbations, Scenario, Uniform, profile_value
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.profiles import MeanGrade, front_speed_limit
+from railhil.scenarios.schema import PORTS
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
@@ -249,10 +252,10 @@ def test_a_draw_does_not_depend_on_what_else_is_perturbed(lvshun: Scenario) -> N
 def test_streams_of_one_seed_are_independent_and_repeatable() -> None:
     first = streams.generator(1, streams.SPEED_NOISE).standard_normal(1000)
     assert np.array_equal(first, streams.generator(1, streams.SPEED_NOISE).standard_normal(1000))
-    other = streams.generator(1, streams.BALISE).standard_normal(1000)
+    other = streams.generator(1, streams.TUNING).standard_normal(1000)
     assert abs(float(np.corrcoef(first, other)[0, 1])) < 0.15
     with pytest.raises(ValueError, match="-1"):
-        streams.generator(-1, streams.BALISE)
+        streams.generator(-1, streams.TUNING)
 
 
 # --- profiles under a train ----------------------------------------------------------------------------------
@@ -283,3 +286,42 @@ def test_example_of_imported_files_replaces_train_and_line_of_what_it_extends() 
     assert scenario.train.name == "Regional Train"
     assert scenario.line.grade_permil[-1][1] == 0.0
     assert scenario.plan.distance_m == 9000
+
+
+def test_ports_whose_period_may_be_set_are_those_that_have_one() -> None:
+    assert sorted(PORTS) == sorted(port.name for port in wire_contract().ports if port.period_ns)
+
+
+@pytest.mark.parametrize(("distance", "right"), [(15, False), (16, True)])
+def test_a_balise_number_may_come_again_behind_fifteen_others(tmp_path: Path, distance: int, right: bool) -> None:
+    """A line of 400 km has more balises than the wire has numbers. Their order in the file does not matter."""
+    rows = [f"{{ number = {k % distance + 1}, surveyed_m = {100 * k} }}" for k in range(2 * distance)]
+    path = tmp_path / "many.toml"
+    path.write_text(
+        f'extends = "lvshun_tieshan"\nname = "many"\n[line]\nbalises = [{", ".join(reversed(rows))}]\n',
+        encoding="utf-8",
+    )
+    if right:
+        assert len(load(path).line.balises) == 2 * distance
+    else:
+        with pytest.raises(InputError, match=r"line\.balises\[\d+\]\.number: found \d+, allowed a number that none"):
+            load(path)
+
+
+def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -> None:
+    assert all(load(name).watch.weakened == "" for name in names())
+    path = tmp_path / "weak.toml"
+    head = 'extends = "lvshun_tieshan"\nname = "weak"\n[watch]\n'
+    for keys, said in (
+        ("hold_ms = 10", ""),
+        ("overspeed_margin_kmh = 4.99", ""),
+        ("overspeed_margin_kmh = 5.01", "overspeed_margin_kmh 5.01 (usual 5)"),
+        (
+            "hold_ms = 100000\ntraction_cut_ms = 200000\nservice_brake_ms = 300000\nemergency_ms = 400000\n"
+            "overspeed_margin_kmh = 1e7",
+            "hold_ms 100000 (usual 20), traction_cut_ms 200000 (usual 64), service_brake_ms 300000 (usual 256), "
+            "emergency_ms 400000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)",
+        ),
+    ):
+        path.write_text(head + keys + "\n", encoding="utf-8")
+        assert load(path).watch.weakened == said

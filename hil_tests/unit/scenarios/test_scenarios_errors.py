@@ -37,7 +37,15 @@ CASES = {
     "tick": ("[timing]\nbase_tick_ms = 0", "timing.base_tick_ms", "at least"),
     "period": ("[timing]\ncontrol_period_ms = 505", "timing.control_period_ms", "whole multiple of base_tick_ms = 10"),
     "port": ("[timing.port_period_ms]\nTRN_SPEED = 16", "timing.port_period_ms.TRN_SPEED", "whole multiple"),
-    "port name": ("[timing.port_period_ms]\nspeed = 20", "timing.port_period_ms.speed", "found 'speed'"),
+    "port name": ("[timing.port_period_ms]\nspeed = 20", "timing.port_period_ms.speed", "found the unknown port speed"),
+    "port of another name": (
+        "[timing.port_period_ms]\nTRN_SPED = 20",
+        "timing.port_period_ms.TRN_SPED",
+        "allowed only TIME_SYNC, SUP_CMD, NOTCH_CMD,",
+    ),
+    "port without a period": ("[timing.port_period_ms]\nRUN_EVENT = 20", "timing.port_period_ms.RUN_EVENT", "only"),
+    "too far": ("[plan]\ndistance_m = 400_001", "plan.distance_m", "found 400001, allowed at most 400000"),
+    "too long": ("[plan]\nrunning_time_s = 28_801", "plan.running_time_s", "found 28801, allowed at most 28800"),
     "delay": ("[timing]\nloop_delay_s = 0.31", "timing.loop_delay_s", "found 0.31, allowed 0 to 0.3 s"),
     "delay over period": (
         "[timing]\ncontrol_period_ms = 200\nloop_delay_s = 0.25",
@@ -59,7 +67,7 @@ CASES = {
     "balise twice": (
         "[line]\nbalises = [{number = 1, surveyed_m = 3}, {number = 1, surveyed_m = 4}]",
         "line.balises[1].number",
-        "only once",
+        "a number that none of the 15 balises before and behind it has",
     ),
     "balise number": ("[line]\nbalises = [{number = 256, surveyed_m = 3}]", "line.balises[0].number", "255"),
     "balise key": ("[line]\nbalises = [{number = 1, position_m = 3}]", "line.balises[0].position_m", "surveyed_m"),

@@ -1,0 +1,265 @@
+"""One frame lost, strange or doubled around the milestones of a run never turns its verdict without a word."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from railhil.bench import BenchRun, local_run
+from railhil.bus.frame import Frame
+from railhil.bus.mvb import TelegramSource
+from railhil.bus.telegrams import EVENT_COPIES, Event, RunEvent, SimTruth, TrnSpeed
+from railhil.plant_sim.milestones import Milestones
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.score import Score, score
+from railhil.supervisor.trace import Trace, trace_of
+
+Record = list[tuple[int, Frame]]
+
+BLOCKS_AND_TRAILER = RunEvent.port().can_ids
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    """A short run that passes."""
+    path = tmp_path_factory.mktemp("short") / "short.toml"
+    path.write_text(QUICK_TOML)
+    scenario = load(str(path))
+    return replace(scenario, plan=replace(scenario.plan, stop_error_max_m=8.0, time_error_max_s=8.0))
+
+
+def silence(from_ms: int, to_ms: int) -> Callable[[Frame], list[Frame]]:
+    """Nothing of the speed reaches the controller: it asks for the emergency brake."""
+    ticks = iter(range(1_000_000))
+
+    def wire(frame: Frame) -> list[Frame]:
+        return [] if frame.can_id == TrnSpeed.port().address and from_ms <= 10 * next(ticks) < to_ms else [frame]
+
+    return wire
+
+
+@pytest.fixture(scope="module")
+def passed(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    return local_run(short, tmp_path_factory.mktemp("passed"))
+
+
+@pytest.fixture(scope="module")
+def braked(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    return local_run(short, tmp_path_factory.mktemp("braked"), wire=silence(3000, 4500))
+
+
+@pytest.fixture(params=["passed", "braked"])
+def run(request: pytest.FixtureRequest) -> BenchRun:
+    found: BenchRun = request.getfixturevalue(request.param)
+    return found
+
+
+def record_of(run: BenchRun) -> Record:
+    assert run.log is not None
+    return list(read_log(run.log))
+
+
+def milestones(record: Record) -> list[int]:
+    """Places of the frames of RUN_EVENT in the record."""
+    return [place for place, (_, frame) in enumerate(record) if frame.can_id in BLOCKS_AND_TRAILER]
+
+
+def same_or_invalid(scenario: Scenario, run: BenchRun, record: Record) -> Score:
+    found = score(scenario, trace_of(record))
+    assert found.verdict in (run.score.verdict, "INVALID")
+    if found.verdict == "INVALID":
+        assert found.failures
+        assert all(found.failures)
+    else:
+        assert found == run.score
+    return found
+
+
+def test_the_runs_are_what_they_are_to_be(passed: BenchRun, braked: BenchRun) -> None:
+    assert (passed.score.verdict, passed.score.failures) == ("PASS", ())
+    assert braked.score.verdict == "FAIL"
+    (failure,) = braked.score.failures
+    assert failure.startswith("emergency brake at ")
+    for found, events in ((passed, "departed stopped"), (braked, "departed emergency stopped")):
+        codes = [Event(code).name.lower() for code in found.trace.raw(RunEvent.PORT, "RunEvent")]
+        assert codes == [name for name in (*events.split(), "ended_complete") for _ in range(EVENT_COPIES)]
+
+
+def test_one_frame_lost(short: Scenario, run: BenchRun) -> None:
+    record = record_of(run)
+    for place in milestones(record):
+        assert same_or_invalid(short, run, record[:place] + record[place + 1 :]).verdict == run.score.verdict
+
+
+@pytest.mark.parametrize("data", [bytes(8), b"\xff" * 8], ids=["zeros", "ones"])
+@pytest.mark.parametrize("after", [0, 1], ids=["before", "after"])
+def test_one_stray_frame_beside_a_frame_of_a_milestone(short: Scenario, run: BenchRun, data: bytes, after: int) -> None:
+    record = record_of(run)
+    for place in milestones(record):
+        for can_id in BLOCKS_AND_TRAILER:
+            stray = (record[place][0], Frame(can_id, data))
+            found = same_or_invalid(short, run, [*record[: place + after], stray, *record[place + after :]])
+            assert found.verdict == run.score.verdict
+
+
+def test_one_stray_frame_at_any_time(short: Scenario, run: BenchRun) -> None:
+    """The stray block waits for the next milestone, seconds later."""
+    record = record_of(run)
+    for place in range(0, len(record), 97):
+        for can_id in BLOCKS_AND_TRAILER:
+            stray = (record[place][0], Frame(can_id, bytes(8)))
+            assert same_or_invalid(short, run, [*record[:place], stray, *record[place:]]).verdict == run.score.verdict
+
+
+def test_one_frame_repeated_at_once_and_later(short: Scenario, run: BenchRun) -> None:
+    record = record_of(run)
+    for place in milestones(record):
+        for later in (1, 2, 3, 50, 700):
+            at = min(place + later, len(record))
+            again = (record[at - 1][0], record[place][1])
+            assert same_or_invalid(short, run, [*record[:at], again, *record[at:]]).verdict == run.score.verdict
+
+
+def telegrams(record: Record) -> Iterator[list[int]]:
+    """Places of the frames of each milestone, with all its repetitions."""
+    places = milestones(record)
+    size = EVENT_COPIES * len(BLOCKS_AND_TRAILER)
+    for first in range(0, len(places), size):
+        yield places[first : first + size]
+
+
+def test_a_milestone_that_is_lost_with_all_its_repetitions_is_missed(short: Scenario, run: BenchRun) -> None:
+    record = record_of(run)
+    whole = list(telegrams(record))
+    for number, places in enumerate(whole, start=1):
+        found = same_or_invalid(short, run, [item for k, item in enumerate(record) if k not in places])
+        assert found.verdict == "INVALID"
+        if number < len(whole):
+            assert found.failures == (f"record: RUN_EVENT {number} of {len(whole)} is missing",)
+        else:
+            assert found.ended == "record_incomplete"
+
+
+def test_one_repetition_is_enough(short: Scenario, run: BenchRun) -> None:
+    record = record_of(run)
+    size = len(BLOCKS_AND_TRAILER)
+    for places in telegrams(record):
+        for kept in range(EVENT_COPIES):
+            gone = {*places} - {*places[kept * size : (kept + 1) * size]}
+            found = same_or_invalid(short, run, [item for k, item in enumerate(record) if k not in gone])
+            assert found.verdict == run.score.verdict
+
+
+# -- STOPPED and the truth --------------------------------------------------------------------------------------------
+
+
+def truth_of(run: BenchRun, events: list[RunEvent]) -> Trace:
+    """The record's truth beside other milestones."""
+    trace = Trace()
+    for time_s, position, speed in zip(
+        run.trace.times_s(SimTruth.PORT),
+        run.trace.raw(SimTruth.PORT, "TruePos"),
+        run.trace.raw(SimTruth.PORT, "TrueSpeed"),
+        strict=True,
+    ):
+        trace.add(SimTruth.PORT, round(time_s * 1e9), SimTruth(int(position), int(speed)).encode())
+    for number, event in enumerate(events, start=1):
+        event.number = number
+        trace.add(RunEvent.PORT, event.instant_01ms * 100_000, event.encode())
+    return trace
+
+
+def test_a_stop_that_the_truth_does_not_show_is_no_stop(short: Scenario, passed: BenchRun) -> None:
+    place = int(passed.trace.raw(RunEvent.PORT, "EventPos")[EVENT_COPIES])
+    instant = int(passed.trace.raw(RunEvent.PORT, "EventTime")[EVENT_COPIES])
+    for at, where, words in (
+        (40_000, place, "record: STOPPED at 3.47 m, but SIM_TRUTH shows the train at 1.7"),
+        (instant, 79_983, "record: STOPPED at 8.00 m, but SIM_TRUTH shows the train at"),
+        (instant, 20_000, "record: STOPPED at 2.00 m, but SIM_TRUTH shows the train at"),
+    ):
+        trace = truth_of(passed, [RunEvent(Event.STOPPED, at, where), RunEvent(Event.ENDED_COMPLETE, instant, place)])
+        found = score(short, trace)
+        assert found.verdict == "INVALID"
+        assert found.failures[0].startswith(words)
+    trace = truth_of(passed, [RunEvent(Event.STOPPED, instant, place), RunEvent(Event.ENDED_COMPLETE, instant, place)])
+    assert score(short, trace).verdict == "PASS"
+
+
+@pytest.mark.parametrize(("speed_mps", "verdict"), [(0.0, "FAIL"), (0.9, "FAIL"), (1.3, "INVALID"), (15.0, "INVALID")])
+def test_a_stop_in_full_motion_is_none(short: Scenario, speed_mps: float, verdict: str) -> None:
+    """A train that has just stopped may be under way again, but not so fast."""
+    trace = Trace()
+    for tick in range(0, 600, 2):
+        moving = tick > 402
+        position = 20_000 + (round(max(0, tick - 402) * speed_mps * 100) if moving else 0)
+        trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(position, round(speed_mps * 1e4) * moving).encode())
+    trace.add(RunEvent.PORT, 4_020_000_000, RunEvent(Event.STOPPED, 40_160, 20_000, 1).encode())
+    trace.add(RunEvent.PORT, 5_000_000_000, RunEvent(Event.ENDED_COMPLETE, 50_000, 0, 2).encode())
+    plan = replace(short.plan, stop_error_max_m=1.0)
+    found = score(replace(short, plan=plan), trace)
+    assert found.verdict == verdict, found.failures
+    if verdict == "INVALID":
+        words = f"record: STOPPED at 4.02 s, but SIM_TRUTH shows {speed_mps:.2f} m/s at 4.12 s"
+        assert found.failures == (words,)
+
+
+def test_a_standstill_without_a_stop_is_no_run(short: Scenario, passed: BenchRun) -> None:
+    last = RunEvent(Event.ENDED_NOT_STOPPED, 90_000, 0)
+    found = score(short, truth_of(passed, [last]))
+    stands_s = passed.trace.times_s(SimTruth.PORT)[np.flatnonzero(passed.trace.raw(SimTruth.PORT, "TrueSpeed") == 0)]
+    first_s = stands_s[stands_s > 4][0]
+    assert found.verdict == "INVALID"
+    assert found.failures == (f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {first_s:.2f} s on",)
+
+
+def test_a_train_that_creeps_to_its_stand_has_stopped_there(short: Scenario) -> None:
+    """Slower than half a bit of the speed for two seconds, then at rest; and one that goes on from its stand."""
+
+    def verdict(stopped_s: float, goes_on: bool) -> str:
+        trace = Trace()
+        for tick in range(0, 1000, 2):
+            speed = 0 if 400 <= tick < 700 or (not goes_on and tick >= 700) else 3000
+            trace.add(SimTruth.PORT, tick * 10_000_000, SimTruth(min(20_000, 50 * tick), speed).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.STOPPED, round(stopped_s * 1e4), 20_000, 1).encode())
+        trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 100_000, 0, 2).encode())
+        return score(short, trace).verdict
+
+    assert verdict(4.0, False) == verdict(6.0, False) == verdict(6.9, True) == "PASS"
+    assert verdict(8.0, False) == "PASS"
+    assert verdict(9.0, True) == "INVALID"
+
+
+# -- how they are sent ------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("tick_ms", "spacing"), [(1, 20), (10, 2), (16, 2), (20, 1), (100, 1)])
+def test_a_milestone_is_repeated_at_its_spacing_and_the_last_one_at_once(tick_ms: int, spacing: int) -> None:
+    sent: list[tuple[int, int, int]] = []
+    now = 0
+    sender = Milestones(lambda telegram: sent.append((now, telegram.event, telegram.number)), tick_ms * 1_000_000)  # type: ignore[attr-defined]
+    for now in range(200):
+        sender.repeat(now)
+        if now == 3:
+            sender.reached(now, Event.DEPARTED, 0, 0)
+    assert sent == [(3, 1, 1), (3 + spacing, 1, 1), (3 + 2 * spacing, 1, 1)]
+    del sent[:]
+    now = 300
+    sender.reached(now, Event.STOPPED, 0, 0)
+    sender.end(Event.ENDED_COMPLETE, 0, 0)
+    sender.repeat(1000)
+    assert sent == [(300, 2, 2)] * 3 + [(300, 4, 3)] * 3
+
+
+def test_the_frames_of_a_milestone_are_these() -> None:
+    """The layout, written out: event, number, instant, position beyond 214 km."""
+    frames = TelegramSource(RunEvent.port()).frames(RunEvent(2, 288_600_000, 4_000_000_001, 3).encode())
+    assert [f"{frame.can_id:x}#{frame.data.hex()}" for frame in frames[:2]] == [
+        "160#020000031133afc0",
+        "161#0000ee6b28010000",
+    ]
