@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import decimal
 import math
-import random
 import struct
 from decimal import Decimal
 from fractions import Fraction
@@ -15,36 +13,17 @@ from apytypes import APyFixed, OverflowMode, QuantizationMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil_tests.exact import FORMATS, PI, limited, nearest, rounded, sine, spread, with_many_digits
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, SATURATION, WRAP
 from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable, portable_functions, series
 
-FORMATS = range(1, 31)
-PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211707")
 INT32 = st.integers(INT32_MIN, INT32_MAX)
 Q = st.integers(1, 30)
 
 
-def spread(seed: int, count: int = 30) -> list[int]:
-    """Numbers of every size and sign, ends included."""
-    source = random.Random(seed)
-    sizes = [source.getrandbits(source.randint(1, 31)) for _ in range(count)]
-    return [INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX, *(source.choice((-1, 1)) * size for size in sizes)]
-
-
-def limited(exact: int) -> int:
-    return min(max(exact, INT32_MIN), INT32_MAX)
-
-
-def nearest(exact: Fraction) -> int:
-    """Ties upward, limited."""
-    return limited(math.floor(exact + Fraction(1, 2)))
-
-
 @pytest.fixture(autouse=True)
 def _digits() -> None:
-    decimal.getcontext().prec = 80
-    decimal.getcontext().Emin = -(10**12)
-    decimal.getcontext().Emax = 10**12
+    with_many_digits()
 
 
 @pytest.mark.parametrize("q", FORMATS)
@@ -114,11 +93,6 @@ def test_roots_lie_between_the_squares_of_their_neighbours(q: int) -> None:
     assert ar.mag(INT32_MIN, INT32_MIN, q) == INT32_MAX
 
 
-def rounded(value: Decimal, q: int) -> int:
-    """Decimal value in Q ``q``, to nearest, not limited."""
-    return int((value * 2**q).to_integral_value(rounding=decimal.ROUND_HALF_EVEN))
-
-
 @pytest.mark.parametrize("q", FORMATS)
 def test_exponential(q: int) -> None:
     ar, portable = C28(), Portable()
@@ -150,18 +124,6 @@ def test_logarithm(q: int) -> None:
         assert abs(portable.log(a, q) - limited(value)) <= (8 if q >= 29 else 3)
 
 
-def sine(angle: Decimal) -> Decimal:
-    """Taylor series after removal of whole turns."""
-    angle = angle.remainder_near(2 * PI)
-    term = total = angle
-    k = 1
-    while abs(term) > Decimal("1e-60"):
-        k += 2
-        term = -term * angle * angle / (k * (k - 1))
-        total += term
-    return total
-
-
 @pytest.mark.parametrize("q", FORMATS)
 def test_sine_and_cosine(q: int) -> None:
     ar, portable = C28(), Portable()
@@ -178,79 +140,6 @@ def test_sine_and_cosine(q: int) -> None:
             assert abs(portable.sin(a, q) - ar.sin(a, q)) <= 2
             assert abs(portable.cos(a, q) - ar.cos(a, q)) <= 2
     assert (ar.sin_pu(0, q), ar.cos_pu(0, q)) == (0, 1 << q)
-
-
-def edges(result: int, q: int) -> tuple[Decimal, Decimal]:
-    """Half an LSB below a result and half an LSB above it."""
-    return (Decimal(result) - Decimal("0.5")) / 2**q, (Decimal(result) + Decimal("0.5")) / 2**q
-
-
-def is_left_of(y: int, x: int, angle: Decimal) -> bool:
-    """Does the point (x, y) lie on or to the left of a ray, by at most half a turn?"""
-    return y * sine(angle + PI / 2) >= x * sine(angle)
-
-
-@pytest.mark.parametrize("q", range(1, 30))
-def test_inverse_sine_and_cosine(q: int) -> None:
-    ar, portable = C28(), Portable()
-    one = 1 << q
-    for a in {0, 1, -1, one >> 1, -one >> 1, one - 1, one, -one, *(a % (2 * one + 1) - one for a in spread(q))}:
-        below, above = edges(ar.asin(a, q), q)
-        assert below <= -PI / 2 or sine(below) <= Decimal(a) / one
-        assert above >= PI / 2 or Decimal(a) / one <= sine(above)
-        below, above = edges(ar.acos(a, q), q)
-        assert below <= 0 or sine(below + PI / 2) >= Decimal(a) / one
-        assert above >= PI or Decimal(a) / one >= sine(above + PI / 2)
-        assert abs(portable.asin(a, q) - ar.asin(a, q)) <= 4
-        assert abs(portable.acos(a, q) - ar.acos(a, q)) <= 4
-    assert (ar.asin(0, q), ar.acos(one, q), ar.counters.saturations) == (0, 0, 0)
-    half_pi = rounded(PI / 2, q)
-    for beyond in (one + 1, INT32_MAX):
-        assert (ar.asin(beyond, q), ar.asin(-beyond, q)) == (half_pi, -half_pi)
-        assert (ar.acos(beyond, q), ar.acos(-beyond, q)) == (0, rounded(PI, q))
-        assert (portable.asin(beyond, q), portable.asin(-beyond, q)) == (0, 0)
-        assert portable.acos(beyond, q) == portable.acos(-beyond, q) == int(Decimal("1.570796327") * one)
-    assert ar.counters.saturations == 8
-
-
-@pytest.mark.parametrize("q", FORMATS)
-def test_angle_of_a_point(q: int) -> None:
-    ar, portable = C28(), Portable()
-    points = zip(spread(q + 100), spread(q + 200)[::-1], strict=True)
-    # Eighths of a turn stand below.
-    for y, x in ((y, x) for y, x in points if abs(y) != abs(x) and x and y):
-        turn = ar.atan2_pu(y, x, q)
-        below, above = (2 * PI * edge for edge in edges(turn, q))
-        assert is_left_of(y, x, below)
-        assert not is_left_of(y, x, above)
-        assert abs(portable.atan2_pu(y, x, q) + (1 << q if y < 0 else 0) - turn) <= 16
-        if q < 30:
-            angle = ar.atan2(y, x, q)
-            below, above = edges(angle, q)
-            assert below < -PI or is_left_of(y, x, below)
-            assert above > PI or not is_left_of(y, x, above)
-            # The size: the library's sign is wrong next to half a turn.
-            assert abs(abs(portable.atan2(y, x, q)) - abs(angle)) <= 16
-
-
-@pytest.mark.parametrize("q", FORMATS)
-def test_eighths_of_a_turn(q: int) -> None:
-    """The only results that can be ties: ties upward in Q1 and Q2."""
-    ar = C28()
-    around = [(0, 3), (3, 3), (3, 0), (3, -3), (0, -3), (-3, -3), (-3, 0), (-3, 3)]
-    for eighth, (y, x) in enumerate(around):
-        assert ar.atan2_pu(y, x, q) == nearest(Fraction(eighth << q, 8))
-        if q < 30:
-            assert ar.atan2(y, x, q) == rounded((eighth if eighth < 5 else eighth - 8) * PI / 4, q)
-    assert ar.atan2_pu(0, 0, q) == 0
-    assert abs(Portable().atan2_pu(0, 0, q) - (1 << q) / 8) <= 1
-
-
-def test_the_librarys_faults_of_atan2_are_reproduced() -> None:
-    portable = Portable()
-    assert portable.atan2(3 << 24, 3 << 24, 24) == pytest.approx(-1.8807 * 2**24, rel=1e-4)
-    assert (portable.atan2(2, INT32_MIN, 24), C28().atan2(2, INT32_MIN, 24)) == (-52707179, 52707179)
-    assert portable.atan2(INT32_MIN, INT32_MIN, 24) == pytest.approx(-3 * math.pi / 4 * 2**24, abs=2)
 
 
 @settings(max_examples=200)
