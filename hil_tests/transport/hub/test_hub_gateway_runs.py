@@ -24,7 +24,7 @@ from railhil.supervisor.trace import trace_of
 pytestmark = pytest.mark.loop
 
 #: SHA-256 of the published run (lvshun_tieshan, seed 0, ipfc, iq), on every transport.
-PUBLISHED_SHA256 = "69b106ede7b27d301d86748fa351d76a8484848af9937fa1dacbf7a3e12e248c"
+PUBLISHED_SHA256 = "f73849c4d76db5504c56c5b6c6b7e48b84722d11c4de0d06cf1e8f8593041b04"
 
 
 @contextlib.contextmanager
