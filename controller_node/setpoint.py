@@ -37,12 +37,17 @@ _PER_PERIOD = 16
 _FRACTION_Q = 20
 #: Virtual speeds after the stop go no lower, km/h.
 _VIRTUAL_MIN_KMH = -100.0
+#: Half a unit of the format: what fixed point holds as zero is zero in float64 too.
+_REST_KMH = 0.5**SPEED_Q / 2
 _KMH = 3.6
 _01MM = 1e4
 
 
 def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) -> list[Constant]:
     speeds = np.maximum(target.speed_mps(times_s) * _KMH, _VIRTUAL_MIN_KMH)
+    # The sum of the curve's pieces leaves some 1e-14 km/h of either sign at the stop: it is rest in every arithmetic,
+    # because a law may ask whether the set-point is below zero.
+    speeds[abs(speeds) < _REST_KMH] = 0.0
     return [Constant(f"{name}[{i}]", float(speed), SPEED_Q) for i, speed in enumerate(speeds)]
 
 

@@ -103,6 +103,13 @@ def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
         assert f"{run['label']} (measured)" in compared.done.out
         line = f"{run['verdict']}: {run['label']}" + (f": {run['line']}" if run["line"] else "")
         assert line in compared.done.out.splitlines()
+    stops = [run["scores"]["stop_error_m"] for run in runs]
+    within = {f"{limit:g}": sum(stop <= limit for stop in stops) for limit in (0.1, 0.2, 0.3)}
+    assert compared.document["stopped_within_m"] == {
+        limit: {"runs": count, "share": count / 3} for limit, count in within.items()
+    }
+    parts = ", ".join(f"{limit} m: {count} of 3" for limit, count in within.items())
+    assert f"runs that stopped within {parts}" in compared.done.out.splitlines()
     assert runs[0]["published"]["itae"] == 262
     assert runs[2]["published"] is None
     # The twin is the same law, the tuned one is not.

@@ -7,7 +7,7 @@ nothing that the profile is judged by. Row format: ``hil_tests/data/iq/SOURCE.md
 The portable profile must give ``o`` on every row but those tagged ``u``. The C28x profile must give ``c``. Without a
 ``c``, a value further from the exact ``r`` than TI's own routine may be (:data:`TOLERANCES`) is a mismatch, and a value
 inside that is *unrounded* when it is not ``r`` itself: our model promises the nearest number, a target would not. The
-one exception are the rows of exp outside the range of its format (:func:`expected`).
+exceptions are the rows of exp outside the range of its format and those of atan2PU below 0 (:func:`expected`).
 """
 
 from __future__ import annotations
@@ -43,6 +43,11 @@ def _own_model_of_exp(q: int, exact: int) -> int:
     return figures.get(q, abs(exact))
 
 
+def _at_format(lsb: int, full: int) -> Callable[[int, int], int]:
+    """So many LSB in Q ``full``, in proportion in the formats below, at least one."""
+    return lambda q, exact: max(1, lsb >> (full - q))
+
+
 #: How far TI's C28x routines may be from the exact value, in LSB: (function of q and exact result, source).
 TOLERANCES: dict[str, tuple[Callable[[int, int], int], str]] = {
     "div": (_of_full_scale(7), "IQmath user's guide V1.70: 28 bits"),
@@ -53,6 +58,10 @@ TOLERANCES: dict[str, tuple[Callable[[int, int], int], str]] = {
     "cos": (lambda q, exact: 2, "IQmath user's guide V1.70: 30 bits, 2 LSB at Q29"),
     "sinPU": (lambda q, exact: 1, "IQmath user's guide V1.70: 30 bits, 1 LSB at Q30"),
     "cosPU": (lambda q, exact: 2, "IQmath user's guide V1.70: 29 bits, 2 LSB at Q30"),
+    "atan2": (_at_format(32, 29), "IQmath user's guide V1.70: 26 bits, 32 LSB at Q29"),
+    "atan2PU": (_at_format(16, 30), "IQmath user's guide V1.70: 27 bits"),
+    "asin": (lambda q, exact: 3, "no published figure; that of the portable library"),
+    "acos": (lambda q, exact: 3, "no published figure; that of the portable library"),
     "exp": (_own_model_of_exp, "no published figure; estimate from a model of the published steps"),
     "log": (lambda q, exact: 8 if q == 30 else 2, "no published figure; that of the portable library"),
 }
@@ -62,12 +71,15 @@ def expected(profile: str, row: Row) -> Any:
     """What a profile must give, None where the row does not say: tagged ``u``, or a text without ``c``.
 
     The C28x limits the argument of exp to the range of its format, on both sides: outside it, ``r`` is not what the
-    library gives, but the result at the limit.
+    library gives, but the result at the limit. Its atan2PU answers in 0 to 1, where ``r`` is in -1/2 to 1/2.
     """
     if profile == "portable":
         return None if row.get("t") == "u" else row["o"]
-    if row["f"] == "exp" and "r" in row and "c" not in row:
-        return _at_the_limit(row["i"][0], row["q"], row["r"])
+    if "r" in row and "c" not in row:
+        if row["f"] == "exp":
+            return _at_the_limit(row["i"][0], row["q"], row["r"])
+        if row["f"] == "atan2PU" and row["i"][0] < 0:
+            return row["r"] + (1 << row["q"])
     return row.get("c", row.get("r"))
 
 

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from railhil.campaign.summary import QUANTILES
 from railhil.common.output import Output, table
+from railhil.supervisor.score import STOP_WITHIN_M
 
 _TITLES = {
     "itae": "ITAE",
@@ -76,6 +77,15 @@ def _inside(summary: Mapping[str, Any]) -> Table:
     return made
 
 
+def _stops(summary: Mapping[str, Any]) -> Table:
+    """Whatever the scenario allows, so that the stricter figures are seen too."""
+    heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
+    made = _columns("Runs that stopped within", ("law",), heads)
+    for label, law in summary["laws"].items():
+        made.add_row(label, *(_share(found) for found in law["stopped_within_m"].values()))
+    return made
+
+
 def _against(summary: Mapping[str, Any]) -> Table:
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
     made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
@@ -107,7 +117,7 @@ def show(console: Output, summary: Mapping[str, Any], folder: Path) -> None:
         f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "
         f"{summary['last_seed']}, {summary['arithmetic']}, indexed by {summary['indexing']}"
     )
-    tables = [_scores(summary), _inside(summary)]
+    tables = [_scores(summary), _inside(summary), _stops(summary)]
     if summary["against_baseline"]:
         tables.append(_against(summary))
     for made in tables:

@@ -15,6 +15,7 @@ from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import worst_runs
 from railhil.scenarios.canonical import judged_sha256
+from railhil.supervisor.score import STOP_WITHIN_M
 
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
@@ -49,7 +50,8 @@ def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
 
 
 def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
-    stops = _within(numbers(rows, "stop_error_m"), plan.scenario.plan.stop_error_max_m)
+    stop_errors_m = numbers(rows, "stop_error_m")
+    stops = _within(stop_errors_m, plan.scenario.plan.stop_error_max_m)
     in_time = _within(numbers(rows, "punctuality_s"), plan.scenario.plan.time_error_max_s)
     passed = np.array(rows["verdict"].to_pylist()) == "PASS"
     wraps = rows["wraps"].to_numpy()
@@ -64,7 +66,8 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
             "both": _share(share(stops & in_time)),
             "pass": _share(share(passed)),
         },
-        "not_stopped": int(np.count_nonzero(np.isnan(numbers(rows, "stop_error_m")))),
+        "stopped_within_m": {f"{limit:g}": _share(share(_within(stop_errors_m, limit))) for limit in STOP_WITHIN_M},
+        "not_stopped": int(np.count_nonzero(np.isnan(stop_errors_m))),
         "overspeeds": int(np.count_nonzero(numbers(rows, "overspeed_mps") > 0)),
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),

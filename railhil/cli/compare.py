@@ -28,6 +28,7 @@ from railhil.supervisor.folder import run_folder
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.score_table import stops_sentence
 from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"
@@ -159,6 +160,7 @@ def work(namespace: argparse.Namespace) -> int:
     found = [run for _, run in runs]
     write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
+    console.say(f"runs that {stops_sentence([run.score for run in found])}")
     for sentence in scenario.assumptions:
         console.say(f"assumed: {sentence}", style="dim")
     print_watch(console, scenario)

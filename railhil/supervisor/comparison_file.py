@@ -15,7 +15,7 @@ from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import COLUMNS
+from railhil.supervisor.report.score_table import COLUMNS, stopped_within
 
 #: Name in the folder of a comparison, beside ``compare.json``.
 _TABLE = "compare.csv"
@@ -73,6 +73,10 @@ def write_comparison(
         **{key: getattr(options, key) for key in common},
         "notes": list(notes),
         "runs": rows,
+        "stopped_within_m": {
+            f"{limit:g}": {"runs": count, "share": count / len(runs)}
+            for limit, count in stopped_within([run.score for _, run in runs]).items()
+        },
         "published": [asdict(row) for row in scenario.published],
     }
     try:

@@ -29,6 +29,9 @@ HOLE_MAX_S = 1.0
 #: How the failure of a run begins in which the controller's fixed point has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
 
+#: Stop errors, in m, by which runs are counted beside the scenario's own limit: the stricter figures stay visible.
+STOP_WITHIN_M = (0.1, 0.2, 0.3)
+
 
 @dataclass(frozen=True, slots=True)
 class Score:

@@ -1,9 +1,9 @@
 """Profile of the TMS320F28335: the results of TI's C28x IQmath library.
 
 Restated from TI's IQmath user's guide V1.70 and published headers (facts only, no code). Exact where a document fixes
-the result bit by bit. Quotient, roots, exponential, logarithm, sine and cosine are modelled as the exact value, rounded
-to nearest (ties upward) and saturated; TI's guide gives 28 bits for the quotient (7 LSB of 2^31), 29 for the roots (6)
-and 30 for the sine, and no figure for exponential and logarithm.
+the result bit by bit. Quotient, roots, exponential, logarithm, sine, cosine and their inverses are modelled as the
+exact value, rounded to nearest (ties upward) and saturated; TI's guide gives 28 bits for the quotient (7 LSB of 2^31),
+29 for the roots (6), 30 for the sine and 26 for the arctangent, and no figure for exponential, logarithm, asin, acos.
 """
 
 from __future__ import annotations
@@ -45,8 +45,10 @@ class C28(FixedPoint):
 
     def mpy_i32_int(self, a: int, n: int, q: int) -> int:
         whole = (self._size(a) * self._size(n)) >> q
-        exact = whole if (a < 0) == (n < 0) else -whole
-        return exact if INT32_MIN <= exact <= INT32_MAX else self._wrapped(exact)
+        if whole > INT32_MAX:
+            whole = self._wrapped(whole)
+        # The sign is put on the low 32 bits with OVM set (NEGTC).
+        return whole if (a < 0) == (n < 0) else self._limited(-whole)
 
     def mpy_i32_frac(self, a: int, n: int, q: int) -> int:
         part = (self._size(a) * self._size(n)) & ((1 << q) - 1)
@@ -88,6 +90,28 @@ class C28(FixedPoint):
 
     def cos_pu(self, a: int, q: int) -> int:
         return series.sine_of_turns(a, q, q, quadrants=1)
+
+    def _limited_to_one(self, a: int, q: int) -> int:
+        """``a`` inside -1 to 1."""
+        limited = self.clip(a, 1 << q, -(1 << q))
+        if limited != a:
+            self._count(SATURATION, 1)
+        return limited
+
+    def asin(self, a: int, q: int) -> int:
+        check_trig_format(q)
+        return series.arcsine(self._limited_to_one(a, q), q, q)
+
+    def acos(self, a: int, q: int) -> int:
+        check_trig_format(q)
+        return series.arcsine(self._limited_to_one(a, q), q, q, cosine=True)
+
+    def atan2(self, y: int, x: int, q: int) -> int:
+        check_trig_format(q)
+        return series.angle(y, x, q)
+
+    def atan2_pu(self, y: int, x: int, q: int) -> int:
+        return series.turn(y, x, q)
 
     def to_f(self, a: int, q: int) -> int:
         if a == 0:
@@ -133,7 +157,8 @@ class C28Batch(FixedPointBatch):
 
     def mpy_i32_int(self, a: Ints, n: Ints, q: int) -> Any:
         product, sign = self._sizes(a, n)
-        return self._wrap(sign * (product >> q))
+        # The sign is put on the low 32 bits with OVM set (NEGTC).
+        return self._limit(sign * self._wrap(product >> q))
 
     def mpy_i32_frac(self, a: Ints, n: Ints, q: int) -> Any:
         product, sign = self._sizes(a, n)

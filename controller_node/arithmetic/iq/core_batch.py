@@ -208,6 +208,18 @@ class FixedPointBatch(IqMath[Ints]):
     def cos_pu(self, a: Ints, q: int) -> Any:
         return self._each("cos_pu", q, a)
 
+    def asin(self, a: Ints, q: int) -> Any:
+        return self._each("asin", q, a)
+
+    def acos(self, a: Ints, q: int) -> Any:
+        return self._each("acos", q, a)
+
+    def atan2(self, y: Ints, x: Ints, q: int) -> Any:
+        return self._each("atan2", q, y, x)
+
+    def atan2_pu(self, y: Ints, x: Ints, q: int) -> Any:
+        return self._each("atan2_pu", q, y, x)
+
     def to_f(self, a: Ints, q: int) -> Any:
         return self._each("to_f", q, a)
 

@@ -11,14 +11,14 @@ from typing import Any, ClassVar
 
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, WRAP, Arithmetic, Constant, T
 
-#: Largest format of sine and cosine in rad: pi needs two bits before the point.
+#: Largest format of an angle in rad: pi needs two bits before the point.
 TRIG_Q_MAX = 29
 
 
 def check_trig_format(q: int) -> None:
-    """Raise ``ValueError`` where neither library has a sine and cosine in rad."""
+    """Raise ``ValueError`` where neither library has the functions of an angle in rad."""
     if q > TRIG_Q_MAX:
-        raise ValueError(f"sin and cos in rad exist for Q1 to Q{TRIG_Q_MAX}, not for Q{q}")
+        raise ValueError(f"sin, cos, asin, acos and atan2 in rad exist for Q1 to Q{TRIG_Q_MAX}, not for Q{q}")
 
 
 class IqMath(Arithmetic[T]):
@@ -72,7 +72,8 @@ class IqMath(Arithmetic[T]):
     def mpy_i32_int(self, a: T, n: T, q: int) -> T:
         """``_IQ<q>mpyI32int``: integer part of number times integer.
 
-        C28x: toward zero, of the 64-bit product of the sizes, low 32 bits; INT32_MIN has the size INT32_MAX.
+        C28x: toward zero, of the 64-bit product of the sizes, low 32 bits; INT32_MIN has the size INT32_MAX, and a
+        negative sign on low bits that are INT32_MIN gives INT32_MAX (NEGTC with OVM set).
         Portable: floor of the product that has wrapped already.
         """
 
@@ -134,6 +135,33 @@ class IqMath(Arithmetic[T]):
     @abstractmethod
     def cos_pu(self, a: T, q: int) -> T:
         """``_IQ<q>cosPU`` of an angle in turns; as :meth:`sin_pu`."""
+
+    @abstractmethod
+    def asin(self, a: T, q: int) -> T:
+        """``_IQ<q>asin``: angle in rad whose sine is a, -pi/2 to pi/2. ``ValueError`` for Q30.
+
+        C28x: modelled exact, rounded to nearest; an argument outside -1 to 1 is limited (counted as a saturation),
+        which no document fixes. Portable: 0 outside -1 to 1, not counted.
+        """
+
+    @abstractmethod
+    def acos(self, a: T, q: int) -> T:
+        """``_IQ<q>acos``: angle in rad whose cosine is a, 0 to pi; as :meth:`asin`. Portable: pi/2 outside -1 to 1."""
+
+    @abstractmethod
+    def atan2(self, y: T, x: T, q: int) -> T:
+        """``_IQ<q>atan2``: angle of the point (x, y) in rad, -pi to pi. ``ValueError`` for Q30.
+
+        C28x: modelled exact, rounded to nearest; 0 for the origin, which no document fixes. Portable: pi/4 for the
+        origin.
+        """
+
+    @abstractmethod
+    def atan2_pu(self, y: T, x: T, q: int) -> T:
+        """``_IQ<q>atan2PU``: angle of the point (x, y) in turns; origin as in :meth:`atan2`.
+
+        C28x: 0 to 1, modelled exact, rounded to nearest. Portable: -1/2 to 1/2.
+        """
 
     @abstractmethod
     def to_f(self, a: T, q: int) -> T:

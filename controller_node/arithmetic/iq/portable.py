@@ -4,7 +4,8 @@ Algorithms restated in own words from the open library (BSD 3-Clause, (c) 2023 T
 formulas. Bit for bit equal to the library built with 32-bit fast integer types and wrapping signed overflow, but for
 three faults that are not reproduced: ``div`` of INT32_MIN saturates there always (here it is the quotient of 2^31),
 ``toF`` halves a number whose 25 leading bits are ones (here the rounding carries), and TI's own copy of 2.01 has a
-wrong ``mpy`` (both open copies have the right one).
+wrong ``mpy`` (both open copies have the right one). The faults of ``atan2`` and ``atan2PU`` are reproduced: sides of
+equal size mostly give a wrong angle, and next to half a turn ``atan2`` has the wrong sign.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, INT32_MAX, INT32_MIN, SATURATION
-from railhil.controller_node.arithmetic.iq import decimals, series
+from railhil.controller_node.arithmetic.iq import decimals, portable_angles, series
 from railhil.controller_node.arithmetic.iq import portable_functions as functions
 from railhil.controller_node.arithmetic.iq.core import MASK, SIGN, FixedPoint, low32
 from railhil.controller_node.arithmetic.iq.core_batch import FixedPointBatch, Ints
@@ -55,13 +56,7 @@ class Portable(FixedPoint):
         return self.mpy_i32(a, n) & ((1 << q) - 1)
 
     def sqrt(self, a: int, q: int) -> int:
-        if a <= 0:
-            return 0
-        x = a << (q & 1)
-        shift = functions.even_shift(x, 32)
-        x <<= shift
-        root = functions.unsigned(functions.inverse_root(x, q), x)
-        return functions.rounded_shift(root, (31 - q) - ((32 - q) >> 1) + (shift >> 1))
+        return functions.root(a, q)
 
     def isqrt(self, a: int, q: int) -> int:
         if a <= 0:
@@ -109,6 +104,18 @@ class Portable(FixedPoint):
 
     def cos_pu(self, a: int, q: int) -> int:
         return functions.sine_of_turns(a, q, cosine=True)
+
+    def asin(self, a: int, q: int) -> int:
+        return portable_angles.arcsine(a, q)
+
+    def acos(self, a: int, q: int) -> int:
+        return portable_angles.arccosine(a, q)
+
+    def atan2(self, y: int, x: int, q: int) -> int:
+        return portable_angles.angle(y, x, q)
+
+    def atan2_pu(self, y: int, x: int, q: int) -> int:
+        return portable_angles.turn(y, x, q)
 
     def to_f(self, a: int, q: int) -> int:
         if a == 0:

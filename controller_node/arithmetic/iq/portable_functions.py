@@ -42,7 +42,7 @@ _SIN = tuple(series.sine(k, 6, 31) for k in range(52))
 _COS = tuple(min(series.sine(k, 6, 31, quadrants=1), INT32_MAX) for k in range(52))
 
 
-def _signed(a: int, b: int) -> int:
+def signed(a: int, b: int) -> int:
     """Fractional product of signed numbers."""
     return low32((a * b) >> 31)
 
@@ -67,6 +67,16 @@ def inverse_root(x: int, q: int) -> int:
     return guess
 
 
+def ratio_q31(numerator: int, denominator: int) -> int:
+    """Ratio of two sizes, the first at most the second, in Q31; may come out as 2^31."""
+    shift = max(31 - denominator.bit_length(), 0)
+    divisor, scaled = denominator << shift, numerator << (shift + 1)
+    if scaled > MASK:
+        return INT32_MAX
+    size: int = quotient(RECIPROCAL[(divisor >> 24) - 64] << 24, divisor, scaled)
+    return size
+
+
 def even_shift(x: int, bits: int) -> int:
     """Smallest even left shift that makes x at least a quarter of 2^bits."""
     return (bits - x.bit_length()) & ~1
@@ -84,6 +94,16 @@ def rounded_shift(x: int, count: int) -> int:
     if count >= 8:
         x, count = x >> 8, count - 8
     return low32(((x >> (count - 1)) + 1) >> 1 if count else x)
+
+
+def root(a: int, q: int) -> int:
+    """Root of a number in Q ``q``, at most 31; 0 for a <= 0."""
+    if a <= 0:
+        return 0
+    x = a << (q & 1)
+    shift = even_shift(x, 32)
+    x <<= shift
+    return rounded_shift(unsigned(inverse_root(x, q), x), (31 - q) - ((32 - q) >> 1) + (shift >> 1))
 
 
 @lru_cache
@@ -121,7 +141,7 @@ def exponential(a: int, q: int) -> int:
         rest, power = rest - _LN2, power << 1 & MASK
     value = _EXP[0]
     for coefficient in _EXP[1:]:
-        value = _signed(rest, value) + coefficient
+        value = signed(rest, value) + coefficient
     return (int(unsigned(power, value << 1 & MASK)) + 1) >> 1
 
 
@@ -134,7 +154,7 @@ def logarithm(a: int, q: int) -> int:
         exponent -= 1
     value = _LN[0]
     for coefficient in _LN[1:]:
-        value = _signed(x - INT32_MAX, value) + coefficient
+        value = signed(x - INT32_MAX, value) + coefficient
     whole = unsigned(_LN2, (abs(exponent) << q) & MASK)
     return low32((value >> (30 - q)) + (whole if exponent > 0 else -whole))
 
@@ -143,16 +163,16 @@ def _sine_near(x: int) -> int:
     """Sine of x in Q31, at most pi/4: table at 1/64, second order between."""
     k, rest = x >> 25 & 0x3F, x & 0x1FFFFFF
     sine, cosine = _SIN[k], _COS[k]
-    bend = low32(-(sine + _signed(cosine, _signed(_THIRD, rest)))) >> 1
-    return sine + _signed(rest, cosine + _signed(rest, bend))
+    bend = low32(-(sine + signed(cosine, signed(_THIRD, rest)))) >> 1
+    return sine + signed(rest, cosine + signed(rest, bend))
 
 
 def _cosine_near(x: int) -> int:
     """Cosine of x in Q31, at most pi/4; as :func:`_sine_near`."""
     k, rest = x >> 25 & 0x3F, x & 0x1FFFFFF
     sine, cosine = _SIN[k], _COS[k]
-    bend = low32(_signed(sine, _signed(_THIRD, rest)) - cosine) >> 1
-    return cosine + _signed(rest, _signed(rest, bend) - sine)
+    bend = low32(signed(sine, signed(_THIRD, rest)) - cosine) >> 1
+    return cosine + signed(rest, signed(rest, bend) - sine)
 
 
 def _half_turn(x: int, q: int, cosine: bool, negative: bool) -> int:

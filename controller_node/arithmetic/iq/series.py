@@ -1,4 +1,4 @@
-"""Exponential, logarithm, sine and cosine in whole numbers, correctly rounded.
+"""Exponential, logarithm, sine, cosine and their inverses in whole numbers, correctly rounded.
 
 No floating-point library takes part, so results are the same on every machine. An argument is ``a`` / 2^``q``; a result
 is the function's value times 2^``scale`` as an integer, rounded to nearest or down. A value is computed with spare bits
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import isqrt
 
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 
@@ -123,6 +124,45 @@ def sine_bits(a: int, q: int, quadrants: int, scale: int, bits: int) -> int:
     return value >> (_HEADROOM_BITS - scale)
 
 
+def _atan(z: int, bits: int) -> int:
+    """atan of ``z`` / 2^bits, 0 to 1: halved twice, then its series."""
+    one = 1 << bits
+    for _ in range(2):
+        z = (z << bits) // (one + isqrt((one << bits) + z * z))
+    square = (z * z) >> bits
+    total, power, k = 0, z, 1
+    while power:
+        total += power // k if k & 2 == 0 else -(power // k)
+        power = (power * square) >> bits
+        k += 2
+    return total << 2
+
+
+def angle_bits(y: int, x: int, scale: int, bits: int) -> int:
+    """Angle of the point (x, y), -pi to pi, in rad, times 2^(scale + bits); scale at most 48. 0 for the origin."""
+    fine = bits + _HEADROOM_BITS
+    smaller, larger = sorted((abs(x), abs(y)))
+    value = _atan((smaller << fine) // max(larger, 1), fine)
+    if abs(y) > abs(x):
+        value = pi(fine - 1) - value
+    if x < 0:
+        value = pi(fine) - value
+    return (value if y >= 0 else -value) >> (_HEADROOM_BITS - scale)
+
+
+def turn_bits(y: int, x: int, scale: int, bits: int) -> int:
+    """As :func:`angle_bits`, in turns: -1/2 to 1/2."""
+    fine = bits + _HEADROOM_BITS
+    return (angle_bits(y, x, _HEADROOM_BITS, bits) << fine) // pi(fine + 1) >> (_HEADROOM_BITS - scale)
+
+
+def arcsine_bits(n: int, d: int, scale: int, bits: int, cosine: bool = False) -> int:
+    """asin, or acos, of n / d, a size of at most 1, in rad, times 2^(scale + bits)."""
+    fine = bits + _HEADROOM_BITS
+    sine, other = n << fine, isqrt((d * d - n * n) << 2 * fine)
+    return angle_bits(other, sine, scale, bits) if cosine else angle_bits(sine, other, scale, bits)
+
+
 def exp(a: int, q: int, scale: int) -> int:
     """e^(a / 2^q) * 2^scale, to nearest."""
     return 1 << scale if a == 0 else nearest(lambda bits: exp_bits(a, q, scale, bits))
@@ -149,6 +189,25 @@ def sine_of_turns(a: int, q: int, scale: int, quadrants: int = 0) -> int:
         return _sine_bits(rest * pi(fine - 1) >> q, quadrant + quadrants, fine) >> (_HEADROOM_BITS - scale)
 
     return nearest(approximate)
+
+
+def arcsine(a: int, q: int, scale: int, cosine: bool = False) -> int:
+    """asin, or acos, of ``a`` / 2^``q``, a size of at most 1, in rad, times 2^scale, to nearest; scale at most 48."""
+    return nearest(lambda bits: arcsine_bits(a, 1 << q, scale, bits, cosine))
+
+
+def angle(y: int, x: int, scale: int) -> int:
+    """Angle of the point (x, y), -pi to pi, in rad, times 2^scale, to nearest; scale at most 48. 0 for the origin."""
+    return nearest(lambda bits: angle_bits(y, x, scale, bits))
+
+
+def turn(y: int, x: int, scale: int) -> int:
+    """Angle of the point (x, y) in turns, 0 to 1, times 2^scale, to nearest; scale at most 48. 0 for the origin."""
+    if x == 0 or y == 0 or abs(x) == abs(y):
+        # Whole eighths, the only dyadic numbers among the results: a tie in Q1 and Q2 would never be settled.
+        eighths = nearest(lambda bits: turn_bits(y, x, 3, bits)) % 8
+        return ((eighths << scale) + 4) >> 3
+    return nearest(lambda bits: turn_bits(y, x, scale, bits)) + (1 << scale if y < 0 else 0)
 
 
 @lru_cache

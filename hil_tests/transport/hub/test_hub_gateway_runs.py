@@ -13,6 +13,7 @@ import pytest
 
 from hil_tests.loop.test_loop_local import SHORT_TOML
 from hil_tests.support.cli import TIMEOUT_S, command, railhil, wait_for
+from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.transport.hub.test_hub_gateway import gateway, two_hubs_and_a_gateway
 from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
 from railhil.bench import local_run
@@ -22,9 +23,6 @@ from railhil.supervisor.framelog import read_log, sha256_of
 from railhil.supervisor.trace import trace_of
 
 pytestmark = pytest.mark.loop
-
-#: SHA-256 of the published run (lvshun_tieshan, seed 0, ipfc, iq), on every transport.
-PUBLISHED_SHA256 = "b0447087ed3b465108d1ebe00aa35467472acf6bc708496715a7809864e03e35"
 
 
 @contextlib.contextmanager

@@ -29,7 +29,7 @@ OPERATIONS: dict[str, Call] = {
     },
     **{
         name: lambda ar, a, b, c, q, name=name: getattr(ar, name)(a, b, q)  # type: ignore[misc]
-        for name in ("mpy", "rmpy", "rsmpy", "div", "mag", "mpy_i32_int", "mpy_i32_frac")
+        for name in ("mpy", "rmpy", "rsmpy", "div", "mag", "mpy_i32_int", "mpy_i32_frac", "atan2_pu")
     },
     **{
         name: lambda ar, a, b, c, q, name=name: getattr(ar, name)(a, q)  # type: ignore[misc]
@@ -37,8 +37,9 @@ OPERATIONS: dict[str, Call] = {
     },
     **{
         name: lambda ar, a, b, c, q, name=name: getattr(ar, name)(a, min(q, 29))  # type: ignore[misc]
-        for name in ("sin", "cos")
+        for name in ("sin", "cos", "asin", "acos")
     },
+    "atan2": lambda ar, a, b, c, q: ar.atan2(a, b, min(q, 29)),
     **{name: lambda ar, a, b, c, q, name=name: getattr(ar, name)(a) for name in ("neg", "abs")},  # type: ignore[misc]
     # Also with limits the wrong way round.
     **{

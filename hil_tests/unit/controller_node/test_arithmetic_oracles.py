@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import decimal
 import math
-import random
 import struct
 from decimal import Decimal
 from fractions import Fraction
@@ -15,36 +13,17 @@ from apytypes import APyFixed, OverflowMode, QuantizationMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
+from hil_tests.exact import FORMATS, PI, limited, nearest, rounded, sine, spread, with_many_digits
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, SATURATION, WRAP
 from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable, portable_functions, series
 
-FORMATS = range(1, 31)
-PI = Decimal("3.14159265358979323846264338327950288419716939937510582097494459230781640628620899862803482534211707")
 INT32 = st.integers(INT32_MIN, INT32_MAX)
 Q = st.integers(1, 30)
 
 
-def spread(seed: int, count: int = 30) -> list[int]:
-    """Numbers of every size and sign, ends included."""
-    source = random.Random(seed)
-    sizes = [source.getrandbits(source.randint(1, 31)) for _ in range(count)]
-    return [INT32_MIN, INT32_MIN + 1, -1, 0, 1, INT32_MAX, *(source.choice((-1, 1)) * size for size in sizes)]
-
-
-def limited(exact: int) -> int:
-    return min(max(exact, INT32_MIN), INT32_MAX)
-
-
-def nearest(exact: Fraction) -> int:
-    """Ties upward, limited."""
-    return limited(math.floor(exact + Fraction(1, 2)))
-
-
 @pytest.fixture(autouse=True)
 def _digits() -> None:
-    decimal.getcontext().prec = 80
-    decimal.getcontext().Emin = -(10**12)
-    decimal.getcontext().Emax = 10**12
+    with_many_digits()
 
 
 @pytest.mark.parametrize("q", FORMATS)
@@ -114,11 +93,6 @@ def test_roots_lie_between_the_squares_of_their_neighbours(q: int) -> None:
     assert ar.mag(INT32_MIN, INT32_MIN, q) == INT32_MAX
 
 
-def rounded(value: Decimal, q: int) -> int:
-    """Decimal value in Q ``q``, to nearest, not limited."""
-    return int((value * 2**q).to_integral_value(rounding=decimal.ROUND_HALF_EVEN))
-
-
 @pytest.mark.parametrize("q", FORMATS)
 def test_exponential(q: int) -> None:
     ar, portable = C28(), Portable()
@@ -150,18 +124,6 @@ def test_logarithm(q: int) -> None:
         assert abs(portable.log(a, q) - limited(value)) <= (8 if q >= 29 else 3)
 
 
-def sine(angle: Decimal) -> Decimal:
-    """Taylor series after removal of whole turns."""
-    angle = angle.remainder_near(2 * PI)
-    term = total = angle
-    k = 1
-    while abs(term) > Decimal("1e-60"):
-        k += 2
-        term = -term * angle * angle / (k * (k - 1))
-        total += term
-    return total
-
-
 @pytest.mark.parametrize("q", FORMATS)
 def test_sine_and_cosine(q: int) -> None:
     ar, portable = C28(), Portable()
@@ -189,11 +151,23 @@ def test_whole_and_broken_parts(a: int, n: int, q: int) -> None:
     assert portable.int_part(a, q) == math.floor(value)
     for profile in (ar, portable):
         assert (profile.int_part(a, q) << q) + profile.frac(a, q) == a
-    assert (ar.mpy_i32_int(a, n, q) - math.trunc(product)) % 2**32 == 0
+    # The sign is put on the low 32 bits of the size, saturating.
+    whole = (math.trunc(abs(product)) + 2**31) % 2**32 - 2**31
+    assert ar.mpy_i32_int(a, n, q) == (whole if product >= 0 else limited(-whole))
     assert ar.mpy_i32_frac(a, n, q) == (product - math.trunc(product)) * 2**q
     wrapped = (a * n + 2**31) % 2**32 - 2**31
     assert portable.mpy_i32_int(a, n, q) == math.floor(Fraction(wrapped, 1 << q))
     assert (portable.mpy_i32_int(a, n, q) << q) + portable.mpy_i32_frac(a, n, q) == wrapped
+
+
+@pytest.mark.parametrize(("a", "n"), [(INT32_MAX, -INT32_MAX), (-65536, 65536), (65536, -65536)])
+def test_the_sign_of_a_wrapped_integer_part_saturates(a: int, n: int) -> None:
+    """NEGTC with OVM set: 0x80000000 with a negative sign is 0x7fffffff."""
+    one, many = C28(), C28Batch()
+    assert one.mpy_i32_int(a, n, 1) == INT32_MAX
+    assert many.mpy_i32_int(np.array([a]), np.array([n]), 1).tolist() == [INT32_MAX]
+    assert one.mpy_i32_int(-a, n, 1) == INT32_MIN
+    assert one.counters.flags == many.counters.flags == WRAP | SATURATION
 
 
 def single(bits: int) -> np.float32:

@@ -21,6 +21,7 @@ from railhil.controller_node.laws.fuzzy_pid import FuzzyPid, FuzzyPidState
 from railhil.controller_node.laws.fuzzy_pid_constants import FuzzyPidParameters, rules
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.perturb import perturbed
 
 SCENARIO = load("lvshun_tieshan")
 DEFAULT = FuzzyPidParameters()
@@ -171,6 +172,11 @@ def test_fixed_point_follows_float64(indexing: str) -> None:
     assert found.notch_raw_error < 2e-4
     assert found.codes.equal_share >= 0.99
     assert found.codes.largest <= 1
+
+
+def test_the_stop_ahead_is_the_same_in_float64_and_fixed_point() -> None:
+    """Seed 1011 is driven up to the stopping point, where float64's set-point was -5.6e-14 km/h: 85/256 notch apart."""
+    assert shadowed(perturbed(SCENARIO, 1011), "fuzzy_pid").codes.largest <= 1
 
 
 @pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])

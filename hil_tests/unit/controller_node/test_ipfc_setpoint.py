@@ -12,7 +12,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.setpoint import SetPoints
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load, names
 from railhil.scenarios.model import TargetCurve
 from railhil.scenarios.target import Target
 
@@ -38,6 +38,20 @@ def test_speed_becomes_virtually_negative_after_the_stop() -> None:
     points = kmh("iq", "time", 390, 0)
     # 195 s: the stop; then the last deceleration, 0.35 m/s2, goes on.
     np.testing.assert_allclose(points, -0.35 * 3.6 * 0.5 * np.arange(11), atol=1e-5)
+
+
+def test_set_point_at_the_stop_is_exactly_zero_in_float64() -> None:
+    """A law may ask whether it is below zero: fuzzy PID takes its traction away then."""
+    set_point, preview = SetPoints(make("float64"), SCENARIO, "time", 4).at(390, 0)
+    assert (set_point, preview[0] < 0.0) == (0.0, True)
+
+
+@pytest.mark.parametrize("name", names())
+def test_sign_of_every_set_point_is_the_same_in_float64_and_fixed_point(name: str) -> None:
+    scenario = load(name)
+    wide, fixed = (SetPoints(make(arithmetic), scenario, "time", 1) for arithmetic in ("float64", "iq"))
+    for k in range(int(scenario.plan.running_time_s / 0.5) + 20):
+        assert np.sign(wide.at(k, 0)[0]) == np.sign(fixed.at(k, 0)[0])
 
 
 def test_beyond_the_table_its_last_entries_hold() -> None:

@@ -58,6 +58,9 @@ MISTAKES: dict[str, tuple[str, str, Any]] = {
     "truncated for rounded sqrt": ("sqrt", "sqrt", lambda self, a, q: C28_SQRT(self, a, q + 2) >> 1),
     "logical shift": ("shr", "shr", lambda self, a, count: (a & 0xFFFFFFFF) >> count),
     "two's complement in toF": ("to_f", "toF", Portable.to_f),
+    "turns of -1/2 to 1/2": ("atan2_pu", "atan2PU", Portable.atan2_pu),
+    "sides swapped in atan2": ("atan2", "atan2", lambda self, y, x, q: C28().atan2(x, y, q)),
+    "sine for cosine in acos": ("acos", "acos", C28.asin),
     "zero for the logarithm of nothing": ("log", "log", lambda self, a, q: C28().log(a, q) if a > 0 else 0),
 }
 
@@ -70,10 +73,17 @@ def test_a_mistake_is_reported(mistake: str) -> None:
     assert check("c28", function, ROWS[function], mutant()).wrong >= 2
 
 
-@pytest.mark.parametrize("function", ["div", "sqrt", "isqrt", "mag", "exp", "log", "sin", "cos", "sinPU", "cosPU"])
+@pytest.mark.parametrize(
+    "function",
+    ["div", "sqrt", "isqrt", "mag", "exp", "log", "sin", "cos", "sinPU", "cosPU", "asin", "acos", "atan2", "atan2PU"],
+)
 def test_the_portable_profile_is_told_from_exact_results(function: str) -> None:
     method = FUNCTIONS[function].method
-    mutant = type("Mutant", (Portable,), {method: getattr(C28, method), "_size": C28._size})
+    mutant = type(
+        "Mutant",
+        (Portable,),
+        {method: getattr(C28, method), "_size": C28._size, "_limited_to_one": C28._limited_to_one},
+    )
     assert check("portable", function, ROWS[function], mutant()).wrong >= 5
 
 

@@ -166,7 +166,9 @@ def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     same = (short, "--runs", "3", "--parameters", tuned, "--both", "--out", "mine")
     done = campaign(*same, "--allow-training-seeds")
     assert done.exit_code == 0
-    assert done.out.count("NOT AN EVALUATION") == 3
+    # Above each of the tables: scores, limits, stops, paired.
+    assert done.out.count("NOT AN EVALUATION") == 4
+    assert "Runs that stopped within" in done.out
     rows = pq.read_table("mine/results.parquet").to_pylist()
     labels = [row["law"] for row in rows]
     assert labels[:3] == ["ipfc"] * 3

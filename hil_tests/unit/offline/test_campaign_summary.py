@@ -84,6 +84,9 @@ def test_summary(plan, results):
     assert (own["overspeeds"], other["overspeeds"]) == (0, 20)
     assert (own["wraps"], own["runs_with_wraps"], other["wraps"]) == (20, 20, 0)
     assert other["inside"]["stop_limit"]["runs"] == 19
+    counts = [[found["runs"] for found in law["stopped_within_m"].values()] for law in (own, other)]
+    assert (list(own["stopped_within_m"]), counts) == (["0.1", "0.2", "0.3"], [[11, 20, 20], [15, 19, 19]])
+    assert own["stopped_within_m"]["0.1"]["share"] == 0.55
     assert found["baseline"] == "ipfc"
     (against,) = found["against_baseline"].values()
     assert against["punctuality_s"]["better"]["runs"] == 19

@@ -24,7 +24,7 @@ from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.panels import Drawn
 from railhil.supervisor.report.recorded import RecordedRun, curves, recorded_run, told_apart
-from railhil.supervisor.report.score_table import rows
+from railhil.supervisor.report.score_table import rows, stopped_within
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.score import score
 from railhil.supervisor.trace import Trace
@@ -214,6 +214,17 @@ def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, ot
     own = replace(run, certificate={**run.certificate, "controller": "mine"})
     assert {cell.published for cell in rows(lvshun, [own])[0].cells} == {""}
     assert len(rows(lvshun, [own])) == 6
+
+
+def test_the_page_says_how_many_runs_stopped_within_strict_figures(
+    lvshun: Scenario, run: RecordedRun, other: RecordedRun
+) -> None:
+    """Whatever the scenario allows; a run that never stopped is within none."""
+    near, far = (replace(run, score=replace(run.score, stop_error_m=error)) for error in (0.1, 0.25))
+    never = replace(other, score=replace(other.score, stop_error_m=None))
+    text = words(page([near, far, never]))
+    assert "Runs that stopped within 0.1 m: 1 of 3, 0.2 m: 1 of 3, 0.3 m: 2 of 3." in text
+    assert stopped_within([]) == {0.1: 0, 0.2: 0, 0.3: 0}
 
 
 def test_runs_of_one_law_are_told_apart(run: RecordedRun, other: RecordedRun) -> None:

@@ -15,7 +15,7 @@ from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
-from railhil.supervisor.report.score_table import COLUMNS, rows
+from railhil.supervisor.report.score_table import COLUMNS, rows, stops_sentence
 
 
 def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
@@ -44,6 +44,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         notes=notes,
         columns=COLUMNS,
         rows=rows(scenario, runs),
+        stops=stops_sentence([run.score for run in runs]),
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,

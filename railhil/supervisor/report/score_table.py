@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from railhil.scenarios.model import PublishedScore, Scenario
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import Score
+from railhil.supervisor.score import STOP_WITHIN_M, Score
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +62,18 @@ def value_of(found: Score | PublishedScore, column: Column) -> float | None:
 def shown(value: float | None, digits: int) -> str:
     """A value with its digits; ``-`` for none."""
     return "-" if value is None else f"{value:.{digits}f}"
+
+
+def stopped_within(found: Sequence[Score]) -> dict[float, int]:
+    """How many of the runs stopped within each of ``STOP_WITHIN_M``; one that never stopped is within none."""
+    errors_m = [score.stop_error_m for score in found if score.stop_error_m is not None]
+    return {limit: sum(error <= limit for error in errors_m) for limit in STOP_WITHIN_M}
+
+
+def stops_sentence(found: Sequence[Score]) -> str:
+    """:func:`stopped_within` in words."""
+    parts = (f"{limit:g} m: {count} of {len(found)}" for limit, count in stopped_within(found).items())
+    return f"stopped within {', '.join(parts)}"
 
 
 def _cell(run: RecordedRun, column: Column, best: str) -> Cell:
