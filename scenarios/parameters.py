@@ -25,7 +25,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, near_file
 from railhil.scenarios.validation import validated
 
 #: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
@@ -117,7 +117,8 @@ def load_parameters(path: Path) -> ParameterSet:
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(path, "", Words(error.strerror or str(error)), "a parameter file (TOML)") from error
+        found = Words(error.strerror or str(error))
+        raise InputError(path, "", found, "a parameter file (TOML)", near_file(path)) from error
     except ValueError as error:
         # No text, no TOML, or a whole number of thousands of digits.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error

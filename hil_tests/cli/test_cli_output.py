@@ -25,7 +25,7 @@ from railhil.cli.commands import parser
 from railhil.cli.output import Output
 from railhil.cli.show import print_scores, print_verdict
 from railhil.dbc import wire_contract
-from railhil.scenarios.load import load, names
+from railhil.scenarios.load import load, short_names
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log
 from railhil.supervisor.options import RunOptions
@@ -198,7 +198,7 @@ def test_names_are_never_cut(monkeypatch, columns):
     table = [line for line in ports.splitlines() if not line.startswith(("DBC", "load"))]
     assert max(len(line) for line in table + scenarios.splitlines()) <= columns
     if columns >= 80:
-        assert all(name in scenarios for name in names())
+        assert all(name in scenarios for name in short_names().values())
 
 
 def test_no_colour_where_none_is_wanted(monkeypatch):

@@ -22,6 +22,8 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.controller_node.setpoint import INDEXINGS
 from railhil.scenarios.load import load
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import add_set_argument
 
 _RUNS_MAX = 100_000
 _EXIT_CODES = """\
@@ -40,6 +42,7 @@ def arguments() -> argparse.ArgumentParser:
         epilog=_EXIT_CODES,
     )
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    add_set_argument(parser)
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
@@ -73,7 +76,9 @@ def main() -> int:
     """Audit and print; exit code 1 when a bar is missed."""
     accept_any_text()
     namespace = parse(arguments())
-    scenario = load(namespace.scenario)
+    scenario = load(namespace.scenario, namespace.set)
+    if namespace.runs:
+        require_perturbations(scenario, "--runs")
     file = None if namespace.json is None else Path(namespace.json)
     if file is not None:
         # Before the work, not after it.

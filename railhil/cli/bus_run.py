@@ -18,10 +18,13 @@ from railhil.bus.ident import ARITHMETICS
 from railhil.bus.select import BusChoice, choose_bus
 from railhil.cli.output import Output
 from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
+from railhil.scenarios.load import load, stable_name
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import add_set_argument
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
@@ -46,6 +49,7 @@ class NeverBegan(Exception):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""
     add_run_arguments(parser)
+    add_set_argument(parser)
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     add_task_argument(parser)
@@ -70,17 +74,16 @@ def check_law(name: str, key: str) -> None:
     """
     known = law_names()
     if name not in known:
-        nearest = nearest_key(name, known)
-        raise InputError("command line", key, name, ", ".join(known), f"did you mean {nearest}?" if nearest else None)
+        raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
 
 
 def run_options(
     namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None, attach: bool = False
 ) -> RunOptions:
     """What the command line says about the run of one law."""
-    scenario = namespace.scenario
     return RunOptions(
-        scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
+        scenario=stable_name(namespace.scenario),
+        settings=tuple(namespace.set),
         controller=controller,
         arithmetic=namespace.arithmetic,
         indexing=namespace.indexing,
@@ -94,6 +97,17 @@ def run_options(
         attach=attach,
         appear_s=namespace.appear_timeout,
     )
+
+
+def run_scenario(options: RunOptions) -> Scenario:
+    """The scenario of a run.
+
+    :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
+    """
+    scenario = load(options.scenario, options.settings)
+    if options.perturbed:
+        require_perturbations(scenario, "--perturbed")
+    return scenario
 
 
 def require_interface(choice: BusChoice) -> None:

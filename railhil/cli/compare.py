@@ -15,12 +15,12 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_options,
+    run_scenario,
 )
 from railhil.cli.controller_check import check_controllers
 from railhil.cli.output import Output
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.supervisor.comparison_file import write_comparison
@@ -123,7 +123,7 @@ def work(namespace: argparse.Namespace) -> int:
     What was recorded stays when the comparison is stopped or a run fails.
     """
     wanted = _planned(namespace)
-    scenario = load(wanted[0].scenario)
+    scenario = run_scenario(wanted[0])
     plan, notes = _checked(namespace, scenario, wanted)
     console = Output()
     for sentence in notes:

@@ -59,7 +59,7 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     scenario = document.get("scenario")
     if scenario is None:
         raise InputError(path, "scenario", Words("no such key"), _BESIDE)
-    return load(str(scenario))
+    return load(str(scenario), document.get("settings", ()))
 
 
 def checked_record(text: str, name: str | None) -> Record:

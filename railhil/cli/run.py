@@ -15,12 +15,12 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_options,
+    run_scenario,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.cli.output import Output, print_json
 from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.options import RunOptions
@@ -56,7 +56,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     options = _options(namespace)
-    scenario = load(options.scenario)
+    scenario = run_scenario(options)
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc)
     console = Output(stderr=namespace.json)

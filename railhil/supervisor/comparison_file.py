@@ -69,6 +69,7 @@ def write_comparison(
     common = ("arithmetic", "indexing", "pace", "seed", "perturbed", "task_period_ms")
     document = {
         "scenario": options.scenario,
+        "settings": list(options.settings),
         "scenario_sha256": scenario.sha256,
         **{key: getattr(options, key) for key in common},
         "notes": list(notes),

@@ -42,6 +42,7 @@ class _OwnParameters(_Part):
 
 class _Certificate(_Part):
     scenario: str | None = None
+    settings: list[str] = []
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None

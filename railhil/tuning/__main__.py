@@ -18,7 +18,9 @@ from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.perturb import require_perturbations
 from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
 from railhil.tuning.shipped import shipped
 
@@ -47,6 +49,12 @@ def _seeds(namespace: argparse.Namespace) -> range:
     return range(namespace.first_seed, namespace.first_seed + namespace.runs)
 
 
+def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
+    scenario = load(namespace.scenario or otherwise or DEFAULT_SCENARIO, namespace.set)
+    require_perturbations(scenario, "tune")
+    return scenario
+
+
 def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int:
     from railhil.batch import Case
     from railhil.tuning.evaluation import evaluate, show
@@ -54,7 +62,7 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int
     given = load_parameters(file)
     if namespace.law not in (None, given.law):
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
-    scenario = load(namespace.scenario or given.training_scenario or DEFAULT_SCENARIO)
+    scenario = _scenario(namespace, given.training_scenario)
     case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
     show(console, evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds))
     return PASS
@@ -64,7 +72,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     from railhil.tuning.document import document
     from railhil.tuning.search import Box, Protocol, search
 
-    scenario = load(namespace.scenario or DEFAULT_SCENARIO)
+    scenario = _scenario(namespace)
     protocol = Protocol(
         scenario,
         namespace.law,

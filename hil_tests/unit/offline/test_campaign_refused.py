@@ -89,7 +89,10 @@ def test_a_damaged_manifest_names_file_and_key(campaign, short, key, value, word
         (b"\xff\xfe", "campaign.json: found no JSON"),
         (b'{"format": 1, "campaign": [], "request": {}}', "campaign.json: campaign: found [], allowed a table"),
         (b'{"format": 1, "campaign": {}}', "campaign.json: request: found nothing, allowed a value"),
-        (b'{"format": 1, "campaign": {}, "request": {}}', "campaign.json: request.scenario: found nothing, allowed a"),
+        (
+            b'{"format": 1, "campaign": {}, "request": {}}',
+            "campaign.json: request.scenario, request.runs, request.first_seed, ",
+        ),
     ],
 )
 def test_what_is_no_manifest_is_refused(campaign, short, content, words):
