@@ -18,18 +18,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from railhil.common.errors import InputError, Words
 from railhil.plant_sim import dynamics, forces, sensors, watch
 from railhil.scenarios import target
 from railhil.supervisor import measures
+from railhil.supervisor.extras import missing
 
 try:
     import numba
 except ImportError as error:
-    missing = isinstance(error, ModuleNotFoundError) and error.name == "numba"
-    why = Words("not installed" if missing else f"an installation that cannot be used ({error})")
-    raise InputError("batch", "numba", why, "pip install 'railhil[campaign]'") from None
-
+    raise missing("batch", error, "campaign") from None
 
 #: What a damaged file of the cache raises when it is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)

@@ -27,6 +27,7 @@ from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.settings import add_set_argument
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
+from railhil.supervisor.extras import install_command
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.law_order import in_order
 from railhil.supervisor.options import RunOptions
@@ -171,7 +172,7 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
-        return f"no report: {error.name} is not installed (pip install 'railhil[report]')"
+        return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT
     try:
         write_report(runs, path, notes)

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from railhil.cli.output import Output
 from railhil.cli.record import checked_record
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.extras import missing
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.score import score
 
@@ -30,8 +31,7 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
-        found = Words(f"{error.name} is not installed")
-        raise InputError("railhil report", "libraries", found, "pip install 'railhil[report]'") from None
+        raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
     folders: list[Path] = []
     notes: list[str] = []

@@ -14,7 +14,7 @@ from railhil.supervisor.score import score
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("score", help="score a recorded log")
-    parser.add_argument("log", help="frames.log, or the run folder that holds it")
+    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument("--json", action="store_true", help="machine-readable output")
     parser.set_defaults(work=work)
