@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -23,6 +26,10 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.perturb import require_perturbations
 from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
 from railhil.tuning.shipped import shipped
+
+if TYPE_CHECKING:
+    from railhil.tuning.evaluation import Evaluation
+    from railhil.tuning.search import Found, Protocol
 
 # What runs the bench is imported where it is used: the help and the list do without its extra libraries.
 
@@ -55,7 +62,7 @@ def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
     return scenario
 
 
-def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int:
+def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Evaluation:
     from railhil.batch import Case
     from railhil.tuning.evaluation import evaluate, show
 
@@ -64,8 +71,9 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
     scenario = _scenario(namespace, given.training_scenario)
     case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
-    show(console, evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds))
-    return PASS
+    found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
+    show(console, found)
+    return found
 
 
 def _tune(namespace: argparse.Namespace, console: Output) -> int:
@@ -101,12 +109,12 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
             protocol,
             lambda evaluations, best: bar.update(task, completed=evaluations, description=f"objective {best:.4f}"),
         )
-    with _complaining(file), whole_file(file) as draft:
-        draft.write_text(document(protocol, found), encoding="utf-8")
+    _write(file, document(protocol, found))
+    own = found.objective_default
     console.say(
         f"{protocol.law} on {scenario.name}: objective {found.objective:.4f} on the training runs, "
-        f"{found.objective_default:.4f} with the law's own parameters; {found.evaluations} candidates, "
-        f"{found.infeasible} of them no law"
+        f"{'no law' if math.isinf(own) else f'{own:.4f}'} with the law's own parameters; {found.evaluations} "
+        f"candidates, {found.infeasible} of them no law"
     )
     if edges := Box.of(protocol.law).at_bounds(found.values):
         console.say(f"at a bound, where a wider one might give more: {', '.join(edges)}")
@@ -114,7 +122,35 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     if not found.complete:
         console.say("stopped before the budget was used up", style="bold yellow")
         return _INTERRUPTED
-    return _evaluate(namespace, file, console) if namespace.runs else PASS
+    if namespace.runs and not math.isinf(own):
+        _keep_the_better(_evaluate(namespace, file, console), protocol, found, file, console)
+    return PASS
+
+
+def _write(file: Path, text: str) -> None:
+    with _complaining(file), whole_file(file) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> None:
+    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own."""
+    from railhil.tuning.document import document
+    from railhil.tuning.evaluation import worse
+    from railhil.tuning.search import Box
+
+    runs = f"on the {len(judged.tuned.seed)} runs of the evaluation"
+    said = worse(judged, found.scale)
+    if not said:
+        console.say(f"the tuned parameters are the better set {runs}: kept in {file}", style="bold")
+        return
+    box = Box.of(protocol.law)
+    own = dict(zip(box.names, box.default, strict=True))
+    kept = replace(found, values=own, objective=found.objective_default, laid_aside=", ".join(said))
+    _write(file, document(protocol, kept))
+    console.say(
+        f"WORSE than the law's own parameters {runs} ({', '.join(said)}): {file} holds the law's own",
+        style="bold yellow",
+    )
 
 
 def main() -> int:
@@ -127,7 +163,8 @@ def main() -> int:
         if namespace.list:
             return _list(console)
         if namespace.evaluate is not None:
-            return _evaluate(namespace, Path(namespace.evaluate), console)
+            _evaluate(namespace, Path(namespace.evaluate), console)
+            return PASS
         return _tune(namespace, console)
     finally:
         flush_output()

@@ -13,6 +13,7 @@ from railhil.cli.output import Output, table
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.tuning.objective import Scale, objective
 
 #: Score -> its title, unit and digits.
 _SCORES = {
@@ -72,6 +73,25 @@ def quantiles(result: BatchResult, score: str) -> list[float]:
     values = np.asarray(getattr(result, score), dtype=np.float64)
     ordered = np.sort(np.where(np.isnan(values), np.inf, values))
     return [quantile(ordered, share) for _, share in _QUANTILES]
+
+
+def worse(found: Evaluation, scale: Scale) -> list[str]:
+    """In what the tuned parameters end worse than the law's own; empty when they are not to be laid aside.
+
+    They are when the objective of the search is larger on these runs, when fewer runs pass, or when the median of an
+    error that has a limit has grown and lies beyond it.
+    """
+    before, after = (objective(scale, result.scores) for result in (found.default, found.tuned))
+    said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
+    passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
+    said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
+    plan = found.case.scenario.plan
+    for name, limit in (("stop_error_m", plan.stop_error_max_m), ("punctuality_s", plan.time_error_max_s)):
+        own, tuned = (quantiles(result, name)[0] for result in (found.default, found.tuned))
+        if tuned > max(own, limit):
+            title, unit, digits = _SCORES[name]
+            said.append(f"median {title} {own:.{digits}f} -> {tuned:.{digits}f} {unit}")
+    return said
 
 
 def _title(found: Evaluation) -> str:
