@@ -58,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
     )
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
+    parser.add_argument("--verbose", action="store_true", help="print all that the scenario assumes")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     add_bus_arguments(parser)
 

@@ -19,6 +19,7 @@ from railhil.cli.bus_run import (
 )
 from railhil.cli.controller_check import check_controllers
 from railhil.cli.output import Output
+from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.model import Scenario
@@ -159,13 +160,14 @@ def work(namespace: argparse.Namespace) -> int:
     found = [run for _, run in runs]
     write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
-    for sentence in scenario.assumptions:
-        console.say(f"assumed: {sentence}", style="dim")
+    report = "" if namespace.no_report else report_line(found, folder, notes)
+    for line in assumed(scenario, folder, namespace.verbose):
+        console.say(line, style="dim")
     for run in found:
         console.say(f"{run.label}: {parameters_sentence(run)}", style="dim")
     console.say(f"comparison {folder}")
-    if not namespace.no_report:
-        console.say(report_line(found, folder, notes))
+    if report:
+        console.say(report)
     for run in found:
         if run.caution:
             console.say(run.caution, style="bold yellow")

@@ -72,5 +72,5 @@ def work(namespace: argparse.Namespace) -> int:
             console.say(report)
         print_json(score_json(scenario, result, options))
     else:
-        print_result(console, found, result, folder, report)
+        print_result(console, found, result, folder, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.table import Table
 
 from railhil.cli.output import Output, table
+from railhil.cli.remarks import assumed, next_step
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
@@ -47,16 +48,19 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def print_result(console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str) -> None:
-    """Table, run facts, verdict.
+def print_result(
+    console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str, verbose: bool
+) -> None:
+    """Table, run facts, verdict, and after a FAIL what to try.
 
+    :param verbose: print all that the scenario assumes.
     :param report: the line on ``report.html``, empty when none was asked for.
     """
     scenario = run.scenario
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
-    for sentence in scenario.assumptions:
-        console.say(f"assumed: {sentence}", style="dim")
+    for line in assumed(scenario, folder, verbose):
+        console.say(line, style="dim")
     console.say(
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
         f"real time, {result.frames} frames on {result.transport}, first frame after {result.first_frame_s:.2f} s"
@@ -77,3 +81,5 @@ def print_result(console: Output, run: RecordedRun, result: RunResult, folder: P
     if run.caution:
         console.say(run.caution, style="bold yellow")
     print_verdict(console, run.verdict, result.line)
+    if advice := next_step(run, folder):
+        console.say(advice)
