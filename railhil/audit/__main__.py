@@ -12,6 +12,7 @@ from pathlib import Path
 from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
+from railhil.batch import say_compiling
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.cli.output import Output, accept_any_text
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
@@ -79,6 +80,7 @@ def main() -> int:
     scenario = load(namespace.scenario, namespace.set)
     if namespace.runs:
         require_perturbations(scenario, "--runs")
+        say_compiling(Output(stderr=True).say)
     file = None if namespace.json is None else Path(namespace.json)
     if file is not None:
         # Before the work, not after it.

@@ -63,7 +63,7 @@ def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
 
 
 def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Evaluation:
-    from railhil.batch import Case
+    from railhil.batch import Case, say_compiling
     from railhil.tuning.evaluation import evaluate, show
 
     given = load_parameters(file)
@@ -71,12 +71,14 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Eva
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
     scenario = _scenario(namespace, given.training_scenario)
     case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
+    say_compiling(Output(stderr=True).say)
     found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
     show(console, found)
     return found
 
 
 def _tune(namespace: argparse.Namespace, console: Output) -> int:
+    from railhil.batch import say_compiling
     from railhil.tuning.document import document
     from railhil.tuning.search import Box, Protocol, search
 
@@ -101,6 +103,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     # Before the work, not after it.
     with _complaining(file):
         check_writable(file)
+    say_compiling(Output(stderr=True).say)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     shown = Console(stderr=True)
     with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:

@@ -126,7 +126,7 @@ def test_tune_as_a_user_runs_it(
 ) -> None:
     done = railhil("tune", "fuzzy_pid", quick, "--budget", "10", "--seeds", "3,5", "--runs", "4", cwd=tmp_path)
     assert done.exit_code == 0, done.err
-    assert done.err == ""
+    assert done.said == []
     assert [path.name for path in tmp_path.iterdir()] == ["fuzzy_pid_benchmark_quick.toml"]
     file = tmp_path / "fuzzy_pid_benchmark_quick.toml"
     given = load_parameters(file)
