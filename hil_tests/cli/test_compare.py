@@ -291,3 +291,11 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
     done = railhil("report", tmp_path / "run")
     assert done.exit_code == 2
     assert f"module jinja2: found not installed, allowed {install_command('report')} (" in done.one_line()
+
+
+@pytest.mark.loop
+def test_json_of_a_comparison_is_its_file(place: Path) -> None:
+    folder = place / "as_json"
+    done = railhil("compare", place / "short.toml", "--laws", "ipfc", "--no-report", "--json", "--out", folder)
+    assert done.exit_code in (0, 1), done.err
+    assert done.json == json.loads((folder / "compare.json").read_text(encoding="utf-8"))

@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
 from railhil.batch.perturbed_runs import FIRST_SEED
-from railhil.cli.output import Output, accept_any_text
+from railhil.cli.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
-from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.whole_file import check_writable, whole_file
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.controller_node.setpoint import INDEXINGS
@@ -59,18 +53,8 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
     )
-    parser.add_argument("--json", metavar="FILE", help="write the whole result there")
+    add_json_argument(parser)
     return parser
-
-
-@contextmanager
-def _complaining(path: Path) -> Iterator[None]:
-    """A file that cannot be written is bad input."""
-    try:
-        yield
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
 
 
 def main() -> int:
@@ -81,11 +65,6 @@ def main() -> int:
     if namespace.runs:
         require_perturbations(scenario, "--runs")
         say_compiling(Output(stderr=True).say)
-    file = None if namespace.json is None else Path(namespace.json)
-    if file is not None:
-        # Before the work, not after it.
-        with _complaining(file):
-            check_writable(file)
     options = Options(
         namespace.controller,
         namespace.arithmetic,
@@ -94,11 +73,10 @@ def main() -> int:
         namespace.runs,
     )
     result = audit(scenario, options)
-    show(Output(), result)
-    if file is not None:
-        text = json.dumps(document(result), indent=2, allow_nan=False) + "\n"
-        with _complaining(file), whole_file(file) as draft:
-            draft.write_text(text, encoding="utf-8")
+    if namespace.json:
+        print_json(document(result))
+    else:
+        show(Output(), result)
     return PASS if result.met else FAIL
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
+from railhil.cli.output import add_json_argument
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -80,7 +81,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); goes on there")
     parser.add_argument("--resume", metavar="DIR", help="go on with the campaign of this folder")
-    parser.add_argument("--json", metavar="FILE", help="write summary.json there too")
+    add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
     parser.add_argument(
         "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which runs (default 0)"
@@ -93,7 +94,8 @@ def check_combination(namespace: argparse.Namespace) -> None:
     given = [name for name in _REQUEST if getattr(namespace, name) is not None]
     given += [name for name in ("set", "both", "allow_training_seeds") if getattr(namespace, name)]
     if namespace.verify is not None:
-        others = [name for name in (*given, "out", "resume", "json") if getattr(namespace, name, None) is not None]
+        others = [name for name in (*given, "out", "resume") if getattr(namespace, name, None) is not None]
+        others += ["json"] * namespace.json
         if extra := [name for name in others if name != "runs"]:
             raise InputError("command line", "--verify", _option(extra[0]), "beside it only --runs and --draw")
     if namespace.resume is not None and namespace.out is not None:

@@ -18,7 +18,7 @@ from railhil.cli.bus_run import (
     run_scenario,
 )
 from railhil.cli.controller_check import check_controllers
-from railhil.cli.output import Output
+from railhil.cli.output import Output, add_json_argument, print_json
 from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.errors import InputError, Words
@@ -51,6 +51,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--allow-training-seeds", action="store_true", help="judge parameters by runs that they were tuned on"
     )
+    add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
     parser.set_defaults(work=work)
 
@@ -126,7 +127,7 @@ def work(namespace: argparse.Namespace) -> int:
     wanted = _planned(namespace)
     scenario = run_scenario(wanted[0])
     plan, notes = _checked(namespace, scenario, wanted)
-    console = Output()
+    console = Output(stderr=namespace.json)
     for sentence in notes:
         console.say(sentence)
     folder: Path | None = None
@@ -141,7 +142,7 @@ def work(namespace: argparse.Namespace) -> int:
                     console.say(f"bus: {choice.transport} ({choice.reason})")
                 own = folder / options.label
                 own.mkdir()
-                quiet = namespace.quiet or not console.is_terminal
+                quiet = namespace.quiet or namespace.json or not console.is_terminal
                 try:
                     done, result = recorded(scenario, options, choice, own, True, console, quiet)
                 finally:
@@ -158,7 +159,7 @@ def work(namespace: argparse.Namespace) -> int:
         raise
     assert folder is not None
     found = [run for _, run in runs]
-    write_comparison(folder, scenario, plan[0], runs, notes)
+    document = write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     report = "" if namespace.no_report else report_line(found, folder, notes)
     for line in assumed(scenario, folder, namespace.verbose):
@@ -173,6 +174,8 @@ def work(namespace: argparse.Namespace) -> int:
             console.say(run.caution, style="bold yellow")
     for run in found:
         print_verdict(console, run.verdict, f"{run.label}{': ' if run.line else ''}{run.line}")
+    if namespace.json:
+        print_json(document)
     return max(codes)
 
 

@@ -18,7 +18,7 @@ from railhil.cli.bus_run import (
     run_scenario,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
-from railhil.cli.output import Output, print_json
+from railhil.cli.output import Output, add_json_argument, print_json
 from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.parameters import load_parameters
@@ -37,7 +37,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
-    parser.add_argument("--json", action="store_true", help="print score.json instead of the table")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.output import Output, print_json, table
+from railhil.cli.output import Output, add_json_argument, print_json, table
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load, names, short_names
 from railhil.scenarios.model import Scenario
@@ -19,7 +19,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("scenarios", help="list the shipped scenarios, or check one file")
     parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
     add_set_argument(parser)
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.output import Output, print_json
+from railhil.cli.output import Output, add_json_argument, print_json
 from railhil.cli.record import checked_record
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.exit_codes import FAIL, INVALID, PASS
@@ -16,7 +16,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("score", help="score a recorded log")
     parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 

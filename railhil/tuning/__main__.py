@@ -10,12 +10,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from railhil.cli.output import Output, accept_any_text, flush_output
+from railhil.cli.output import Output, accept_any_text, flush_output, print_json
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
@@ -46,7 +46,10 @@ def _complaining(path: Path) -> Iterator[None]:
         raise InputError("command line", "--out", str(path), f"a file that can be written ({why})") from None
 
 
-def _list(console: Output) -> int:
+def _list(console: Output, as_json: bool) -> int:
+    if as_json:
+        print_json([{"law": one.law, "scenario": one.training_scenario, "file": str(one.source)} for one in shipped()])
+        return PASS
     for given in shipped():
         console.say(f"{given.law}  {given.training_scenario}  {given.source}")
     return PASS
@@ -119,15 +122,35 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
         f"{'no law' if math.isinf(own) else f'{own:.4f}'} with the law's own parameters; {found.evaluations} "
         f"candidates, {found.infeasible} of them no law"
     )
-    if edges := Box.of(protocol.law).at_bounds(found.values):
+    edges = Box.of(protocol.law).at_bounds(found.values)
+    if edges:
         console.say(f"at a bound, where a wider one might give more: {', '.join(edges)}")
     console.say(f"written: {file}")
+    result: dict[str, Any] = {
+        "law": protocol.law,
+        "scenario": scenario.name,
+        "file": str(file),
+        **{key: getattr(found, key) for key in ("objective", "evaluations", "infeasible", "complete")},
+        "objective_default": None if math.isinf(own) else own,
+        "at_bounds": edges,
+        "laid_aside": None,
+        "evaluation": None,
+    }
     if not found.complete:
         console.say("stopped before the budget was used up", style="bold yellow")
-        return _INTERRUPTED
-    if namespace.runs and not math.isinf(own):
-        _keep_the_better(_evaluate(namespace, file, console), protocol, found, file, console)
-    return PASS
+    elif namespace.runs and not math.isinf(own):
+        judged = _evaluate(namespace, file, console)
+        result["evaluation"] = _evaluation_document(judged)
+        result["laid_aside"] = _keep_the_better(judged, protocol, found, file, console)
+    if namespace.json:
+        print_json(result)
+    return PASS if found.complete else _INTERRUPTED
+
+
+def _evaluation_document(judged: Evaluation) -> dict[str, Any]:
+    from railhil.tuning.evaluation import document
+
+    return document(judged)
 
 
 def _write(file: Path, text: str) -> None:
@@ -135,8 +158,11 @@ def _write(file: Path, text: str) -> None:
         draft.write_text(text, encoding="utf-8")
 
 
-def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> None:
-    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own."""
+def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> str | None:
+    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own.
+
+    :returns: why they were laid aside, None when they hold.
+    """
     from railhil.tuning.document import document
     from railhil.tuning.evaluation import worse
     from railhil.tuning.search import Box
@@ -145,7 +171,7 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
     said = worse(judged, found.scale)
     if not said:
         console.say(f"the tuned parameters are the better set {runs}: kept in {file}", style="bold")
-        return
+        return None
     box = Box.of(protocol.law)
     own = dict(zip(box.names, box.default, strict=True))
     kept = replace(found, values=own, objective=found.objective_default, laid_aside=", ".join(said))
@@ -154,6 +180,7 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
         f"WORSE than the law's own parameters {runs} ({', '.join(said)}): {file} holds the law's own",
         style="bold yellow",
     )
+    return ", ".join(said)
 
 
 def main() -> int:
@@ -161,12 +188,14 @@ def main() -> int:
     accept_any_text()
     namespace = parse(arguments())
     check_combination(namespace)
-    console = Output()
+    console = Output(stderr=namespace.json)
     try:
         if namespace.list:
-            return _list(console)
+            return _list(console, namespace.json)
         if namespace.evaluate is not None:
-            _evaluate(namespace, Path(namespace.evaluate), console)
+            judged = _evaluate(namespace, Path(namespace.evaluate), console)
+            if namespace.json:
+                print_json(_evaluation_document(judged))
             return PASS
         return _tune(namespace, console)
     finally:

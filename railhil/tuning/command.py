@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 
+from railhil.cli.output import add_json_argument
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import names as arithmetics
@@ -91,6 +92,7 @@ def arguments() -> argparse.ArgumentParser:
         action="store_true",
         help="also evaluate on training seeds; the table then says so",
     )
+    add_json_argument(parser)
     return parser
 
 

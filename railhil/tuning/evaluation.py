@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -123,6 +124,40 @@ def _shares(result: BatchResult) -> str:
     stopped = int(np.isfinite(result.stop_error_m).sum())
     over = int((result.overspeed_mps > 0).sum())
     return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
+
+
+def document(found: Evaluation) -> dict[str, Any]:
+    """The comparison as JSON; a quantile of runs that did not stop is the text ``inf``."""
+
+    def of(result: BatchResult) -> dict[str, Any]:
+        scores = {
+            name: {
+                key: value if np.isfinite(value) else "inf"
+                for (key, _), value in zip(_QUANTILES, quantiles(result, name), strict=True)
+            }
+            for name in _SCORES
+        }
+        return {
+            "scores": scores,
+            "passed": int(result.passed.sum()),
+            "stopped": int(np.isfinite(result.stop_error_m).sum()),
+            "overspeeds": int((result.overspeed_mps > 0).sum()),
+        }
+
+    case, seeds = found.case, found.tuned.seed
+    return {
+        "law": case.law,
+        "scenario": case.scenario.name,
+        "scenario_sha256": case.scenario.sha256,
+        "parameters_sha256": found.given.sha256,
+        "arithmetic": case.arithmetic,
+        "indexing": case.indexing,
+        "runs": len(seeds),
+        "first_seed": int(seeds[0]),
+        "training_seeds": list(found.seen),
+        "default": of(found.default),
+        "tuned": of(found.tuned),
+    }
 
 
 def show(console: Output, found: Evaluation) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from dataclasses import replace
@@ -146,6 +147,9 @@ def test_tune_as_a_user_runs_it(
     *before, last = done.out.splitlines()
     assert "\n".join(before).endswith(shown.rstrip("\n"))
     assert last.startswith(("the tuned parameters are the better set on the 4 runs", "WORSE than the law's own"))
+    told = json.loads(evaluated("--json"))
+    assert (told["runs"], told["first_seed"], told["training_seeds"]) == (4, 1000, [])
+    assert told["tuned"]["scores"].keys() == told["default"]["scores"].keys()
     with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
         evaluated("--first-seed", "2")
     assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")
