@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
+COMMA  := ,
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
 # Laws whose parameters `make tuned` searches.
@@ -12,6 +13,7 @@ TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
+	@echo "railhil run $(strip $(ARGS)): plant, controller and supervisor, three processes on a bus"
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
 # Everything: lint, all tests, and the capabilities (kernel SocketCAN, Docker) brought up where this machine permits.
@@ -55,16 +57,28 @@ $(TUNED_LAWS:%=tuned-%): tuned-%: $(VENV)/.installed-dev
 install: $(VENV)/.installed
 
 $(VENV)/bin/pip:
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "railhil needs Python 3.11 or newer")'
+	@echo "making the virtual environment $(VENV) with $$($(PYTHON) --version 2>&1)"
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "railhil needs Python 3.11 or newer")'
 	@$(PYTHON) -m venv $(VENV) || { [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null \
 	  && apt-get update -q && apt-get install -y -q python3-venv && $(PYTHON) -m venv $(VENV); }
 
+# One line for each step of pip: on a slow machine all of them take minutes. Its complaints go to standard error.
+# (awk and grep may keep lines back until they have many.)
+PIP_STEPS = while read -r word rest; do set -- $$rest; case "$$word $$rest" in \
+  Collecting*) echo "  fetching $$1";; \
+  "Building wheel"*started) echo "  building $$3";; \
+  "Installing collected"*) echo "  unpacking $$(($$\# - 2)) packages";; esac; done
+pip-install = { $(BIN)/pip install --disable-pip-version-check --progress-bar off $(1); echo $$? >$(VENV)/.pip-exit; } \
+  | $(PIP_STEPS); exit $$(cat $(VENV)/.pip-exit)
+
 $(VENV)/.installed: pyproject.toml | $(VENV)/bin/pip
-	$(BIN)/pip install -q --disable-pip-version-check -e '.[report]'
+	@echo "installing railhil and its libraries into $(VENV) (once):"
+	@$(call pip-install,-e '.[report]')
 	@touch $@
 
 $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
-	$(BIN)/pip install -q --disable-pip-version-check -e '.[dev,report,campaign,dask]'
+	@echo "installing railhil with the libraries of tests, reports and campaigns into $(VENV) (once):"
+	@$(call pip-install,-e '.[dev$(COMMA)report$(COMMA)campaign$(COMMA)dask]')
 	@touch $@ $(VENV)/.installed
 
 clean:

@@ -19,6 +19,7 @@ from rich.table import Table
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
+from railhil.supervisor.extras import missing
 
 #: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (
@@ -54,7 +55,7 @@ def _module(name: str) -> ModuleType:
     try:
         return import_module(f"benchmarks.{name}")
     except ModuleNotFoundError as error:
-        raise InputError("benchmarks", f"module {error.name}", "not installed", "pip install 'railhil[dev]'") from None
+        raise missing("benchmarks", error, "dev") from None
 
 
 def run(name: str, quick: bool) -> dict[str, Any]:
@@ -99,8 +100,8 @@ def _print(console: Console, result: dict[str, Any]) -> None:
         ratio = "" if figure["ratio"] is None else _shown(figure["ratio"])
         row = [figure["name"], _shown(figure["value"]), figure["unit"], ratio, figure["against"]]
         table.add_row(*row, ", ".join(f"{name} {_shown(value)}" for name, value in figure["spread"].items()))
-    for missing in result["missing"]:
-        table.add_row(missing["name"], "MISSING", "", "", missing["why"], style="bold yellow")
+    for absent in result["missing"]:
+        table.add_row(absent["name"], "MISSING", "", "", absent["why"], style="bold yellow")
     console.print(table)
     console.print()
 

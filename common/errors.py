@@ -43,8 +43,25 @@ def nearest_key(key: str, allowed: Iterable[str]) -> str | None:
     for choice in choices:
         if _without_unit(choice) == stem:
             return choice
-    close = difflib.get_close_matches(key, choices, n=1, cutoff=0.6)
-    return close[0] if close else None
+    flat = {choice.lower(): choice for choice in reversed(choices)}
+    close = difflib.get_close_matches(key.lower(), flat, n=1, cutoff=0.6)
+    return flat[close[0]] if close else None
+
+
+def did_you_mean(word: str, allowed: Iterable[str]) -> str | None:
+    """The hint of every message on a name that nothing has; None when no name is near."""
+    nearest = nearest_key(word, allowed)
+    return f"did you mean {nearest}?" if nearest else None
+
+
+def near_file(path: Path) -> str | None:
+    """The same for a file that does not exist: a file of its folder with a name and suffix like it."""
+    try:
+        names = [entry.name for entry in path.parent.iterdir() if entry.is_file() and entry.suffix == path.suffix]
+    except OSError:
+        return None
+    nearest = nearest_key(path.name, names)
+    return f"did you mean {path.parent / nearest}?" if nearest else None
 
 
 class InputError(Exception):
@@ -65,10 +82,15 @@ class InputError(Exception):
         super().__init__(file, key, found, allowed, hint)
 
     def __str__(self) -> str:
-        shown = self.found if isinstance(self.found, Words) else repr(self.found)
         tail = f" ({' '.join(self.hint.split())})" if self.hint else ""
         where = f"{_flat(self.file)}: {_flat(self.key)}: " if self.key else f"{_flat(self.file)}: "
-        return f"{where}found {_one_line(str(shown))}, allowed {' '.join(self.allowed.split())}{tail}"
+        return f"{where}{self.difference}{tail}"
+
+    @property
+    def difference(self) -> str:
+        """``found X, allowed Y``."""
+        shown = self.found if isinstance(self.found, Words) else repr(self.found)
+        return f"found {_one_line(str(shown))}, allowed {' '.join(self.allowed.split())}"
 
 
 def _flat(text: str) -> str:

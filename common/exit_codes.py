@@ -86,7 +86,10 @@ def guarded(name: str, main: Callable[[], int]) -> int:
             signal.signal(number, _end)
         hear_interrupts()
         return main()
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
+        # A second Ctrl-C must not find this line half written.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        print(f"{name}: {str(stop) or 'stopped by Ctrl-C'}", file=sys.stderr)
         return 128 + signal.SIGINT
     except BrokenPipeError:
         # The reader of our output is gone (`railhil ports | head`): nothing more to say.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 import json
 import os
@@ -47,6 +48,13 @@ class Output(Console):
 def table(tight: bool = False) -> Table:
     """An empty table with little between its columns: two blanks, one when ``tight``."""
     return Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
+
+
+def add_json_argument(parser: argparse.ArgumentParser) -> None:
+    """The same option on every command that has a result."""
+    parser.add_argument(
+        "--json", action="store_true", help="print the result as one JSON document, all else to standard error"
+    )
 
 
 def print_json(document: object) -> None:

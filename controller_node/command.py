@@ -22,6 +22,7 @@ from railhil.controller_node.node import ControllerNode, ControllerOptions, run_
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.settings import add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -36,6 +37,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
+    add_set_argument(parser)
     add_task_argument(parser)
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
@@ -45,7 +47,7 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario)
+    scenario = load(namespace.scenario, namespace.set)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.

@@ -18,12 +18,15 @@ from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.scenarios.load import load
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the plant node."""
     parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
     add_run_arguments(parser)
+    add_set_argument(parser)
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
@@ -62,7 +65,9 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
-    scenario = load(namespace.scenario)
+    scenario = load(namespace.scenario, namespace.set)
+    if namespace.perturbed:
+        require_perturbations(scenario, "--perturbed")
     choice = choose_bus(namespace)
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
     options = PlantOptions(

@@ -8,10 +8,12 @@ replaced whole.
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
 
 DATA = Path(__file__).parent / "data"
@@ -20,21 +22,44 @@ _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
 _FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench"), "target": ()}
 _CHAIN_MAX = 8
 
+#: Keys that say which scenario it is and what it builds upon, and so are never left out.
+_KEPT = ("extends", "name", "title", "schema_version")
+
 Table = dict[str, Any]
+#: A file and a key in it that is left out; without keys all of the file but what it builds upon.
+Without = tuple[Path, tuple[str, ...]]
 
 
 class Layers:
-    """The files behind one scenario, highest priority first, each with the part that it gives."""
+    """The files behind one scenario, highest priority first, each with the part that it gives.
 
-    def __init__(self, path: Path) -> None:
+    :param settings: keys from the command line (:mod:`railhil.scenarios.settings`), above all files.
+    :param without: one key that is read as if it were not there.
+    """
+
+    def __init__(self, path: Path, settings: Sequence[str] = (), without: Without | None = None) -> None:
+        self.main = path
+        self._without = without
         self._stack: list[tuple[Path, Table]] = []
+        #: Scenario files as they are written, nothing left out.
+        self._written: list[tuple[Path, Table]] = []
         self._closed: set[str] = set()
         self._target_made_anew = False
+        if settings:
+            self._add_scenario(SET, self._left(SET, layer(settings)))
         self._read_scenario(path)
 
-    @property
-    def main(self) -> Path:
-        return self._stack[0][0]
+    def leaves(self) -> Iterator[tuple[Path, tuple[str, ...]]]:
+        """Every key of the scenario files and of the command line with the file that gives it, as it stands there."""
+        for path, table in self._written:
+            yield from ((path, keys) for keys in _leaves(table) if keys[0] not in _KEPT)
+
+    def value(self, path: Path, keys: tuple[str, ...]) -> object:
+        """What a file gives for a key; in words for a table."""
+        found: Any = dict(self._written)[path]
+        for key in keys:
+            found = found[key]
+        return Words(f"keys {', '.join(found)}") if isinstance(found, dict) else found
 
     def merged(self) -> Table:
         """The scenario as one table, references resolved (``extends`` and ``file`` are gone)."""
@@ -48,10 +73,10 @@ class Layers:
 
         Arrays are replaced whole, so for a key inside an array it is the highest file that has the array.
         """
-        depths = [_depth(table, keys) for _, table in self._stack]
+        outside = next((count for count, key in enumerate(keys) if isinstance(key, int)), len(keys))
+        depths = [_depth(table, keys[:outside]) for _, table in self._stack]
         deepest = max(depths)
-        inside_array = any(isinstance(key, int) for key in keys[: deepest + 1])
-        if deepest == len(keys) or inside_array:
+        if deepest == outside:
             return self._stack[depths.index(deepest)][0]
         if deepest == 0:
             return self.main
@@ -59,13 +84,27 @@ class Layers:
 
     def _read_scenario(self, path: Path) -> None:
         for _ in range(_CHAIN_MAX):
-            table = read_toml(path)
+            table = self._left(path, read_toml(path))
             base = table.pop("extends", None)
             self._add_scenario(path, table)
             if base is None:
                 return
             path = self._reference(path, "extends", base, DATA / "runs")
         raise InputError(path, "extends", Words("a longer chain"), f"at most {_CHAIN_MAX} files in a chain")
+
+    def _left(self, path: Path, table: Table) -> Table:
+        """What a scenario file gives without the key that is left out."""
+        self._written.append((path, copy.deepcopy(table)))
+        if self._without is None or self._without[0] != path:
+            return table
+        *above, last = self._without[1] or (None,)
+        if last is None:
+            return {key: value for key, value in table.items() if key in _KEPT}
+        inner = table
+        for key in above:
+            inner = inner[str(key)]
+        inner.pop(last, None)
+        return table
 
     def _add_scenario(self, path: Path, table: Table) -> None:
         for section in self._closed:
@@ -103,15 +142,33 @@ class Layers:
             if not there.is_file():
                 raise InputError(path, key, value, "a file that exists, relative to this one")
             return there
-        there = shipped / f"{value}.toml"
-        if not there.is_file():
-            raise InputError(path, key, value, f"a .toml path or one of {', '.join(shipped_names(shipped))}")
-        return there
+        name = shipped_name(value, shipped)
+        if name is None:
+            known = shipped_names(shipped)
+            raise InputError(path, key, value, f"a .toml path or one of {', '.join(known)}", did_you_mean(value, known))
+        return shipped / f"{name}.toml"
 
 
 def shipped_names(folder: Path) -> list[str]:
     """Names of the shipped files in a folder, sorted."""
     return sorted(entry.stem for entry in folder.glob("*.toml"))
+
+
+def shipped_name(text: str, folder: Path) -> str | None:
+    """Whole name of the shipped file that a name or the beginning of one means; None when that is not exactly one."""
+    names = shipped_names(folder)
+    begun = [name for name in names if text and name.startswith(text)]
+    return text if text in names else begun[0] if len(begun) == 1 else None
+
+
+def short_name(name: str, names: Sequence[str]) -> str:
+    """The fewest words of a name that mean it alone: ``yizhuang_05`` of ``yizhuang_05_yizhuang_qiao_...``."""
+    words = name.split("_")
+    for count in range(1, len(words)):
+        begin = "_".join(words[:count])
+        if sum(other.startswith(begin) for other in names) == 1:
+            return begin
+    return name
 
 
 def read_toml(path: Path) -> Table:
@@ -145,6 +202,14 @@ def _lay_over(below: Table, above: Table) -> None:
             _lay_over(below[key], value)
         else:
             below[key] = copy.deepcopy(value)
+
+
+def _leaves(table: Table, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for key, value in table.items():
+        if isinstance(value, dict) and value:
+            yield from _leaves(value, (*above, key))
+        else:
+            yield (*above, key)
 
 
 def _depth(table: Any, keys: tuple[str | int, ...]) -> int:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean, near_file
 from railhil.scenarios import check, convert, model
+from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.generate import fastest_time_s, generate
-from railhil.scenarios.layers import DATA, Layers, shipped_names
+from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.schema import TRAIN_TAGS, ScenarioFile
 from railhil.scenarios.validation import Keys, dotted, validated
 
@@ -23,12 +25,33 @@ def names() -> list[str]:
     return shipped_names(RUNS)
 
 
-def load(name_or_path: str | Path) -> model.Scenario:
-    """The scenario of a shipped name, or of a path that ends in ``.toml``.
+def short_names() -> dict[str, str]:
+    """Short name of each shipped scenario, by its whole name."""
+    known = names()
+    return {name: short_name(name, known) for name in known}
+
+
+def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenario:
+    """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``.
+
+    :param settings: keys that are set beside it, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
 
     Raises :class:`~railhil.common.errors.InputError` (one line) for anything in the files that is not allowed.
     """
-    return _build(read_parts(find(name_or_path)))
+    path = find(name_or_path)
+    layers = Layers(path, settings)
+
+    def loads(without: Without) -> bool:
+        try:
+            _build(_parts(Layers(path, settings, without)))
+        except InputError:
+            return False
+        return True
+
+    try:
+        return _build(_parts(layers))
+    except InputError as error:
+        raise blamed(layers, error, loads) from error.__cause__
 
 
 def find(name_or_path: str | Path) -> Path:
@@ -37,14 +60,28 @@ def find(name_or_path: str | Path) -> Path:
     if text.endswith(".toml"):
         path = Path(text)
         if not path.is_file():
-            raise InputError(path, "", Words("no such file"), "an existing .toml file")
+            raise InputError(path, "", Words("no such file"), "an existing .toml file", near_file(path))
         return path
-    shipped = names()
-    if text not in shipped:
-        nearest = nearest_key(text, shipped)
-        hint = f"did you mean {nearest}?" if nearest else None
-        raise InputError("scenario", "name", text, f"a path ending in .toml, or one of {', '.join(shipped)}", hint)
-    return RUNS / f"{text}.toml"
+    name = shipped_name(text, RUNS)
+    if name is None:
+        known = names()
+        own = Path(f"{text}.toml")
+        several = [other for other in known if text and other.startswith(text)]
+        hint = None if several else did_you_mean(text, {*known, *short_names().values()})
+        if own.is_file():
+            hint = f"did you mean {own}?"
+        allowed = f"a path ending in .toml, or one of {', '.join(several or known)}"
+        raise InputError("scenario", "name", text, allowed, hint)
+    return RUNS / f"{name}.toml"
+
+
+def stable_name(name_or_path: str) -> str:
+    """A scenario as it is written down: whole name or absolute path, the same from any folder.
+
+    Raises :class:`InputError` when there is none.
+    """
+    path = find(name_or_path)
+    return str(path.resolve()) if name_or_path.endswith(".toml") else path.stem
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +96,11 @@ class Parts:
 
 def read_parts(path: Path) -> Parts:
     """Files, train and line of a scenario. Raises :class:`InputError`."""
-    layers = Layers(path)
+    return _parts(Layers(path))
+
+
+def _parts(layers: Layers) -> Parts:
+    path = layers.main
 
     def refuse(keys: Keys, found: object, allowed: str) -> InputError:
         return InputError(layers.origin(*keys), dotted(keys), found, allowed)

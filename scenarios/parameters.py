@@ -24,7 +24,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError, Words, near_file
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
@@ -117,7 +117,8 @@ def load_parameters(path: Path) -> ParameterSet:
     try:
         content = parsed_toml(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(path, "", Words(error.strerror or str(error)), "a parameter file (TOML)") from error
+        found = Words(error.strerror or str(error))
+        raise InputError(path, "", found, "a parameter file (TOML)", near_file(path)) from error
     except ValueError as error:
         # No text, or no TOML that can be worked with.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.common.errors import InputError, Words
 from railhil.scenarios import streams
 from railhil.scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
 
@@ -25,6 +26,17 @@ class _Draws:
     def between(self, bounds: Uniform | None, nominal: float) -> Any:
         unit = next(self._units)
         return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
+
+
+def require_perturbations(scenario: Scenario, key: str) -> None:
+    """Refuse perturbed runs of a scenario that leaves nothing to draw: they would all be nominal.
+
+    :param key: the option or command that asks for them.
+    :raises InputError: it leaves nothing.
+    """
+    if all(getattr(scenario.perturbations, field.name) is None for field in fields(scenario.perturbations)):
+        found = Words(f"the scenario {scenario.name}, which has no [perturbations]")
+        raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
 
 #: Draws of a run besides one for each balise.

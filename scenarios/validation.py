@@ -1,4 +1,5 @@
-"""pydantic's findings as one :class:`~railhil.common.errors.InputError`: the first that explains the others."""
+"""pydantic's findings as one :class:`~railhil.common.errors.InputError`: the first that explains the others, or all
+keys that are missing."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean
 
 M = TypeVar("M", bound=BaseModel)
 Keys = tuple[str | int, ...]
@@ -42,7 +43,22 @@ def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | 
         return table_type.model_validate(data)
     except ValidationError as error:
         details = sorted(error.errors(include_url=False), key=lambda one: _EXPLAINS_FIRST.get(one["type"], 1))
+        missing = [_keys(one["loc"], tags) for one in details if one["type"] == "missing"]
+        if len(missing) == len(details) and len(missing) > 1:
+            raise _all_missing(missing, origin) from None
         raise _translated(details[0], table_type, origin, tags) from None
+
+
+def _keys(tagged: Keys, tags: tuple[str, ...]) -> Keys:
+    return tuple(key for key in tagged if key not in tags and key != "[key]")
+
+
+def _all_missing(missing: list[Keys], origin: Callable[[Keys], str | Path]) -> InputError:
+    """Keys that one file leaves out, together; of several files those of the first."""
+    file = origin(missing[0])
+    names = [dotted(keys) for keys in missing if origin(keys) == file]
+    allowed = _ALLOWED_BY_TYPE["missing"] if len(names) == 1 else "values: the keys are required"
+    return InputError(file, ", ".join(names), Words(), allowed)
 
 
 def _translated(
@@ -52,15 +68,14 @@ def _translated(
     tags: tuple[str, ...],
 ) -> InputError:
     tagged: Keys = one["loc"]
-    keys = tuple(key for key in tagged if key not in tags and key != "[key]")
+    keys = _keys(tagged, tags)
     kind = one["type"]
     found: object = Words() if kind == "missing" else one["input"]
     allowed = _ALLOWED_BY_TYPE.get(kind)
     hint = None
     if kind == "extra_forbidden":
         choices = _fields_at(table_type, tagged[:-1])
-        nearest = nearest_key(str(keys[-1]), choices)
-        hint = f"did you mean {nearest}?" if nearest else None
+        hint = did_you_mean(str(keys[-1]), choices)
         allowed = f"only {', '.join(sorted(choices))}"
         found = Words(f"the unknown key {keys[-1]}")
     return InputError(origin(keys), dotted(keys), found, allowed or sentence(one), hint)

@@ -17,6 +17,7 @@ from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.laws import names
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.settings import add_set_argument
 
 _FILE_COLUMNS = 100
 
@@ -26,6 +27,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
     parser.add_argument("law", metavar="LAW", help=f"control law: {', '.join(names())}")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
+    add_set_argument(parser)
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
@@ -37,7 +39,7 @@ def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    scenario = load(namespace.scenario)
+    scenario = load(namespace.scenario, namespace.set)
     bundle = make_bundle(scenario, namespace.law, namespace.indexing, parameters)
     # What may wrap does not start here, and is not for a chip either.
     Controller(scenario, namespace.law, "iq", namespace.indexing, parameters)

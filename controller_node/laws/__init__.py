@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 from typing import Any
 
-from railhil.common.errors import InputError, nearest_key
+from railhil.common.errors import InputError, did_you_mean
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws.base import Law
 
@@ -25,9 +25,8 @@ def load(name: str) -> type[Law[Any, Any]]:
     """
     found = {entry.name: entry for entry in entry_points(group=GROUP)}
     if name not in found:
-        nearest = nearest_key(name, found)
-        hint = f"did you mean {nearest}?" if nearest else None
-        raise InputError("controller", "name", name, f"one of {', '.join(in_order(found))}", hint)
+        allowed = f"one of {', '.join(in_order(found))}"
+        raise InputError("controller", "name", name, allowed, did_you_mean(name, found))
     try:
         law = found[name].load()
     except Exception as error:

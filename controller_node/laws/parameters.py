@@ -12,7 +12,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node.laws.base import Law
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.validation import dotted, sentence
@@ -32,9 +32,8 @@ def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | N
     known = [item.name for item in fields(kind.parameters_type)]
     for key in given.values:
         if key not in known:
-            nearest = nearest_key(key, known)
-            hint = f"did you mean {nearest}?" if nearest else None
             found = Words(f"the unknown parameter {key}")
+            hint = did_you_mean(key, known)
             raise InputError(given.source, "parameters", found, f"only {', '.join(known)}", hint)
     try:
         # As JSON: strict about types, but an array is a tuple and a whole number a number.

@@ -21,22 +21,25 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, command, railhil, wait_for
+from railhil.audit import __main__ as audit
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
+from railhil.campaign import command as campaign
 from railhil.cli.commands import parser
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.output import Output
 from railhil.common.plain_text import plain
 from railhil.dbc import wire_contract
-from railhil.scenarios.load import load, names
+from railhil.scenarios.load import load, short_names
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace
+from railhil.tuning import command as tune
 
 _SCORE = Score("FAIL", 50652.7, 107441.0, 12.0718, 10.1449, 31.143, -12.0718, 10.1449, 0.0, ("late",), "complete")
 
@@ -221,7 +224,7 @@ def test_names_are_never_cut(monkeypatch, columns):
     table = [line for line in ports.splitlines() if not line.startswith(("DBC", "load"))]
     assert max(len(line) for line in table + scenarios.splitlines()) <= columns
     if columns >= 80:
-        assert all(name in scenarios for name in names())
+        assert all(name in scenarios for name in short_names().values())
 
 
 def test_no_colour_where_none_is_wanted(monkeypatch):
@@ -475,3 +478,12 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
         write_folder(tmp_path, lvshun, run.options, result, trace, [])
     assert caught.value.exit_code == 4
     assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]
+
+
+def test_every_command_with_a_result_has_the_same_json_option():
+    programs = [audit.arguments(), campaign.arguments(), tune.arguments()]
+    commands = parser()._subparsers._group_actions[0].choices
+    found = [commands[name] for name in ("run", "compare", "score", "scenarios", "ports", "doctor")] + programs
+    said = {action.help for one in found for action in one._actions if "--json" in action.option_strings}
+    assert said == {"print the result as one JSON document, all else to standard error"}
+    assert all(one._option_string_actions["--json"].nargs == 0 for one in found)

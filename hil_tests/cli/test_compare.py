@@ -15,6 +15,7 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
 from railhil.scenarios.parameters import load_parameters
+from railhil.supervisor.extras import install_command
 
 _PLUGGED = """\
 from railhil.controller_node.laws.ipfc import Ipfc
@@ -228,7 +229,7 @@ def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None
     wait_for((folder / "twin").is_dir)
     started.process.send_signal(signal.SIGINT)
     done, _ = started.finish()
-    assert (done.exit_code, done.err) == (130, "")
+    assert (done.exit_code, done.err) == (130, "railhil: stopped by Ctrl-C\n")
     assert done.out.splitlines()[-1] == f"1 of 2 runs recorded in {folder}, no comparison written"
     assert [path.name for path in folder.iterdir()] == ["ipfc"]
 
@@ -292,8 +293,16 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "lacking"))
     done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run")
     assert done.exit_code in (0, 1), done.err
-    assert "no report: jinja2 is not installed (pip install 'railhil[report]')" in done.out
+    assert f"no report: jinja2 is not installed ({install_command('report')})" in done.out
     assert (tmp_path / "run" / "certificate.json").is_file()
     done = railhil("report", tmp_path / "run")
     assert done.exit_code == 2
-    assert "found jinja2 is not installed, allowed pip install 'railhil[report]'" in done.one_line()
+    assert f"module jinja2: found not installed, allowed {install_command('report')} (" in done.one_line()
+
+
+@pytest.mark.loop
+def test_json_of_a_comparison_is_its_file(place: Path) -> None:
+    folder = place / "as_json"
+    done = railhil("compare", place / "short.toml", "--laws", "ipfc", "--no-report", "--json", "--out", folder)
+    assert done.exit_code in (0, 1), done.err
+    assert done.json == json.loads((folder / "compare.json").read_text(encoding="utf-8"))

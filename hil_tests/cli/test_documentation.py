@@ -5,23 +5,15 @@ from __future__ import annotations
 import re
 from argparse import ArgumentParser, _SubParsersAction
 from functools import cache
-from importlib import import_module
 
 import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.cli import commands
 from railhil.cli import programs as outside
+from railhil.cli.completion import program_parser
 
 _PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(ROOT)) for page in ROOT.glob("docs/**/*.md")))
-#: Where the command line of a program stands, when not in its ``__main__``.
-_ARGUMENTS = {
-    "railhil.campaign": "railhil.campaign.command",
-    "railhil.tuning": "railhil.tuning.command",
-    "railhil.machines.vcan": "railhil.machines.vcan",
-    "railhil.plant_sim": "railhil.plant_sim.command",
-    "railhil.controller_node": "railhil.controller_node.command",
-}
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
@@ -47,7 +39,7 @@ def _options() -> dict[str, set[str]]:
     programs = {f"node {role}": module for role, module in outside.NODES.items()}
     programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
     for name, module in programs.items():
-        found[name] = import_module(_ARGUMENTS.get(module, f"{module}.__main__")).arguments()
+        found[name] = program_parser(module)
     return {name: set(parser._option_string_actions) for name, parser in found.items()}
 
 

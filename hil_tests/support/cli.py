@@ -30,9 +30,15 @@ class Done:
         """Standard output as JSON."""
         return json.loads(self.out)
 
+    @property
+    def said(self) -> list[str]:
+        """Lines of standard error; without the one that the first batch of a code's version says."""
+        lines = self.err.splitlines()
+        return [line for line in lines if line.strip() and not line.startswith("compiling the batch")]
+
     def one_line(self) -> str:
         """The complaint: what was written to standard error, which must be a single line and no traceback."""
-        lines = [line for line in self.err.splitlines() if line.strip() and not line.startswith("bus: ")]
+        lines = [line for line in self.said if not line.startswith("bus: ")]
         assert len(lines) == 1, self.err
         assert "Traceback" not in self.err
         return lines[0]

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from pathlib import Path
+from collections.abc import Sequence
 
 from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
+from railhil.batch import say_compiling
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
-from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.output import Output, accept_any_text
-from railhil.common.whole_file import check_writable, whole_file
+from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.controller_node.setpoint import INDEXINGS
 from railhil.scenarios.load import load
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import add_set_argument
 
 _RUNS_MAX = 100_000
 _EXIT_CODES = """\
@@ -40,6 +38,7 @@ def arguments() -> argparse.ArgumentParser:
         epilog=_EXIT_CODES,
     )
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
+    add_set_argument(parser)
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
@@ -55,30 +54,18 @@ def arguments() -> argparse.ArgumentParser:
         metavar="N",
         help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
     )
-    parser.add_argument("--json", metavar="FILE", help="write the whole result there")
+    add_json_argument(parser)
     return parser
-
-
-@contextmanager
-def _complaining(path: Path) -> Iterator[None]:
-    """A file that cannot be written is bad input."""
-    try:
-        yield
-    except OSError as error:
-        why = (error.strerror or str(error)).lower()
-        raise InputError("command line", "--json", str(path), f"a file that can be written ({why})") from None
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Audit and print; exit code 1 when a bar is missed."""
     accept_any_text()
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario)
-    file = None if namespace.json is None else Path(namespace.json)
-    if file is not None:
-        # Before the work, not after it.
-        with _complaining(file):
-            check_writable(file)
+    scenario = load(namespace.scenario, namespace.set)
+    if namespace.runs:
+        require_perturbations(scenario, "--runs")
+        say_compiling(Output(stderr=True).say)
     options = Options(
         namespace.controller,
         namespace.arithmetic,
@@ -87,11 +74,10 @@ def main(words: Sequence[str] | None = None) -> int:
         namespace.runs,
     )
     result = audit(scenario, options)
-    show(Output(), result)
-    if file is not None:
-        text = json.dumps(document(result), indent=2, allow_nan=False) + "\n"
-        with _complaining(file), whole_file(file) as draft:
-            draft.write_text(text, encoding="utf-8")
+    if namespace.json:
+        print_json(document(result))
+    else:
+        show(Output(), result)
     return PASS if result.met else FAIL
 
 

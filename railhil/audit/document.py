@@ -42,7 +42,7 @@ def _floor(floor: Floor | None) -> dict[str, Any] | None:
 
 
 def document(result: Result) -> dict[str, Any]:
-    """What ``--json`` writes: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
+    """What ``--json`` prints: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
 
     Notch codes are 1/256 notch. ``effect`` is empty, ``effect_counters`` (audited arithmetic, all runs), ``bounds`` and
     ``floor`` are null where there is nothing to look at.

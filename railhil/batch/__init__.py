@@ -3,12 +3,13 @@
 The plant's own functions are compiled (:mod:`railhil.batch.compiled`), the law steps on arrays; the notch codes and
 the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
 a healthy bus. A run that ends up in an emergency brake is made again through the nodes of the bench
-(:mod:`railhil.batch.replay`), which takes a second. Needs numba (``pip install 'railhil[campaign]'``).
+(:mod:`railhil.batch.replay`), which takes a second. Needs numba (extra ``campaign``).
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,12 +21,30 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 if TYPE_CHECKING:
     from railhil.batch.engine import Chunk
 
-__all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "trace_digest"]
+__all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", "trace_digest"]
 
 #: Runs that go on together: their state stays in the processor's cache, and Python's part is shared by many.
 CHUNK = 2048
 #: Seeds travel as 32 bit in the handshake.
 _SEED_MAX = 2**32 - 1
+
+
+def say_compiling(say: Callable[[str], None]) -> None:
+    """One sentence before the batch is compiled; nothing when an earlier process has left its machine code.
+
+    :raises scenarios.errors.InputError: numba is missing.
+    """
+    # Its compiled functions are listed when it is loaded.
+    import_module("railhil.batch.kernel")
+    from railhil.batch.compiled import FUNCTIONS
+
+    absent = [function for function in FUNCTIONS if not function.is_there]
+    if not absent:
+        return
+    how_often = "once for this machine"
+    if not all(function.kept for function in absent):
+        how_often = f"in every process, as {absent[0].folder} cannot be written; NUMBA_CACHE_DIR names another place"
+    say(f"compiling the batch of trains ({how_often}; up to a minute) ...")
 
 
 def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, chunk: int = CHUNK) -> BatchResult:

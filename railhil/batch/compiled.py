@@ -11,6 +11,7 @@ import os
 import pickle
 import shutil
 from collections.abc import Callable
+from dataclasses import dataclass
 from math import sqrt
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
@@ -18,18 +19,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from railhil.common.errors import InputError, Words
 from railhil.plant_sim import dynamics, forces, sensors, watch
 from railhil.scenarios import target
 from railhil.supervisor import measures
+from railhil.supervisor.extras import missing
 
 try:
     import numba
 except ImportError as error:
-    missing = isinstance(error, ModuleNotFoundError) and error.name == "numba"
-    why = Words("not installed" if missing else f"an installation that cannot be used ({error})")
-    raise InputError("batch", "numba", why, "pip install 'railhil[campaign]'") from None
-
+    raise missing("batch", error, "campaign") from None
 
 #: What a damaged file of the cache raises when it is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)
@@ -146,6 +144,24 @@ time_in_piece_s = _TARGET["time_in_piece_s"]
 error_kmh = _MEASURES["error_kmh"]
 
 
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """A compiled function and the folder that keeps its machine code; ``kept``: whether that can be written."""
+
+    name: str
+    folder: Path
+    kept: bool
+
+    @property
+    def is_there(self) -> bool:
+        """Whether an earlier process has left it."""
+        return any(self.folder.glob(f"*/*.{self.name}-*.nbi"))
+
+
+#: Every function that :func:`cached` has been put around.
+FUNCTIONS: list[Kept] = []
+
+
 def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     """Decorator: compile a function and keep the machine code on disk between processes.
 
@@ -154,7 +170,8 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
 
     :param sources: further files.
     """
-    digest = hashlib.sha256(np.__version__.encode())
+    # numba's own folder inside is named after the place of the source.
+    digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
     modules = (dynamics, forces, sensors, watch, target, measures)
     for path in (__file__, *(str(module.__file__) for module in modules), *sources):
         digest.update(Path(path).read_bytes())
@@ -176,6 +193,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
             numba.config.CACHE_DIR = before
 
     def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        FUNCTIONS.append(Kept(function.__name__, folder, kept))
         kernel, loaded = made(function, kept), False
 
         def call(*given: Any) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,9 +14,7 @@ from railhil.campaign.extras import need
 from railhil.campaign.plan import Request, make_plan
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
-from railhil.common.output import Output, accept_any_text, flush_output
-from railhil.common.whole_file import check_writable, whole_file
-from railhil.supervisor.errors import not_written
+from railhil.common.output import Output, accept_any_text, flush_output, print_json
 
 _VERIFIED_RUNS = 3
 
@@ -51,13 +48,6 @@ def _run(namespace: argparse.Namespace) -> int:
 
     begun = Request() if namespace.resume is None else read_manifest(Path(namespace.resume)).request
     plan = make_plan(request_from(namespace, begun))
-    file = None if namespace.json is None else Path(namespace.json)
-    if file is not None:
-        # Before the work, not after it.
-        try:
-            check_writable(file)
-        except OSError as error:
-            raise not_written("--json", file, "file", error) from error
     console = Console(stderr=True)
 
     def say(sentence: str) -> None:
@@ -65,13 +55,10 @@ def _run(namespace: argparse.Namespace) -> int:
 
     with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say) as engine:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
-    show(Output(), found, folder)
-    if file is not None:
-        try:
-            with whole_file(file) as draft:
-                draft.write_text(json.dumps(found, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        except OSError as error:
-            raise not_written("--json", file, "file", error) from error
+    if namespace.json:
+        print_json(found)
+    else:
+        show(Output(), found, folder)
     return PASS
 
 

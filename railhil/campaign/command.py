@@ -10,9 +10,12 @@ from typing import Any
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Request
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
+from railhil.common.output import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.controller_node.setpoint import INDEXINGS
+from railhil.scenarios.load import stable_name
+from railhil.scenarios.settings import add_set_argument
 
 _JOBS_MAX = 1024
 ENGINES = ("batch", "joblib", "dask")
@@ -41,6 +44,7 @@ def arguments() -> argparse.ArgumentParser:
         epilog=_EXIT_CODES,
     )
     parser.add_argument("scenario", nargs="?", help=f"shipped name or TOML file (default {usual.scenario})")
+    add_set_argument(parser)
     parser.add_argument(
         "--runs",
         type=whole_number(1, RUNS_MAX),
@@ -77,7 +81,7 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); goes on there")
     parser.add_argument("--resume", metavar="DIR", help="go on with the campaign of this folder")
-    parser.add_argument("--json", metavar="FILE", help="write summary.json there too")
+    add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
     parser.add_argument(
         "--draw", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="--verify: which runs (default 0)"
@@ -88,9 +92,10 @@ def arguments() -> argparse.ArgumentParser:
 def check_combination(namespace: argparse.Namespace) -> None:
     """Refuse options that do not go together. Raises InputError."""
     given = [name for name in _REQUEST if getattr(namespace, name) is not None]
-    given += [name for name in ("both", "allow_training_seeds") if getattr(namespace, name)]
+    given += [name for name in ("set", "both", "allow_training_seeds") if getattr(namespace, name)]
     if namespace.verify is not None:
-        others = [name for name in (*given, "out", "resume", "json") if getattr(namespace, name, None) is not None]
+        others = [name for name in (*given, "out", "resume") if getattr(namespace, name, None) is not None]
+        others += ["json"] * namespace.json
         if extra := [name for name in others if name != "runs"]:
             raise InputError("command line", "--verify", _option(extra[0]), "beside it only --runs and --draw")
     if namespace.resume is not None and namespace.out is not None:
@@ -112,8 +117,10 @@ def _absolute(name: str) -> str:
 def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
     """The request: what the command line says, and the rest as ``begun`` (of a campaign, or the usual one)."""
     said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
-    if "scenario" in said and said["scenario"].endswith(".toml"):
-        said["scenario"] = _absolute(said["scenario"])
+    if "scenario" in said:
+        said["scenario"] = stable_name(said["scenario"])
+    if namespace.set:
+        said["settings"] = tuple(namespace.set)
     if "parameters" in said:
         said["parameters"] = tuple(_absolute(name) for name in said["parameters"])
     return replace(

@@ -9,6 +9,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 
+from railhil.batch import say_compiling
 from railhil.campaign.extras import need
 from railhil.campaign.work import Task, run_task
 from railhil.common.errors import InputError, Words
@@ -94,6 +95,7 @@ def running(name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work
         return
     # Where the work is done here, what it needs is missed before there is a folder.
     need("numba", "campaign")
+    say_compiling(say)
     if name == "joblib":
         need("joblib", "campaign")
         yield partial(_joblib, work=work, jobs=jobs, say=say)

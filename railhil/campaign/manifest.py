@@ -40,6 +40,7 @@ class _Request(BaseModel):
 
     model_config = ConfigDict(extra="forbid", strict=True)
     scenario: str = Field(min_length=1)
+    settings: list[str] = []
     runs: int = Field(ge=1, le=RUNS_MAX)
     first_seed: int = Field(ge=0, le=SEED_MAX)
     laws: list[Annotated[str, _one_of(lambda: (*laws(), ALL_LAWS))]]

@@ -14,7 +14,7 @@ from urllib.parse import quote
 
 import railhil
 from railhil.common.command_line import SEED_MAX
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node import laws as registered
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.base import Law
@@ -23,6 +23,7 @@ from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.perturb import require_perturbations
 from railhil.supervisor.folder import code_sha256
 
 #: The law of a request that names none.
@@ -40,6 +41,7 @@ class Request:
     """What the command line asks for. Files by absolute path, so that a campaign goes on from any folder."""
 
     scenario: str = "lvshun_tieshan"
+    settings: tuple[str, ...] = ()
     runs: int = 1000
     first_seed: int = 1000
     laws: tuple[str, ...] = ()
@@ -193,9 +195,8 @@ def _entries(request: Request) -> tuple[Entry, ...]:
         wanted = known
     for name in wanted:
         if name not in known:
-            nearest = nearest_key(name, known)
-            hint = f"did you mean {nearest}?" if nearest else None
-            raise InputError("command line", "--laws", name, f"all, or some of {', '.join(known)}", hint)
+            allowed = f"all, or some of {', '.join(known)}"
+            raise InputError("command line", "--laws", name, allowed, did_you_mean(name, known))
     for file in files:
         if file.law not in wanted:
             raise InputError(file.source, "law", file.law, f"one of the laws of the campaign: {', '.join(wanted)}")
@@ -217,7 +218,8 @@ def make_plan(request: Request) -> Plan:
     :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
         tuned or chosen (unless the request allows them).
     """
-    scenario = load(request.scenario)
+    scenario = load(request.scenario, request.settings)
+    require_perturbations(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
         raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")

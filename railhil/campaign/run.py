@@ -73,7 +73,9 @@ def execute(
             results = folder.write_results()
             found = summary(plan, results)
             folder.write_summary(found)
-        except (KeyboardInterrupt, SystemExit):
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(f"stopped; {how_on()}") from None
+        except SystemExit:
             say(f"railhil campaign: stopped; {how_on()}")
             raise
         except NotThePart as why:

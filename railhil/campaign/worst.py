@@ -10,6 +10,7 @@ import pyarrow as pa
 
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, row
+from railhil.scenarios.settings import set_words
 
 #: Runs listed per law and error.
 _LARGEST = 3
@@ -20,8 +21,17 @@ _BROKEN = 5
 def rerun_words(plan: Plan, entry: Entry, seed: int) -> list[str]:
     """Arguments of ``railhil`` that make one run of a campaign on the full bench."""
     request = plan.request
-    words = ["run", request.scenario, "--perturbed", "--seed", str(seed), "--controller", entry.law]
-    words += ["--arithmetic", request.arithmetic, "--indexing", request.indexing]
+    words = [
+        "run",
+        request.scenario,
+        *set_words(request.settings),
+        "--perturbed",
+        "--seed",
+        str(seed),
+        "--controller",
+        entry.law,
+    ]
+    words += ["--controller", entry.law, "--arithmetic", request.arithmetic, "--indexing", request.indexing]
     return words + ([] if entry.parameters is None else ["--parameters", str(entry.parameters.source)])
 
 

@@ -16,14 +16,18 @@ from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 from railhil.bus.ident import ARITHMETICS
 from railhil.bus.select import BusChoice, choose_bus
 from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
-from railhil.common.errors import InputError, Words, nearest_key
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
 from railhil.common.law_order import in_order
 from railhil.common.output import Output
+from railhil.scenarios.load import load, stable_name
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import add_set_argument
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
+from railhil.supervisor.extras import install_command
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.options import RunOptions
@@ -47,6 +51,7 @@ class NeverBegan(Exception):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""
     add_run_arguments(parser)
+    add_set_argument(parser)
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     add_task_argument(parser)
@@ -54,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
     )
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
+    parser.add_argument("--verbose", action="store_true", help="print all that the scenario assumes")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
     add_bus_arguments(parser)
 
@@ -71,17 +77,16 @@ def check_law(name: str, key: str) -> None:
     """
     known = law_names()
     if name not in known:
-        nearest = nearest_key(name, known)
-        raise InputError("command line", key, name, ", ".join(known), f"did you mean {nearest}?" if nearest else None)
+        raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
 
 
 def run_options(
     namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None, attach: bool = False
 ) -> RunOptions:
     """What the command line says about the run of one law."""
-    scenario = namespace.scenario
     return RunOptions(
-        scenario=str(Path(scenario).resolve()) if scenario.endswith(".toml") else scenario,
+        scenario=stable_name(namespace.scenario),
+        settings=tuple(namespace.set),
         controller=controller,
         arithmetic=namespace.arithmetic,
         indexing=namespace.indexing,
@@ -95,6 +100,17 @@ def run_options(
         attach=attach,
         appear_s=namespace.appear_timeout,
     )
+
+
+def run_scenario(options: RunOptions) -> Scenario:
+    """The scenario of a run.
+
+    :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
+    """
+    scenario = load(options.scenario, options.settings)
+    if options.perturbed:
+        require_perturbations(scenario, "--perturbed")
+    return scenario
 
 
 def require_interface(choice: BusChoice) -> None:
@@ -166,7 +182,7 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
-        return f"no report: {error.name} is not installed (pip install 'railhil[report]')"
+        return f"no report: {error.name} is not installed ({install_command('report')})"
     path = folder / REPORT
     try:
         write_report(runs, path, notes)

@@ -15,12 +15,13 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_options,
+    run_scenario,
 )
 from railhil.cli.controller_check import check_controllers
+from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output
-from railhil.scenarios.load import load
+from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.supervisor.comparison_file import write_comparison
@@ -51,6 +52,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--allow-training-seeds", action="store_true", help="judge parameters by runs that they were tuned on"
     )
+    add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
     parser.set_defaults(work=work)
 
@@ -124,9 +126,9 @@ def work(namespace: argparse.Namespace) -> int:
     What was recorded stays when the comparison is stopped or a run fails.
     """
     wanted = _planned(namespace)
-    scenario = load(wanted[0].scenario)
+    scenario = run_scenario(wanted[0])
     plan, notes = _checked(namespace, scenario, wanted)
-    console = Output()
+    console = Output(stderr=namespace.json)
     for sentence in notes:
         console.say(sentence)
     folder: Path | None = None
@@ -141,7 +143,7 @@ def work(namespace: argparse.Namespace) -> int:
                     console.say(f"bus: {choice.transport} ({choice.reason})")
                 own = folder / options.label
                 own.mkdir()
-                quiet = namespace.quiet or not console.is_terminal
+                quiet = namespace.quiet or namespace.json or not console.is_terminal
                 try:
                     done, result = recorded(scenario, options, choice, own, True, console, quiet)
                 finally:
@@ -158,22 +160,25 @@ def work(namespace: argparse.Namespace) -> int:
         raise
     assert folder is not None
     found = [run for _, run in runs]
-    write_comparison(folder, scenario, plan[0], runs, notes)
+    document = write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
+    report = "" if namespace.no_report else report_line(found, folder, notes)
     console.say(f"runs that {stops_sentence([run.score for run in found])}")
-    for sentence in scenario.assumptions:
-        console.say(f"assumed: {sentence}", style="dim")
+    for line in assumed(scenario, folder, namespace.verbose):
+        console.say(line, style="dim")
     print_watch(console, scenario)
     for run in found:
         console.say(f"{run.label}: {parameters_sentence(run)}", style="dim")
     console.say(f"comparison {folder}")
-    if not namespace.no_report:
-        console.say(report_line(found, folder, notes))
+    if report:
+        console.say(report)
     for run in found:
         if run.caution:
             console.say(run.caution, style="bold yellow")
     for run in found:
         print_verdict(console, run.verdict, f"{run.label}{': ' if run.line else ''}{run.line}")
+    if namespace.json:
+        print_json(document)
     return max(codes)
 
 

@@ -43,14 +43,8 @@ def check_controllers(wanted: Sequence[RunOptions]) -> list[Checked]:
     with ExitStack() as stack:
         started = []
         for options in wanted:
-            command = [
-                sys.executable,
-                "-m",
-                "railhil.controller_node",
-                options.scenario,
-                *options.law_arguments,
-                "--check",
-            ]
+            command = [sys.executable, "-m", "railhil.controller_node", *options.scenario_arguments]
+            command += [*options.law_arguments, "--check"]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             stack.callback(process.wait)
             stack.callback(process.kill)

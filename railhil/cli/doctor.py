@@ -17,7 +17,7 @@ from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
 from railhil.cli.bus_run import require_interface
 from railhil.common.exit_codes import PASS, USAGE
-from railhil.common.output import Output, print_json, table
+from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import wire_contract
 from railhil.supervisor.doctor.finding import Finding
 from railhil.supervisor.doctor.kernelcan import kernel_can
@@ -30,7 +30,7 @@ from railhil.supervisor.doctor.tools import tools
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("doctor", help="what this machine and its transports can promise")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_json_argument(parser)
     parser.add_argument("--quick", action="store_true", help="leave out the measurement, which takes 2 to 4 s")
     add_bus_arguments(parser)
     parser.set_defaults(work=work)

@@ -6,10 +6,11 @@ import argparse
 from pathlib import Path
 
 from railhil.bus.telegrams import SimTruth
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.extras import missing
 from railhil.supervisor.record import checked_record
 
 _SUFFIXES = (".svg", ".png", ".pdf")
@@ -20,7 +21,7 @@ _POINTS_MIN = 2
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("plot", help="draw a recorded run (needs the extra [report])")
-    parser.add_argument("log", help="frames.log, or the run folder that holds it")
+    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument("--out", metavar="FILE", help="picture (.svg, .png, .pdf; default: run.svg beside the log)")
     parser.set_defaults(work=work)
@@ -30,10 +31,8 @@ def work(namespace: argparse.Namespace) -> int:
     """Draw and say where."""
     try:
         from railhil.supervisor.report.picture import draw
-    except ImportError:
-        raise InputError(
-            "railhil plot", "matplotlib", Words("not installed"), "pip install 'railhil[report]'"
-        ) from None
+    except ImportError as error:
+        raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
     points = record.trace.count(SimTruth.PORT)
     if points < _POINTS_MIN:

@@ -7,7 +7,7 @@ import argparse
 from railhil.bus.load import bus_load
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.common.errors import InputError
-from railhil.common.output import Output, print_json, table
+from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import Port, wire_contract
 
 #: The table has a column with each port's purpose from this width on.
@@ -20,7 +20,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("port", nargs="?", help="port whose layout is wanted")
     parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
     parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.scenarios.canonical import judged_sha256
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.extras import missing
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.score import score
@@ -31,8 +32,7 @@ def work(namespace: argparse.Namespace) -> int:
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
-        found = Words(f"{error.name} is not installed")
-        raise InputError("railhil report", "libraries", found, "pip install 'railhil[report]'") from None
+        raise missing("railhil report", error, "report") from None
     given = [Path(text) for text in namespace.folder]
     folders: list[Path] = []
     notes: list[str] = []

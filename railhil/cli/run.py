@@ -15,12 +15,12 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_options,
+    run_scenario,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
-from railhil.common.output import Output, print_json
-from railhil.scenarios.load import load
+from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.parameters import load_parameters
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.options import RunOptions
@@ -37,7 +37,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
-    parser.add_argument("--json", action="store_true", help="print score.json instead of the table")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 
@@ -56,7 +56,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     options = _options(namespace)
-    scenario = load(options.scenario)
+    scenario = run_scenario(options)
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc)
     console = Output(stderr=namespace.json)
@@ -72,5 +72,5 @@ def work(namespace: argparse.Namespace) -> int:
             console.say(report)
         print_json(score_json(scenario, result, options))
     else:
-        print_result(console, found, result, folder, report)
+        print_result(console, found, result, folder, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

@@ -5,11 +5,13 @@ from __future__ import annotations
 import argparse
 
 from railhil.cli.show import print_watch
-from railhil.common.output import Output, print_json, table
-from railhil.scenarios.load import load, names
+from railhil.common.errors import InputError
+from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.scenarios.load import load, names, short_names
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.settings import add_set_argument
 
-#: The longest shipped name leaves room for the other columns from this width on.
+#: The longest short name leaves room for the other columns from this width on.
 _NAMES_COLUMNS = 80
 
 
@@ -17,13 +19,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("scenarios", help="list the shipped scenarios, or check one file")
     parser.add_argument("scenario", nargs="?", help="shipped name or TOML file to check and describe")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_set_argument(parser)
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 
 def _row(scenario: Scenario) -> dict[str, object]:
     return {
         "name": scenario.name,
+        "short_name": short_names().get(scenario.name),
         "title": scenario.title,
         "train": scenario.train.name,
         "distance_m": scenario.plan.distance_m,
@@ -34,7 +38,9 @@ def _row(scenario: Scenario) -> dict[str, object]:
 
 def work(namespace: argparse.Namespace) -> int:
     """Print the table (or JSON)."""
-    found = [load(namespace.scenario)] if namespace.scenario else [load(name) for name in names()]
+    if namespace.set and not namespace.scenario:
+        raise InputError("command line", "--set", namespace.set[0], "a scenario beside it")
+    found = [load(namespace.scenario, namespace.set)] if namespace.scenario else [load(name) for name in names()]
     if namespace.json:
         print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
         return 0
@@ -45,12 +51,18 @@ def work(namespace: argparse.Namespace) -> int:
     rows.add_column("line")
     rows.add_column("m", justify="right", no_wrap=True)
     rows.add_column("s", justify="right", no_wrap=True)
+    short = short_names()
     for scenario in found:
         plan = scenario.plan
-        rows.add_row(scenario.name, scenario.title, f"{plan.distance_m:.0f}", f"{plan.running_time_s:.1f}")
+        rows.add_row(
+            short.get(scenario.name, scenario.name),
+            scenario.title,
+            f"{plan.distance_m:.0f}",
+            f"{plan.running_time_s:.1f}",
+        )
     console.print(rows)
     if namespace.scenario:
-        console.say(f"train {found[0].train.name}, scenario sha256 {found[0].sha256}")
+        console.say(f"name {found[0].name}, train {found[0].train.name}, scenario sha256 {found[0].sha256}")
         for sentence in found[0].assumptions:
             console.say(f"assumed: {sentence}")
         print_watch(console, found[0])

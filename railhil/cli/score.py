@@ -6,7 +6,7 @@ import argparse
 
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.common.output import Output, print_json
+from railhil.common.output import Output, add_json_argument, print_json
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import score
 
@@ -14,9 +14,9 @@ from railhil.supervisor.score import score
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
     parser = commands.add_parser("score", help="score a recorded log")
-    parser.add_argument("log", help="frames.log, or the run folder that holds it")
+    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
-    parser.add_argument("--json", action="store_true", help="machine-readable output")
+    add_json_argument(parser)
     parser.set_defaults(work=work)
 
 

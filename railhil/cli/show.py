@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rich.table import Table
 
+from railhil.cli.remarks import assumed, next_step
 from railhil.common.output import Output, table
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.facts import parameters_sentence
@@ -53,16 +54,19 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
-def print_result(console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str) -> None:
-    """Table, run facts, verdict.
+def print_result(
+    console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str, verbose: bool
+) -> None:
+    """Table, run facts, verdict, and after a FAIL what to try.
 
+    :param verbose: print all that the scenario assumes.
     :param report: the line on ``report.html``, empty when none was asked for.
     """
     scenario = run.scenario
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])
     console.say(f"parameters: {parameters_sentence(run)}", style="dim")
-    for sentence in scenario.assumptions:
-        console.say(f"assumed: {sentence}", style="dim")
+    for line in assumed(scenario, folder, verbose):
+        console.say(line, style="dim")
     print_watch(console, scenario)
     console.say(
         f"{result.sim_time_s:.2f} s simulated in {result.wall_time_s:.2f} s = {result.speed_factor:.0f} times "
@@ -84,3 +88,5 @@ def print_result(console: Output, run: RecordedRun, result: RunResult, folder: P
     if run.caution:
         console.say(run.caution, style="bold yellow")
     print_verdict(console, run.verdict, result.line)
+    if advice := next_step(run, folder):
+        console.say(advice)

@@ -162,6 +162,7 @@ def main(words: Sequence[str] | None = None) -> int:
             signal.signal(number, lambda caught, _: sys.exit(128 + caught))
         return debian.guarded("vcan", lambda: _run(options))
     except KeyboardInterrupt:
+        print("railhil vcan: stopped by Ctrl-C", file=sys.stderr)
         return 128 + signal.SIGINT
 
 

@@ -57,18 +57,20 @@ def write_comparison(
     options: RunOptions,
     runs: Sequence[tuple[Path, RecordedRun]],
     notes: Sequence[str] = (),
-) -> None:
+) -> dict[str, Any]:
     """Write both files, whole; ``compare.json`` comes last and marks the comparison as whole.
 
     :param options: of any of the runs: what all have in common is taken from it.
     :param runs: run folders below ``folder`` and what was recorded there, in order.
     :param notes: sentences on the comparison as a whole.
+    :returns: the content of ``compare.json``.
     :raises RecordFailed: they cannot be written; then neither is there.
     """
     rows = [_row(path, run) for path, run in runs]
     common = ("arithmetic", "indexing", "pace", "seed", "perturbed", "task_period_ms")
     document = {
         "scenario": options.scenario,
+        "settings": list(options.settings),
         "scenario_sha256": scenario.sha256,
         **{key: getattr(options, key) for key in common},
         "notes": list(notes),
@@ -89,3 +91,4 @@ def write_comparison(
         (folder / _TABLE).unlink(missing_ok=True)
         reason = (error.strerror or str(error)).lower()
         raise RecordFailed(f"comparison {folder} cannot be written: {reason}; the runs in it are kept") from error
+    return document

@@ -44,6 +44,7 @@ class _Certificate(_Part):
     scenario: str | None = None
     scenario_sha256: str | None = None
     judged_sha256: str | None = None
+    settings: list[str] = []
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None

@@ -127,7 +127,7 @@ def code_sha256() -> str:
 
 def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     """The command line that makes the same run again."""
-    words = ["railhil", "run", options.scenario, "--controller", options.controller]
+    words = ["railhil", "run", *options.scenario_arguments, "--controller", options.controller]
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
     words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
@@ -172,6 +172,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
     return {
         "railhil": version("railhil"),
         "scenario": options.scenario,
+        "settings": list(options.settings),
         "scenario_sha256": scenario.sha256,
         # With the limits and factors that the record is judged by.
         "judged_sha256": judged_sha256(scenario),

@@ -8,14 +8,17 @@ from __future__ import annotations
 
 import hashlib
 import os
+import struct
+import zlib
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
-from can.io import BLFWriter
+from can.io import BLFReader, BLFWriter
+from can.io.blf import BLFParseError
 
-from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, quick_frame, to_message
-from railhil.common.errors import InputError
+from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, quick_frame, to_message
+from railhil.common.errors import InputError, Words
 
 #: Channel name in the log, whatever the transport was.
 CHANNEL = "mvb0"
@@ -26,6 +29,9 @@ _NS_PER_US = 1000
 _TIME_MAX_NS = (1 << 63) - 1
 #: No line is longer: 64 bytes of CAN FD in hexadecimal, with what stands around them.
 _LINE_MAX_BYTES = 1024
+BLF_SUFFIX = ".blf"
+#: What python-can's reader raises on bytes that are no BLF, or end too early.
+_NO_BLF = (BLFParseError, struct.error, zlib.error, ValueError, OverflowError, EOFError)
 #: Standard identifiers as they stand in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
@@ -93,11 +99,44 @@ def sha256_of(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
-    """Frames ``(time_ns, frame)`` of a candump log, in bus order.
+def log_sha256(path: Path) -> str:
+    """SHA-256 of a record as its certificate has it: that of the candump log, also for the BLF made from it."""
+    if path.suffix != BLF_SUFFIX:
+        return sha256_of(path)
+    digest = hashlib.sha256()
+    for time_ns, frame in read_log(path):
+        digest.update(log_line(time_ns, frame).encode("ascii"))
+    return digest.hexdigest()
 
-    :raises InputError: unreadable file, a line that is no candump line, a file that ends inside a line.
+
+def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
+    """Frames ``(time_ns, frame)`` of a candump log or of the BLF made from it, in bus order.
+
+    :raises InputError: unreadable file, a line that is no candump line, a file that ends inside a line, no BLF.
     """
+    return _read_blf(path) if path.suffix == BLF_SUFFIX else _read_candump(path)
+
+
+def _read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
+    """Stamps are whole microseconds, as in the candump log; BLF has them as floating-point seconds."""
+    allowed = "a BLF file with at least one frame"
+    count = 0
+    try:
+        with BLFReader(path) as reader:
+            for message in reader:
+                count += 1
+                yield round(message.timestamp * 1e6) * _NS_PER_US, from_message(message)
+            announced = reader.object_count
+    except OSError as error:
+        raise InputError(path, "file", error.strerror or str(error), allowed) from error
+    except _NO_BLF as error:
+        where = f"after frame {count}" if count else "file"
+        raise InputError(path, where, Words(str(error) or type(error).__name__), "a BLF file") from error
+    if count == 0 or count < announced:
+        raise InputError(path, "file", Words(f"{count} of {announced} frames"), f"{allowed}, whole")
+
+
+def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
     try:
         stream = path.open(encoding="ascii", newline="\n")
     except OSError as error:

@@ -24,7 +24,7 @@ def start_hub(nodes: Nodes, options: RunOptions, choice: BusChoice) -> None:
 
 def start_nodes(nodes: Nodes, options: RunOptions, choice: BusChoice, folder: Path) -> None:
     """Start plant and controller; what they measure goes into the run folder."""
-    plant = [options.scenario, "--seed", str(options.seed), "--pace", options.pace]
+    plant = [*options.scenario_arguments, "--seed", str(options.seed), "--pace", options.pace]
     plant += ["--appear-timeout", str(options.appear_s)] + ["--perturbed"] * options.perturbed
     if options.pace == "realtime":
         plant += ["--rate", str(options.rate)]
@@ -37,4 +37,4 @@ def start_nodes(nodes: Nodes, options: RunOptions, choice: BusChoice, folder: Pa
     task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     law = [*options.law_arguments, *task, "--telemetry", str(folder / TELEMETRY)]
     law += _scheduling(options, NODE_PRIORITY)
-    nodes.start("controller", "railhil.controller_node", [options.scenario, *law, *choice.arguments])
+    nodes.start("controller", "railhil.controller_node", [*options.scenario_arguments, *law, *choice.arguments])

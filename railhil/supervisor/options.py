@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.settings import set_words
 
 
 @dataclass(frozen=True, slots=True)
@@ -12,6 +13,8 @@ class RunOptions:
     """One law on one scenario over the bus."""
 
     scenario: str
+    #: Keys set beside its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    settings: tuple[str, ...] = ()
     controller: str = "ipfc"
     arithmetic: str = "iq"
     indexing: str = "time"
@@ -41,6 +44,11 @@ class RunOptions:
     def realtime_scheduling(self) -> bool:
         """True when the processes of this run are to ask for SCHED_FIFO and locked memory."""
         return self.pace == "realtime" and self.ask_for_fifo
+
+    @property
+    def scenario_arguments(self) -> list[str]:
+        """Arguments of every command that say which scenario it is."""
+        return [self.scenario, *set_words(self.settings)]
 
     @property
     def law_arguments(self) -> list[str]:

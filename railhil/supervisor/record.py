@@ -14,7 +14,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.stored import SCENARIO, earlier_scenario, read_scenario
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
-from railhil.supervisor.framelog import read_log, sha256_of
+from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import Trace, trace_of
 
 _BESIDE = "a certificate beside the log, or --scenario"
@@ -36,7 +36,7 @@ class Record:
 
 
 def log_path(text: str) -> Path:
-    """Path of the candump log that a user named by itself or by its run folder.
+    """Path of the log that a user named by itself or by its run folder.
 
     :raises InputError: there is no such file.
     """
@@ -44,7 +44,7 @@ def log_path(text: str) -> Path:
     log = path / "frames.log" if path.is_dir() else path
     if not log.is_file():
         found = Words("no such file" if not log.exists() else "no regular file")
-        raise InputError(log, "file", found, "a candump log, or a run folder with frames.log")
+        raise InputError(log, "file", found, "a candump log, a BLF of one, or a run folder with frames.log")
     return log
 
 
@@ -69,7 +69,7 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     earlier = earlier_scenario(str(document.get("scenario_sha256")))
     if earlier is not None:
         return earlier
-    return load(str(scenario))
+    return load(str(scenario), document.get("settings", ()))
 
 
 def checked_record(text: str, name: str | None) -> Record:
@@ -93,7 +93,7 @@ def checked_record(text: str, name: str | None) -> Record:
         document = {}
     _check_judged(log, scenario, document, name)
     trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256")))
-    wanted, found = document.get("frames_sha256"), sha256_of(log)
+    wanted, found = document.get("frames_sha256"), log_sha256(log)
     if wanted != found:
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")

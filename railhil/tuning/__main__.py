@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -15,12 +18,18 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from railhil.common.command_line import parse
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import PASS, guarded
-from railhil.common.output import Output, accept_any_text, flush_output
+from railhil.common.output import Output, accept_any_text, flush_output, print_json
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.perturb import require_perturbations
 from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
 from railhil.tuning.shipped import shipped
+
+if TYPE_CHECKING:
+    from railhil.tuning.evaluation import Evaluation
+    from railhil.tuning.search import Found, Protocol
 
 # What runs the bench is imported where it is used: the help and the list do without its extra libraries.
 
@@ -37,7 +46,10 @@ def _complaining(path: Path) -> Iterator[None]:
         raise InputError("command line", "--out", str(path), f"a file that can be written ({why})") from None
 
 
-def _list(console: Output) -> int:
+def _list(console: Output, as_json: bool) -> int:
+    if as_json:
+        print_json([{"law": one.law, "scenario": one.training_scenario, "file": str(one.source)} for one in shipped()])
+        return PASS
     for given in shipped():
         console.say(f"{given.law}  {given.training_scenario}  {given.source}")
     return PASS
@@ -47,24 +59,33 @@ def _seeds(namespace: argparse.Namespace) -> range:
     return range(namespace.first_seed, namespace.first_seed + namespace.runs)
 
 
-def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> int:
-    from railhil.batch import Case
+def _scenario(namespace: argparse.Namespace, otherwise: str = "") -> Scenario:
+    scenario = load(namespace.scenario or otherwise or DEFAULT_SCENARIO, namespace.set)
+    require_perturbations(scenario, "tune")
+    return scenario
+
+
+def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Evaluation:
+    from railhil.batch import Case, say_compiling
     from railhil.tuning.evaluation import evaluate, show
 
     given = load_parameters(file)
     if namespace.law not in (None, given.law):
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
-    scenario = load(namespace.scenario or given.training_scenario or DEFAULT_SCENARIO)
+    scenario = _scenario(namespace, given.training_scenario)
     case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
-    show(console, evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds))
-    return PASS
+    say_compiling(Output(stderr=True).say)
+    found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
+    show(console, found)
+    return found
 
 
 def _tune(namespace: argparse.Namespace, console: Output) -> int:
+    from railhil.batch import say_compiling
     from railhil.tuning.document import document
     from railhil.tuning.search import Box, Protocol, search
 
-    scenario = load(namespace.scenario or DEFAULT_SCENARIO)
+    scenario = _scenario(namespace)
     protocol = Protocol(
         scenario,
         namespace.law,
@@ -85,6 +106,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     # Before the work, not after it.
     with _complaining(file):
         check_writable(file)
+    say_compiling(Output(stderr=True).say)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     shown = Console(stderr=True)
     with Progress(*columns, console=shown, transient=True, disable=not shown.is_terminal) as bar:
@@ -93,20 +115,72 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
             protocol,
             lambda evaluations, best: bar.update(task, completed=evaluations, description=f"objective {best:.4f}"),
         )
-    with _complaining(file), whole_file(file) as draft:
-        draft.write_text(document(protocol, found), encoding="utf-8")
+    _write(file, document(protocol, found))
+    own = found.objective_default
     console.say(
         f"{protocol.law} on {scenario.name}: objective {found.objective:.4f} on the training runs, "
-        f"{found.objective_default:.4f} with the law's own parameters; {found.evaluations} candidates, "
-        f"{found.infeasible} of them no law"
+        f"{'no law' if math.isinf(own) else f'{own:.4f}'} with the law's own parameters; {found.evaluations} "
+        f"candidates, {found.infeasible} of them no law"
     )
-    if edges := Box.of(protocol.law).at_bounds(found.values):
+    edges = Box.of(protocol.law).at_bounds(found.values)
+    if edges:
         console.say(f"at a bound, where a wider one might give more: {', '.join(edges)}")
     console.say(f"written: {file}")
+    result: dict[str, Any] = {
+        "law": protocol.law,
+        "scenario": scenario.name,
+        "file": str(file),
+        **{key: getattr(found, key) for key in ("objective", "evaluations", "infeasible", "complete")},
+        "objective_default": None if math.isinf(own) else own,
+        "at_bounds": edges,
+        "laid_aside": None,
+        "evaluation": None,
+    }
     if not found.complete:
         console.say("stopped before the budget was used up", style="bold yellow")
-        return _INTERRUPTED
-    return _evaluate(namespace, file, console) if namespace.runs else PASS
+    elif namespace.runs and not math.isinf(own):
+        judged = _evaluate(namespace, file, console)
+        result["evaluation"] = _evaluation_document(judged)
+        result["laid_aside"] = _keep_the_better(judged, protocol, found, file, console)
+    if namespace.json:
+        print_json(result)
+    return PASS if found.complete else _INTERRUPTED
+
+
+def _evaluation_document(judged: Evaluation) -> dict[str, Any]:
+    from railhil.tuning.evaluation import document
+
+    return document(judged)
+
+
+def _write(file: Path, text: str) -> None:
+    with _complaining(file), whole_file(file) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> str | None:
+    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own.
+
+    :returns: why they were laid aside, None when they hold.
+    """
+    from railhil.tuning.document import document
+    from railhil.tuning.evaluation import worse
+    from railhil.tuning.search import Box
+
+    runs = f"on the {len(judged.tuned.seed)} runs of the evaluation"
+    said = worse(judged, found.scale)
+    if not said:
+        console.say(f"the tuned parameters are the better set {runs}: kept in {file}", style="bold")
+        return None
+    box = Box.of(protocol.law)
+    own = dict(zip(box.names, box.default, strict=True))
+    kept = replace(found, values=own, objective=found.objective_default, laid_aside=", ".join(said))
+    _write(file, document(protocol, kept))
+    console.say(
+        f"WORSE than the law's own parameters {runs} ({', '.join(said)}): {file} holds the law's own",
+        style="bold yellow",
+    )
+    return ", ".join(said)
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -114,12 +188,15 @@ def main(words: Sequence[str] | None = None) -> int:
     accept_any_text()
     namespace = parse(arguments(), words)
     check_combination(namespace)
-    console = Output()
+    console = Output(stderr=namespace.json)
     try:
         if namespace.list:
-            return _list(console)
+            return _list(console, namespace.json)
         if namespace.evaluate is not None:
-            return _evaluate(namespace, Path(namespace.evaluate), console)
+            judged = _evaluate(namespace, Path(namespace.evaluate), console)
+            if namespace.json:
+                print_json(_evaluation_document(judged))
+            return PASS
         return _tune(namespace, console)
     finally:
         flush_output()

@@ -7,9 +7,11 @@ import re
 
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
+from railhil.common.output import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
 from railhil.controller_node.setpoint import INDEXINGS
+from railhil.scenarios.settings import add_set_argument
 
 #: Evaluations of a search, at least two generations of the smallest population.
 _BUDGET_MIN, _BUDGET_MAX = 10, 1_000_000
@@ -49,6 +51,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "scenario", nargs="?", metavar="SCENARIO", help=f"shipped name or TOML file (default {DEFAULT_SCENARIO})"
     )
+    add_set_argument(parser)
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--evaluate", metavar="FILE", help="no search: compare this file with the law's own parameters")
     what.add_argument("--list", action="store_true", help="no search: shipped parameter files and their paths")
@@ -89,6 +92,7 @@ def arguments() -> argparse.ArgumentParser:
         action="store_true",
         help="also evaluate on training seeds; the table then says so",
     )
+    add_json_argument(parser)
     return parser
 
 

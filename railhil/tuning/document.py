@@ -50,6 +50,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
         "infeasible": found.infeasible,
         "at_bounds": Box.of(protocol.law).at_bounds(found.values),
         "complete": found.complete,
+        **({"laid_aside": found.laid_aside} if found.laid_aside else {}),
         "objective_version": objective.VERSION,
         "objective_default": _rounded(found.objective_default),
         "objective_tuned": _rounded(found.objective),

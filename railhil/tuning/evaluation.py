@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from rich.table import Table
@@ -13,6 +14,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.tuning.objective import Scale, objective
 
 #: Score -> its title, unit and digits.
 _SCORES = {
@@ -74,6 +76,25 @@ def quantiles(result: BatchResult, score: str) -> list[float]:
     return [quantile(ordered, share) for _, share in _QUANTILES]
 
 
+def worse(found: Evaluation, scale: Scale) -> list[str]:
+    """In what the tuned parameters end worse than the law's own; empty when they are not to be laid aside.
+
+    They are when the objective of the search is larger on these runs, when fewer runs pass, or when the median of an
+    error that has a limit has grown and lies beyond it.
+    """
+    before, after = (objective(scale, result.scores) for result in (found.default, found.tuned))
+    said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
+    passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
+    said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
+    plan = found.case.scenario.plan
+    for name, limit in (("stop_error_m", plan.stop_error_max_m), ("punctuality_s", plan.time_error_max_s)):
+        own, tuned = (quantiles(result, name)[0] for result in (found.default, found.tuned))
+        if tuned > max(own, limit):
+            title, unit, digits = _SCORES[name]
+            said.append(f"median {title} {own:.{digits}f} -> {tuned:.{digits}f} {unit}")
+    return said
+
+
 def _title(found: Evaluation) -> str:
     case, seeds = found.case, found.tuned.seed
     title = (
@@ -103,6 +124,40 @@ def _shares(result: BatchResult) -> str:
     stopped = int(np.isfinite(result.stop_error_m).sum())
     over = int((result.overspeed_mps > 0).sum())
     return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
+
+
+def document(found: Evaluation) -> dict[str, Any]:
+    """The comparison as JSON; a quantile of runs that did not stop is the text ``inf``."""
+
+    def of(result: BatchResult) -> dict[str, Any]:
+        scores = {
+            name: {
+                key: value if np.isfinite(value) else "inf"
+                for (key, _), value in zip(_QUANTILES, quantiles(result, name), strict=True)
+            }
+            for name in _SCORES
+        }
+        return {
+            "scores": scores,
+            "passed": int(result.passed.sum()),
+            "stopped": int(np.isfinite(result.stop_error_m).sum()),
+            "overspeeds": int((result.overspeed_mps > 0).sum()),
+        }
+
+    case, seeds = found.case, found.tuned.seed
+    return {
+        "law": case.law,
+        "scenario": case.scenario.name,
+        "scenario_sha256": case.scenario.sha256,
+        "parameters_sha256": found.given.sha256,
+        "arithmetic": case.arithmetic,
+        "indexing": case.indexing,
+        "runs": len(seeds),
+        "first_seed": int(seeds[0]),
+        "training_seeds": list(found.seen),
+        "default": of(found.default),
+        "tuned": of(found.tuned),
+    }
 
 
 def show(console: Output, found: Evaluation) -> None:

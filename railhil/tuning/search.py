@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import differential_evolution
 
-from railhil.common.errors import InputError
+from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios import streams
 from railhil.scenarios.model import Scenario
@@ -54,7 +54,10 @@ class Protocol:
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """The best parameters, and how they were found; ``complete`` is false after Ctrl-C."""
+    """The best parameters, and how they were found; ``complete`` is false after Ctrl-C.
+
+    ``laid_aside``: in what the best parameters were worse on other runs, so that ``values`` are the law's own.
+    """
 
     values: Mapping[str, float]
     objective: float
@@ -63,6 +66,7 @@ class Found:
     evaluations: int
     infeasible: int
     complete: bool
+    laid_aside: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +137,8 @@ class _Best:
         self.trials = trials
         self._progress = progress
         self.values: Mapping[str, float] = dict(zip(box.names, box.default, strict=True))
-        self.objective = self.objective_default = trials.of_defaults()
+        own = trials.of_defaults()
+        self.objective = self.objective_default = math.inf if own is None else own
         self.evaluations = self.infeasible = 0
 
     def generation(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -149,13 +154,31 @@ class _Best:
         return np.array([np.inf if found is None else found for found in objectives])
 
 
+def _spoken(name: str) -> str:
+    return name.rpartition("_")[0].replace("_", " ") or name
+
+
+def _hopeless(law: str, best: _Best) -> InputError:
+    """No candidate was a law: why, and which parameters that no candidate can mend are the reason."""
+    (reason, _), *_ = best.trials.refusals.most_common(1)
+    kind = load_law(law)
+    fixed = [field.name for field in fields(kind.parameters_type) if field.name not in kind.tunable]
+    words = reason.replace("_", " ")
+    # A reason names a parameter as it is written, or in words and without its unit.
+    named = [name for name in fixed if name.replace("_", " ") in words or _spoken(name) in words] or fixed
+    found = Words(f"no law among {best.evaluations} candidates nor with its own parameters")
+    hint = f"{reason}; not searched, so that no candidate can mend it: {', '.join(named)}"
+    return InputError("tune", law, found, "parameters with which the law can be made for this scenario", hint)
+
+
 def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda evaluations, best: None) -> Found:
     """The best parameters that the budget finds, never worse on the training runs than the law's own.
 
     Deterministic for one version of scipy. Ctrl-C ends the search; the generations until then count.
 
     :param progress: called after each generation with the evaluations so far and the best objective.
-    :raises InputError: the law is unknown, has nothing to tune or does not fit the scenario or the indexing.
+    :raises InputError: the law is unknown, has nothing to tune or does not fit the scenario or the indexing, whatever
+        the candidate.
     """
     box = Box.of(protocol.law)
     best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.indexing, protocol.seeds), progress)
@@ -180,6 +203,8 @@ def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda e
         )
     except KeyboardInterrupt:
         complete = False
+    if math.isinf(best.objective):
+        raise _hopeless(protocol.law, best)
     return Found(
         best.values,
         best.objective,

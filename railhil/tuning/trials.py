@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -34,16 +34,15 @@ class Trials:
         self._law = law
         self._indexing = indexing
         self._seeds = list(seeds)
+        #: How often the law gave which reason for refusing parameters.
+        self.refusals: Counter[str] = Counter()
         published = record(scenario, REFERENCE, indexing, wide=True)
         self.scale = Scale.of(scenario.plan, self._runs(REFERENCE, [published])[0])
 
-    def of_defaults(self) -> float:
-        """Objective of the law's own parameters.
-
-        :raises InputError: the law cannot be made for this scenario.
-        """
-        programs = record(self._scenario, self._law, self._indexing, wide=True)
-        return objective(self.scale, self._runs(self._law, [programs])[0])
+    def of_defaults(self) -> float | None:
+        """Objective of the law's own parameters, None when the law cannot be made with them for this scenario."""
+        programs = self._programs(None)
+        return None if programs is None else objective(self.scale, self._runs(self._law, [programs])[0])
 
     def of(self, candidates: Sequence[Mapping[str, float]]) -> list[float | None]:
         """Objective of each candidate, None for one with which the law cannot be made.
@@ -65,13 +64,14 @@ class Trials:
                     found[i] = objective(self.scale, scores)
         return found
 
-    def _programs(self, values: Mapping[str, float]) -> LawProgram | None:
-        given = ParameterSet(self._law, values, Path("search"))
+    def _programs(self, values: Mapping[str, float] | None) -> LawProgram | None:
+        given = None if values is None else ParameterSet(self._law, values, Path("search"))
         try:
             return record(self._scenario, self._law, self._indexing, wide=True, parameters=given)
         except InputError as error:
             # What a law says about parameters that do not go together.
             if isinstance(error.__cause__, ValueError):
+                self.refusals[str(error.__cause__)] += 1
                 return None
             raise
 

@@ -1,8 +1,9 @@
-"""Ctrl-C while a program is still loading: exit code 130 and not a word, whichever moment it comes in."""
+"""Ctrl-C while a program is still loading: exit code 130 and one line, whichever moment it comes in."""
 
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -28,6 +29,11 @@ os.execv(sys.executable, [sys.executable, "-m", *sys.argv[1:]])
 """
 
 
+def _stopped(done: subprocess.CompletedProcess[str]) -> None:
+    assert (done.returncode, done.stdout) == (130, "")
+    assert re.fullmatch(r"[a-z -]+: stopped by Ctrl-C\n", done.stderr), done.stderr
+
+
 @pytest.mark.parametrize(
     "module",
     ["railhil.cli", "railhil.controller_node", "railhil.plant_sim", "railhil.machines.adapter", "railhil.bus.hub"],
@@ -39,7 +45,7 @@ def test_ctrl_c_while_the_modules_load(tmp_path, monkeypatch, module):
     done = subprocess.run(
         [sys.executable, "-m", module], capture_output=True, text=True, check=False, timeout=_TIMEOUT_S, cwd=ROOT
     )
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    _stopped(done)
 
 
 @pytest.mark.parametrize(
@@ -55,7 +61,7 @@ def test_ctrl_c_on_the_way_into_another_program(module):
         timeout=_TIMEOUT_S,
         cwd=ROOT,
     )
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+    _stopped(done)
 
 
 def test_railhil_holds_ctrl_c_back_when_it_becomes_another_program(monkeypatch):

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.figures import QUICK_TOML
-from railhil.audit import __main__ as audit
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link
 from railhil.common.exit_codes import INVALID, guarded
@@ -156,17 +154,6 @@ def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkey
         gc.unfreeze()
         gc.enable()
     assert json.loads(path.read_text(encoding="utf-8")) == {"steps": 7}
-
-
-def test_the_audit_goes_through_a_pipe(pipe: Path) -> None:
-    short = pipe.with_name("short.toml")
-    short.write_text(QUICK_TOML)
-    reader, found = read_in_background(pipe)
-    assert audit.main([str(short), "--runs", "0", "--json", str(pipe)]) in (0, 1)
-    reader.join(5)
-    assert found
-    assert found[0].startswith('{\n  "scenario": "benchmark_quick"')
-    assert pipe.is_fifo()
 
 
 def test_what_cannot_be_written_is_said_before_the_work(tmp_path: Path) -> None:

@@ -55,15 +55,21 @@ def short(tmp_path):
 
 @pytest.mark.loop
 def test_an_audit_from_the_command_line(short, tmp_path):
-    file = tmp_path / "audit.json"
-    done = railhil("audit", short, "--runs", "4", "--json", file, cwd=tmp_path)
+    done = railhil("audit", short, "--runs", "4", cwd=tmp_path)
     assert done.exit_code == 0, done.out + done.err
-    assert done.err == ""
+    assert done.said == []
     assert max(map(len, done.out.splitlines())) <= 100
     positions = [done.out.index(heading) for heading in HEADINGS]
     assert positions == sorted(positions)
     assert done.out.rstrip().endswith("all bars met")
-    found = json.loads(file.read_text())
+    assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
+
+
+@pytest.mark.loop
+def test_json_of_an_audit_is_all_that_is_printed(short, tmp_path):
+    done = railhil("audit", short, "--runs", "4", "--json", cwd=tmp_path)
+    assert (done.exit_code, done.said) == (0, [])
+    found = json.loads(done.out)
     assert set(found) == KEYS
     assert found["met"] is True
     assert (found["runs"], found["arithmetic"], found["indexing"]) == (4, "iq", "time")
@@ -76,7 +82,6 @@ def test_an_audit_from_the_command_line(short, tmp_path):
     ]
     for part in ("ranges", "errors"):
         assert {"speed", "notch"} <= {row["name"] for row in found[part]}
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["audit.json", "short.toml"]
 
 
 def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
@@ -97,8 +102,6 @@ def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
         (["--runs", "-1"], "found -1, allowed 0..100000"),
         (["--runs", "many"], "found many, allowed 0..100000"),
         (["--seed", "4294967296"], "found 4294967296, allowed 0..4294967295"),
-        (["--json", "/nowhere/audit.json"], "--json: found '/nowhere/audit.json', allowed a file that can be written"),
-        (["--json", "."], "is a directory"),
         (["--frobnicate"], "--frobnicate"),
     ],
 )
@@ -109,17 +112,6 @@ def test_bad_input_is_one_line(arguments, words, tmp_path):
     assert words in done.one_line()
     assert done.one_line().startswith("railhil audit: ")
     assert not list(tmp_path.iterdir())
-
-
-def test_a_file_that_fails_later_is_one_line_and_leaves_nothing(short, tmp_path, monkeypatch):
-    def gone(*given):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("pathlib.Path.replace", gone)
-    with pytest.raises(Exception, match=r"--json: .*no space left on device") as caught:
-        command.main([str(short), "--runs", "0", "--json", str(tmp_path / "a.json")])
-    assert caught.value.exit_code == 2
-    assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
 
 
 def test_the_help_says_what_the_exit_codes_mean(tmp_path):

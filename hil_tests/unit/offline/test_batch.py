@@ -15,7 +15,8 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.plug import plug_in
-from railhil.batch import Case, run_batch, trace_digest
+from railhil.batch import Case, run_batch, say_compiling, trace_digest
+from railhil.batch.compiled import FUNCTIONS, Kept
 from railhil.batch.engine import Engine
 from railhil.batch.noise import standard_noise
 from railhil.bench import coupled_run, direct_run, local_run
@@ -317,9 +318,7 @@ def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
     for name in ("compiled", "kernel", "engine"):
         monkeypatch.delitem(sys.modules, f"hil_tests.batch.{name}", raising=False)
         monkeypatch.delattr(f"hil_tests.batch.{name}", raising=False)
-    with pytest.raises(
-        InputError, match=r"^batch: numba: found not installed, allowed pip install 'railhil\[campaign\]'$"
-    ):
+    with pytest.raises(InputError, match=r"^batch: module numba.*: found not installed, allowed .* -m pip install "):
         run_batch(Case(short), [1])
 
 
@@ -339,3 +338,23 @@ def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed)
     assert found.ended == "ended_complete"
     assert found.stop_error_m is not None
     assert not any("not stopped" in text for text in found.failures)
+
+
+def test_compiling_is_said_before_it_begins_and_only_then(tmp_path, monkeypatch):
+    said: list[str] = []
+    functions = [Kept("run_period", tmp_path, True)]
+    monkeypatch.setattr("railhil.batch.compiled.FUNCTIONS", functions)
+    say_compiling(said.append)
+    assert said == ["compiling the batch of trains (once for this machine; up to a minute) ..."]
+    (tmp_path / "batch_x").mkdir()
+    (tmp_path / "batch_x" / "kernel.run_period-236.py311.nbi").touch()
+    say_compiling(said.append)
+    assert len(said) == 1
+    functions.append(Kept("stand_to_the_end", Path("/proc/none"), False))
+    say_compiling(said.append)
+    assert "in every process, as /proc/none cannot be written" in said[1]
+
+
+def test_what_was_compiled_is_found_again(short):
+    run_batch(Case(short), [1])
+    assert all(function.is_there for function in FUNCTIONS if function.kept)

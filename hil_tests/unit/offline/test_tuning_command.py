@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from dataclasses import replace
@@ -20,7 +21,9 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
-from railhil.tuning.evaluation import evaluate, quantiles
+from railhil.tuning.evaluation import Evaluation, evaluate, quantiles, worse
+from railhil.tuning.objective import Scale
+from railhil.tuning.search import Box, Protocol, search
 from railhil.tuning.shipped import shipped
 from railhil.tuning.trials import Trials
 
@@ -52,6 +55,55 @@ def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     assert other.default.scores == run_batch(case, (2, 3)).scores
 
 
+def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
+    quick: Path, short: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "kept.toml"
+    command = ["tune", "fuzzy_pid", str(quick), "--budget", "10", "--seeds", "0", "--runs", "4", "--out", str(file)]
+    # The search takes the largest objective for the best.
+    judge = Trials.of
+    monkeypatch.setattr(Trials, "of", lambda self, given: [None if x is None else -x for x in judge(self, given)])
+    monkeypatch.setattr("sys.argv", command)
+    assert tool.main() == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last.startswith("WORSE than the law's own parameters on the 4 runs of the evaluation (objective ")
+    assert last.endswith(f"{file} holds the law's own")
+    box = Box.of("fuzzy_pid")
+    assert dict(load_parameters(file).values) == dict(zip(box.names, box.default, strict=True))
+    notes = tomllib.loads(file.read_text(encoding="utf-8"))["training"]["notes"]
+    assert notes["laid_aside"] in last
+    assert notes["objective_tuned"] == notes["objective_default"]
+
+
+def test_what_counts_as_worse(short: Scenario) -> None:
+    result = run_batch(Case(short, "ipfc"), (2, 3, 4))
+    given = ParameterSet("ipfc", {}, Path("tuned.toml"))
+    scale = Scale.of(short.plan, result.scores)
+
+    def said(**changes: object) -> list[str]:
+        return worse(Evaluation(Case(short, "ipfc"), given, (), result, replace(result, **changes)), scale)
+
+    assert said() == []
+    more = tuple(replace(score, itae=2 * score.itae) for score in result.scores)
+    assert [text.split()[0] for text in said(scores=more)] == ["objective"]
+    assert said(scores=tuple(replace(score, itae=0.5 * score.itae) for score in result.scores)) == []
+    beyond = np.full(3, 1e3)
+    (text,) = said(stop_error_m=beyond)
+    assert text.endswith("-> 1000.000 m")
+    # Inside the limit an error may grow: the objective weighs it.
+    assert said(punctuality_s=np.full(3, short.plan.time_error_max_s)) == []
+    if result.passed.any():
+        assert said(passed=np.zeros(3, dtype=bool)) != []
+
+
+def test_parameters_that_no_candidate_can_mend_are_named(short: Scenario) -> None:
+    scenario = replace(short, timing=replace(short.timing, control_period_ns=100_000_000))
+    with pytest.raises(InputError) as caught:
+        search(Protocol(scenario, "ipfc_plus", seeds=(0,), budget=10))
+    assert "a loop delay of 0.11 s is not inside the control period of 0.1 s" in str(caught.value)
+    assert str(caught.value).endswith("not searched, so that no candidate can mend it: loop_delay_s)")
+
+
 def test_a_run_that_does_not_stop_is_infinitely_bad(short: Scenario) -> None:
     result = run_batch(Case(short, "ipfc"), (2, 3, 4))
     stop = result.stop_error_m.copy()
@@ -75,7 +127,7 @@ def test_tune_as_a_user_runs_it(
 ) -> None:
     done = railhil("tune", "fuzzy_pid", quick, "--budget", "10", "--seeds", "3,5", "--runs", "4", cwd=tmp_path)
     assert done.exit_code == 0, done.err
-    assert done.err == ""
+    assert done.said == []
     assert [path.name for path in tmp_path.iterdir()] == ["fuzzy_pid_benchmark_quick.toml"]
     file = tmp_path / "fuzzy_pid_benchmark_quick.toml"
     given = load_parameters(file)
@@ -88,7 +140,13 @@ def test_tune_as_a_user_runs_it(
         assert tool.main(["--evaluate", str(file), "fuzzy_pid", str(quick), "--runs", "4", *more]) == 0
         return capsys.readouterr().out
 
-    assert done.out.endswith(evaluated())
+    shown = evaluated()
+    *before, last = done.out.splitlines()
+    assert "\n".join(before).endswith(shown.rstrip("\n"))
+    assert last.startswith(("the tuned parameters are the better set on the 4 runs", "WORSE than the law's own"))
+    told = json.loads(evaluated("--json"))
+    assert (told["runs"], told["first_seed"], told["training_seeds"]) == (4, 1000, [])
+    assert told["tuned"]["scores"].keys() == told["default"]["scores"].keys()
     with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
         evaluated("--first-seed", "2")
     assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")

@@ -6,6 +6,7 @@ import csv
 import dataclasses
 import hashlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -17,11 +18,13 @@ from railhil.dbc import wire_contract
 from railhil.scenarios import streams
 from railhil.scenarios.canonical import canonical_json, scenario_sha256
 from railhil.scenarios.json_schema import scenario_json_schema
-from railhil.scenarios.layers import DATA
-from railhil.scenarios.load import load, names
+from railhil.scenarios.keys import MEANING
+from railhil.scenarios.layers import DATA, Layers
+from railhil.scenarios.load import RUNS, load, names
 from railhil.scenarios.model import Line, Perturbations, Scenario, Uniform, profile_value
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.profiles import MeanGrade, front_speed_limit
+from railhil.scenarios.reference import PAGE, keys, page
 from railhil.scenarios.schema import PORTS
 
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
@@ -322,7 +325,7 @@ def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -
     assert all(load(name).watch.weakened == "" for name in names())
     path = tmp_path / "weak.toml"
     head = 'extends = "lvshun_tieshan"\nname = "weak"\n[watch]\n'
-    for keys, said in (
+    for lines, said in (
         ("hold_ms = 10", ""),
         ("overspeed_margin_kmh = 4.99", ""),
         ("overspeed_margin_kmh = 5.01", "overspeed_margin_kmh 5.01 (usual 5)"),
@@ -333,5 +336,31 @@ def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -
             "emergency_ms 400000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)",
         ),
     ):
-        path.write_text(head + keys + "\n", encoding="utf-8")
+        path.write_text(head + lines + "\n", encoding="utf-8")
         assert load(path).watch.weakened == said
+
+
+def test_the_reference_of_all_keys_is_current_and_whole() -> None:
+    assert PAGE.read_text(encoding="utf-8") == page(), "python -m railhil.scenarios.reference writes it"
+    assert {key.name for key in keys()} == set(MEANING)
+    by_name = {key.name: key for key in keys()}
+    assert (by_name["plan.distance_m"].unit, by_name["plan.distance_m"].allowed) == ("m", "number above 0 to 400000")
+    assert (by_name["timing.loop_delay_s"].unit, by_name["timing.loop_delay_s"].default) == ("s", "0.04")
+    # Every key of every shipped scenario is one of them.
+    for path in RUNS.glob("*.toml"):
+        for keys_there in leaves(Layers(path).merged()):
+            assert keys_there in by_name, keys_there
+
+
+def leaves(table: dict[str, object], above: str = "") -> Iterator[str]:
+    """Dotted keys of a file, rows of tables by their keys."""
+    for key, value in table.items():
+        name = f"{above}{key}"
+        rows = [row for row in value if isinstance(row, dict)] if isinstance(value, list) else []
+        if isinstance(value, dict):
+            yield from leaves(value, f"{name}.")
+        elif rows:
+            for row in rows:
+                yield from leaves(row, f"{name}[].")
+        else:
+            yield name

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,9 @@ from hypothesis import strategies as st
 
 from railhil.common.errors import InputError, Words, nearest_key
 from railhil.scenarios.layers import Layers
-from railhil.scenarios.load import RUNS, load
+from railhil.scenarios.load import RUNS, load, short_names, stable_name
+from railhil.scenarios.model import Perturbations
+from railhil.scenarios.perturb import require_perturbations
 
 HEAD = 'extends = "lvshun_tieshan"\nname = "mine"\ntitle = "t"\n'
 
@@ -63,7 +66,7 @@ CASES = {
     "row too short": ("[line]\ngrade_permil = [[0]]", "line.grade_permil[0][1]", "found nothing"),
     "no rows": ("[line]\ngrade_permil = []", "line.grade_permil", "at least 1"),
     "limit 0": ("[line]\nspeed_limit_kmh = [[0, 0]]", "line.speed_limit_kmh[0]", "above 0"),
-    "over the limit": ("[line]\nspeed_limit_kmh = [[0, 60]]", "target", "60.00 km/h there"),
+    "over the limit": ("[line]\nspeed_limit_kmh = [[0, 60]]", "line.speed_limit_kmh", "60.00 km/h there"),
     "balise twice": (
         "[line]\nbalises = [{number = 1, surveyed_m = 3}, {number = 1, surveyed_m = 4}]",
         "line.balises[1].number",
@@ -122,7 +125,12 @@ def test_the_message_names_the_file_that_has_the_key(tmp_path: Path) -> None:
 def test_a_missing_key_names_the_table_that_should_have_it(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text('schema_version = 1\nname = "mine"\ntitle = "t"\n[train]\nmass_t = 3\n', encoding="utf-8")
-    assert one_line(path) == f"{path}: train.name: found nothing, allowed a value: the key is required"
+    assert one_line(path) == (
+        f"{path}: train.name, train.length_m, train.davis, train.traction, train.brake, train.actuator_pole_per_s, "
+        "line, target, plan, sensors, energy: found nothing, allowed values: the keys are required"
+    )
+    path.write_text(HEAD + "[[line.balises]]\nnumber = 1\n", encoding="utf-8")
+    assert one_line(path) == f"{path}: line.balises[0].surveyed_m: found nothing, allowed a value: the key is required"
 
 
 @pytest.mark.parametrize(
@@ -139,7 +147,7 @@ def test_a_missing_key_names_the_table_that_should_have_it(tmp_path: Path) -> No
         ('extends = "nix"\n', "one of lvshun_tieshan"),
         ('extends = "nix.toml"\n', "a file that exists"),
         ("extends = 3\n", "shipped name"),
-        ("", "the key is required"),
+        ("", "schema_version, name, title, train, line, target, plan, sensors, energy: found nothing"),
     ],
 )
 def test_files_that_are_no_scenario(text: str, words: str, tmp_path: Path) -> None:
@@ -164,6 +172,64 @@ def test_names_that_are_no_scenario(name: str) -> None:
 def test_a_name_nearly_right_gets_a_hint() -> None:
     with pytest.raises(InputError, match=r"did you mean lvshun_tieshan\?"):
         load("lvshun_tieshn")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("yizhuang_5", "(did you mean yizhuang_05?)"),
+        ("Lvshun_Tieshan", "(did you mean lvshun_tieshan?)"),
+        ("lvshun", "one of lvshun_tieshan, lvshun_tieshan_worn_wheels"),
+        ("mine", "(did you mean mine.toml?)"),
+        ("mime.toml", "mime.toml: found no such file, allowed an existing .toml file (did you mean mine.toml?)"),
+    ],
+)
+def test_a_name_that_is_none_is_answered_with_one_that_is(
+    name: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.toml").touch()
+    with pytest.raises(InputError) as caught:
+        load(name)
+    assert str(caught.value).endswith(words)
+
+
+def test_the_beginning_of_a_name_is_enough() -> None:
+    for name, short in short_names().items():
+        assert load(short).name == name
+    assert short_names()["yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"] == "yizhuang_05"
+    assert short_names()["lvshun_tieshan"] == "lvshun_tieshan"
+    assert stable_name("yizhuang_05") == "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan"
+
+
+#: What breaks a shipped file, the key that did, and the check that noticed.
+BREAKS = {
+    "speed limit": ("[line]\nspeed_limit_kmh = [[0, 60]]", "line.speed_limit_kmh: found [[0, 60]]", "target: found "),
+    "control period": ("[timing]\nbase_tick_ms = 7", "timing.base_tick_ms: found 7", "timing.control_period_ms: "),
+    "curve": (
+        "[target]\nnodes_s_mps2 = [[0, 0.5], [4, 0.5], [5, -0.5], [9, -0.5]]",
+        "target.nodes_s_mps2: found ",
+        "plan.distance_m: found 2940",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BREAKS)
+def test_an_own_file_that_breaks_what_it_builds_upon_is_blamed_itself(case: str, tmp_path: Path) -> None:
+    body, blamed, noticed = BREAKS[case]
+    path = tmp_path / "mine.toml"
+    path.write_text(HEAD + "[energy]\nxi_m = 0.9\n" + body, encoding="utf-8")
+    text = one_line(path)
+    assert text.startswith(f"{path}: {blamed}")
+    assert f"({noticed}" in text
+    assert ", allowed what goes with lvshun_tieshan.toml (" in text
+
+
+def test_a_scenario_that_leaves_nothing_to_draw_has_no_perturbed_runs() -> None:
+    scenario = replace(load("lvshun_tieshan"), perturbations=Perturbations())
+    with pytest.raises(InputError, match=r"--perturbed: found the scenario lvshun_tieshan, which has no \[perturb"):
+        require_perturbations(scenario, "--perturbed")
+    require_perturbations(load("lvshun_tieshan_worn_wheels"), "--perturbed")
 
 
 def test_a_shipped_file_has_its_own_name() -> None:

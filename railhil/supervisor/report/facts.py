@@ -87,6 +87,10 @@ def _parameters(run: RecordedRun) -> str:
     return parameters_sentence(run) + "".join(f"; {name} = {value}" for name, value in values.items())
 
 
+def _settings(certificate: dict[str, Any]) -> str:
+    return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
+
+
 def _signed(run: RecordedRun) -> str:
     late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
     if late_s is None or past_m is None:
@@ -107,7 +111,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
 
     transport = said("transport")
     rows = [
-        ("Scenario", f"{scenario.title} ({scenario.name})"),
+        ("Scenario", f"{scenario.title} ({scenario.name}){_settings(certificate)}"),
         ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
         ("Controller", said("controller")),
         ("Parameters", _parameters(run)),

@@ -1,0 +1,50 @@
+"""A missing library: one line that names a command for this very installation."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from railhil.supervisor import extras
+from railhil.supervisor.extras import install_command, missing
+
+_EXTRAS = tomllib.loads((Path(extras.__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+    "optional-dependencies"
+]
+
+
+def _names(words: list[str]) -> list[str]:
+    return sorted(word.split(">")[0] for word in words)
+
+
+@pytest.mark.parametrize("extra", ["report", "campaign", "dask"])
+def test_a_clone_and_a_wheel_install_into_the_python_that_runs(extra: str) -> None:
+    words = shlex.split(install_command(extra))
+    assert words[:4] == [sys.executable, "-m", "pip", "install"]
+    assert _names(words[4:]) == _names(_EXTRAS[extra])
+
+
+def test_pipx_injects(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    (tmp_path / "pipx_metadata.json").touch()
+    words = shlex.split(install_command("campaign"))
+    assert words[:3] == ["pipx", "inject", "railhil"]
+    assert _names(words[3:]) == _names(_EXTRAS["campaign"])
+
+
+def test_an_environment_without_pip_is_one_of_uv(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extras.importlib.util, "find_spec", lambda name: None)
+    assert shlex.split(install_command("report"))[:5] == ["uv", "pip", "install", "--python", sys.executable]
+
+
+def test_a_library_that_cannot_be_used_is_told_from_one_that_is_not_there() -> None:
+    absent = str(missing("x", ModuleNotFoundError("No module named 'numba'", name="numba"), "campaign"))
+    assert (
+        absent == f"x: module numba: found not installed, allowed {install_command('campaign')} (the extra [campaign])"
+    )
+    broken = str(missing("x", ImportError("Numba needs NumPy 2.3 or less", name="numba"), "campaign"))
+    assert "found an installation that cannot be used (Numba needs NumPy 2.3 or less), allowed " in broken

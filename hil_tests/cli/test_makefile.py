@@ -1,0 +1,52 @@
+"""``make install``: a line for each step, and the exit code of pip."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+
+_PIP = """#!/bin/sh
+echo "$@" >"$0.arguments"
+echo 'Collecting numpy>=1.26 (from railhil==0.1.0)'
+echo 'Collecting rich'
+echo '  Downloading rich.whl (2 MB)'
+echo 'Building wheel for railhil (pyproject.toml): started'
+echo 'Installing collected packages: numpy, rich, railhil'
+exit "${PIP_EXIT:-0}"
+"""
+
+
+@pytest.mark.parametrize(
+    ("target", "wanted"),
+    [(".installed", "-e .[report]"), (".installed-dev", "-e .[dev,report,campaign,dask]")],
+)
+def test_installing_says_what_it_does(tmp_path: Path, target: str, wanted: str) -> None:
+    pip = tmp_path / "bin" / "pip"
+    pip.parent.mkdir()
+    pip.write_text(_PIP)
+    pip.chmod(0o755)
+    call = ["make", "--no-print-directory", f"VENV={tmp_path}", f"{tmp_path}/{target}"]
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    first, *steps = done.stdout.splitlines()
+    assert first.startswith("installing railhil ")
+    assert steps == ["  fetching numpy>=1.26", "  fetching rich", "  building railhil", "  unpacking 3 packages"]
+    assert (tmp_path / "bin" / "pip.arguments").read_text().rstrip().endswith(wanted)
+    assert (tmp_path / target).exists()
+
+
+def test_a_failed_installation_is_none(tmp_path: Path) -> None:
+    pip = tmp_path / "bin" / "pip"
+    pip.parent.mkdir()
+    pip.write_text(_PIP)
+    pip.chmod(0o755)
+    call = ["make", "--no-print-directory", f"VENV={tmp_path}", f"{tmp_path}/.installed"]
+    environment = {**os.environ, "PIP_EXIT": "3"}
+    done = subprocess.run(call, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60, env=environment)
+    assert done.returncode == 2
+    assert not (tmp_path / ".installed").exists()

@@ -1,0 +1,64 @@
+"""What a run says of its assumptions and of the next step: one line each, from facts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from railhil.cli.remarks import assumed, next_step
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.score import WRAP_FAILURE, Score
+from railhil.supervisor.trace import Trace
+
+_STOP = "stop error -0.219 m, allowed +-0.2 m"
+_SCORE = Score("FAIL", 1.0, 1.0, 0.1, 0.219, 1.0, 0.1, -0.219, 0.0, (_STOP,), "complete")
+
+
+def run(scenario: Scenario, *failures: str, verdict: str = "FAIL", **certificate: Any) -> RecordedRun:
+    said = {"controller": "ipfc", "indexing": "time", "scenario": scenario.name} | certificate
+    score = replace(_SCORE, failures=failures or _SCORE.failures)
+    return RecordedRun("ipfc", scenario, Trace(), score, verdict, "", said, {})
+
+
+def test_assumptions_are_one_line_that_points_at_the_report(lvshun: Scenario, tmp_path: Path) -> None:
+    (line,) = assumed(lvshun, tmp_path, verbose=False)
+    assert f"assumed: {len(lvshun.assumptions)} choices" in line
+    assert "railhil scenarios lvshun_tieshan" in line
+    (tmp_path / "report.html").touch()
+    assert f"listed in {tmp_path / 'report.html'}" in assumed(lvshun, tmp_path, verbose=False)[0]
+    assert assumed(lvshun, tmp_path, verbose=True) == [f"assumed: {text}" for text in lvshun.assumptions]
+    assert assumed(replace(lvshun, assumptions=()), tmp_path, verbose=False) == []
+
+
+@pytest.mark.parametrize(
+    ("failures", "certificate", "words"),
+    [
+        ((_STOP,), {}, ("--controller ipfc_plus", "railhil tune ipfc lvshun_tieshan")),
+        ((_STOP,), {"parameters": {"sha256": "0"}}, ("--controller ipfc_plus",)),
+        ((_STOP,), {"controller": "mine"}, ("--controller ipfc_plus",)),
+        ((_STOP,), {"controller": "ipfc_plus"}, ("railhil report ",)),
+        ((_STOP,), {"indexing": "distance"}, ("railhil report ",)),
+        ((_STOP, "emergency brake at 3.00 s"), {}, ("railhil report ",)),
+        ((f"{WRAP_FAILURE}, reported at 3 s",), {}, ("railhil audit lvshun_tieshan --controller ipfc ",)),
+    ],
+)
+def test_the_next_step_follows_from_what_went_wrong(
+    lvshun: Scenario, tmp_path: Path, failures: tuple[str, ...], certificate: dict[str, Any], words: tuple[str, ...]
+) -> None:
+    line = next_step(run(lvshun, *failures, **certificate), tmp_path)
+    assert line.startswith("next: ")
+    assert "\n" not in line
+    assert all(word in line for word in words)
+    for other in ("--controller ipfc_plus", "railhil tune", "railhil report", "railhil audit"):
+        assert any(other in word for word in words) == (other in line)
+
+
+def test_no_advice_without_a_fail_or_on_somebody_elses_controller(lvshun: Scenario, tmp_path: Path) -> None:
+    assert next_step(run(lvshun, verdict="PASS"), tmp_path) == ""
+    assert next_step(run(lvshun, verdict="INVALID"), tmp_path) == ""
+    assert next_step(run(lvshun, foreign=True), tmp_path) == ""
+    assert next_step(run(lvshun, attached=True), tmp_path) == ""

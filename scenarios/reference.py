@@ -1,0 +1,160 @@
+"""``docs/scenario_keys.md``: every key of a scenario file with unit, default and range, from the schema.
+
+``python -m railhil.scenarios.reference`` writes it; a test holds the file against what would be written.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from railhil.scenarios.keys import MEANING
+from railhil.scenarios.schema import ScenarioFile
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "scenario_keys.md"
+_HEAD = """\
+# Every key of a scenario file
+
+Written by `python -m railhil.scenarios.reference` from the schema that checks the files. Keys as `--set` takes them
+([scenarios.md](scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. Beside them a file may
+say `extends`, and `[train]`, `[line]` and `[target]` a `file`. What is `required` must come from the file or one that
+it builds upon.
+"""
+_NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
+_ROWS = {"line.balises", "line.stops", "published"}
+
+#: Ends like a length, and is none.
+_PURE = ("energy.xi_m",)
+#: Ending of a key and its unit, longer endings first.
+_UNITS = {
+    "n_per_kn_kmh2": "N/kN/(km/h)²",
+    "n_per_kn_kmh": "N/kN/(km/h)",
+    "n_per_kn": "N/kN",
+    "per_s": "1/s",
+    "kmh_kn": "km/h, kN",
+    "s_mps2": "s, m/s²",
+    "mps3": "m/s³",
+    "mps2": "m/s²",
+    "mps": "m/s",
+    "kmh": "km/h",
+    "permil": "‰",
+    "percent": "%",
+    "kw": "kW",
+    "kj": "kJ",
+    "kn": "kN",
+    "ms": "ms",
+    "n": "N",
+    "t": "t",
+    "m": "m",
+    "s": "s",
+}
+
+
+Schema = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """One row of the page."""
+
+    name: str
+    unit: str
+    default: str
+    allowed: str
+    meaning: str
+
+
+def keys() -> list[Key]:
+    """All keys in the order of the schema, each once."""
+    schema = ScenarioFile.model_json_schema()
+    found: dict[str, Key] = {}
+    for key in _table(schema, schema, ""):
+        found.setdefault(key.name, key)
+    return list(found.values())
+
+
+def page() -> str:
+    """The whole page."""
+    sections: dict[str, list[Key]] = {}
+    for key in keys():
+        section = key.name.partition(".")[0] if "." in key.name else ""
+        sections.setdefault(section, []).append(key)
+    text = _HEAD
+    for section, rows in sections.items():
+        title = section.removesuffix("[]")
+        text += f"\n## [{title}]\n\n" if title else "\n## The scenario\n\n"
+        text += "| key | unit | default | allowed | what |\n|---|---|---|---|---|\n"
+        for row in rows:
+            text += f"| `{row.name}` | {row.unit} | {row.default} | {row.allowed} | {row.meaning} |\n"
+    return text
+
+
+def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
+    required = table.get("required", ())
+    for name, node in table["properties"].items():
+        key = f"{above}{name}"
+        below = list(_tables(root, node))
+        if below:
+            rows = "[]" if key in _ROWS else ""
+            for kind, inner in enumerate(below):
+                # What only another kind of the table has, no file needs.
+                yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
+            continue
+        default = "required" if name in required else _shown(node.get("default"))
+        yield Key(key, _unit(key), default, _allowed(node), MEANING[key])
+
+
+def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
+    """The tables that a key may hold; none for a value."""
+    choices = [node, *node.get("anyOf", ()), *node.get("oneOf", ()), node.get("items", {})]
+    for choice in choices:
+        if "$ref" in choice:
+            yield root["$defs"][choice["$ref"].rsplit("/", 1)[1]]
+
+
+def _unit(key: str) -> str:
+    found = (unit for ending, unit in _UNITS.items() if key.endswith(f"_{ending}") and key not in _PURE)
+    return next(found, "-")
+
+
+def _shown(value: object) -> str:
+    if value is None:
+        return "-"
+    return "empty" if value in ([], {}) else f"{value:g}" if isinstance(value, float) else f"{value}"
+
+
+def _allowed(node: Schema) -> str:
+    choices = [choice for choice in node.get("anyOf", (node,)) if choice.get("type") != "null"]
+    return " or ".join(_one(choice) for choice in choices)
+
+
+def _one(node: Schema) -> str:
+    if "const" in node:
+        return f"{node['const']}"
+    kind = node.get("type")
+    if kind == "object":
+        return f"table of {_one(node['additionalProperties'])}"
+    if kind == "array" and "prefixItems" in node:
+        return f"[{', '.join('number' for _ in node['prefixItems'])}]"
+    if kind == "array":
+        return f"array of {_one(node['items'])}"
+    bounds = [
+        f"{word} {node[name]:g}"
+        for name, word in (
+            ("minimum", "from"),
+            ("exclusiveMinimum", "above"),
+            ("maximum", "to"),
+            ("exclusiveMaximum", "below"),
+        )
+        if name in node
+    ]
+    length = [f"at most {node['maxLength']} letters"] if "maxLength" in node else []
+    return " ".join([_NUMBERS[str(kind)], *bounds, *length])
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    sys.stdout.write(f"{PAGE}\n")

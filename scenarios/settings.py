@@ -1,0 +1,92 @@
+"""``--set KEY=VALUE``: single keys of a scenario from the command line, a layer above its files.
+
+``--set plan.stop_error_max_m=0.3 --set 'line.grade_permil=[[0, 5]]'``: the key is the dotted path of the scenario file,
+the value is TOML (a bare word is a text); arrays are replaced whole. What is set is checked as a file is, stands in
+certificate and command of a run, and the scenario's SHA-256 covers it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+
+#: Where a key from the command line stands, in place of a file.
+SET = Path("--set")
+#: What says which scenario it is, and so cannot be set beside it.
+_FIXED = ("schema_version", "name", "extends")
+#: Keys that name files: relative to the working folder, so kept as absolute paths.
+_FILES = ("file", "railtoolkit", "ttobench")
+_KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
+
+
+def setting(text: str) -> str:
+    """An option's type: ``KEY=VALUE`` as every program that is handed it reads it again, in any folder.
+
+    :raises InputError: it is none.
+    """
+    key, value = _parsed(text)
+    last = key.rpartition(".")[2]
+    if last in _FILES and isinstance(value, str) and (last != "file" or value.endswith(".toml")):
+        return f"{key}={json.dumps(str(Path(value).resolve()))}"
+    return text
+
+
+def add_set_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of every command that loads a scenario; its value is a list of texts, empty when not given."""
+    parser.add_argument(
+        "--set",
+        type=setting,
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change one key of the scenario (plan.stop_error_max_m=0.3); may be given again",
+    )
+
+
+def set_words(settings: Sequence[str]) -> list[str]:
+    """The settings as words of a command line."""
+    return [word for text in settings for word in (str(SET), text)]
+
+
+def layer(settings: Sequence[str]) -> dict[str, Any]:
+    """The settings as the table that a file would hold.
+
+    :raises InputError: a text that is no setting, or two that cannot both hold.
+    """
+    top: dict[str, Any] = {}
+    for text in settings:
+        key, value = _parsed(text)
+        *above, last = key.split(".")
+        table = top
+        for name in above:
+            table = table.setdefault(name, {})
+            if not isinstance(table, dict):
+                raise InputError(SET, key, value, f"a key below a table ({name} is set itself)")
+        table[last] = value
+    return top
+
+
+def _parsed(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    key = key.strip()
+    if not equals or not _KEY.fullmatch(key):
+        raise InputError(SET, "", text, "KEY=VALUE, such as plan.stop_error_max_m=0.3")
+    if key in _FIXED:
+        raise InputError(SET, key, Words(value.strip() or "nothing"), "a key that does not say which scenario it is")
+    return key, _value(value.strip())
+
+
+def _value(text: str) -> Any:
+    try:
+        table = tomllib.loads(f"value = {text}")
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError):
+        return text
+    # A text with a line break may hold more than a value.
+    return table["value"] if len(table) == 1 else text
