@@ -29,6 +29,8 @@ class RunOptions:
     attach: bool = False
     #: The controller is somebody else (a board, another program): everything but it is started.
     foreign: bool = False
+    #: What the certificate names as the way to make an attached run again; empty: a run that starts its own nodes.
+    rerun_command: str = ""
     #: Wall time for all nodes to appear.
     appear_s: float = 25.0
 

@@ -102,6 +102,27 @@ def test_realtime_run_keeps_its_pace_and_says_what_it_was_granted(project):
     assert (folder / "wall.csv").is_file()
 
 
+def test_another_user_than_before_needs_nothing_taken_away(project):
+    shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
+    short = {"SCENARIO": "/scenarios/short_move.toml"}
+    runs = project / "runs"
+    owner = runs.stat().st_uid if runs.exists() else 0
+    first = up(project, volumes=True, **short, RAILHIL_UID=str(owner or 1000), RAILHIL_GID="1000")
+    # A folder that belongs to somebody else is refused: it is given away, as a user would.
+    if os.getuid() == 0:
+        os.chown(runs, 1234, 1234)
+        second = up(project, **short, RAILHIL_UID="1234", RAILHIL_GID="1234")
+    else:
+        second = up(project, **short, RAILHIL_UID=str(os.getuid()), RAILHIL_GID="4321")
+    assert (first.exit_code, second.exit_code) == (0, 0), first.out + second.out
+
+
+def test_certificate_says_how_the_containers_are_started_again(bench):
+    certificate = json.loads((bench.run_folder / "certificate.json").read_text())
+    assert f"SEED={_SEED} PACE=lockstep" in certificate["command"]
+    assert certificate["command"].endswith("docker compose up --exit-code-from supervisor")
+
+
 def told(done: Up, *words: str) -> str:
     """The one line in which the supervisor names ``words``."""
     assert done.exit_code == 2, done.out
