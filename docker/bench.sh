@@ -125,14 +125,14 @@ adapter)
 plant)
     read_bus
     run railhil node plant "$SCENARIO" $(pacing) --seed "$SEED" \
-        --appear-timeout "$START_TIMEOUT" -i "$interface" -c "$channel"
+        --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
 controller)
     read_bus
     run railhil node controller "$SCENARIO" --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
+        --patience "$PATIENCE" --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
@@ -142,7 +142,7 @@ supervisor)
     # The run folder's default name is below ./runs, which is /runs from here.
     cd /
     run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --rerun-command "$(again)" --quiet \
+        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
         -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code

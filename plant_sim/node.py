@@ -13,6 +13,7 @@ from railhil.bus.administrator import Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.patience import PATIENCE_S
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
@@ -50,6 +51,8 @@ class PlantOptions:
     fd: bool = False
     #: How long the other nodes may take to appear, on the wall clock.
     appear_s: float = 25.0
+    #: Lockstep: wall time for an answer, see :mod:`railhil.bus.patience`.
+    patience_s: float = PATIENCE_S
 
 
 class PlantNode:
@@ -82,6 +85,7 @@ class PlantNode:
             self._pacer,
             [port for port in contract.ports if port.source == "plant"],
             fd=options.fd,
+            patience_s=options.patience_s,
         )
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
         clock_port = contract.clock_port.name
@@ -99,7 +103,8 @@ class PlantNode:
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
-        self._supervisor = SupervisorWatch(endpoint, schedule.ticks(SupCmd.PORT) * self._tick_ns, options.rate)
+        supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
+        self._supervisor = SupervisorWatch(endpoint, supervisor_period_ns, options.rate, options.patience_s)
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
         self._ended: Event | None = None

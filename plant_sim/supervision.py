@@ -1,13 +1,15 @@
-"""Whether the supervisor is still there: without a recorder a realtime run ends."""
+"""Whether the supervisor is still there: without a recorder a run ends."""
 
 from __future__ import annotations
 
 import time
 from typing import Protocol
 
-from railhil.bus.administrator import WATCHDOG_NS
 from railhil.bus.link import Endpoint
+from railhil.bus.patience import PATIENCE_S
 
+#: Realtime: wall time without an answer after which it counts as lost.
+_SILENCE_NS = 2_000_000_000
 #: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
 _PERIODS = 2.5
 
@@ -25,11 +27,14 @@ class SupervisorWatch:
 
     :param period_ns: simulation time between two polls of the supervisor.
     :param rate: simulated seconds per wall second, 0 in lockstep.
+    :param patience_s: that of the bus administrator in lockstep, where an answer may be damaged but is never late.
     """
 
-    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float) -> None:
+    def __init__(self, endpoint: RunEndpoint, period_ns: int, rate: float, patience_s: float = PATIENCE_S) -> None:
         self._endpoint = endpoint
-        self.limit_ns = max(WATCHDOG_NS, round(_PERIODS * period_ns / rate)) if rate else WATCHDOG_NS
+        self.limit_ns = (
+            max(_SILENCE_NS, round(_PERIODS * period_ns / rate)) if rate else round(patience_s * 1_000_000_000)
+        )
         self._heard_ns = time.monotonic_ns()
         self._was_down = False
 

@@ -50,6 +50,7 @@ def test_defaults_are_those_of_the_command() -> None:
         "ARITHMETIC": f"${{ARITHMETIC:-{options.arithmetic}}}",
         "SEED": f"${{SEED:-{options.seed}}}",
         "PACE": f"${{PACE:-{options.pace}}}",
+        "PATIENCE": f"${{PATIENCE:-{options.patience_s:g}}}",
         "RATE": f"${{RATE:-{options.rate:g}}}",
     }
 

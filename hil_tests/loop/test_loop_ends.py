@@ -7,7 +7,6 @@ import dataclasses
 import numpy as np
 import pytest
 
-from railhil.bus import administrator as administrator_module
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
@@ -36,16 +35,14 @@ def plant_with(lvshun, session, controller) -> PlantNode:
     return PlantNode(lvshun, PlantOptions(), LocalBus([controller, session.handle]))
 
 
-def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session, monkeypatch):
+def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session):
     """It passes the handshake and then is silent: the train never moves, so no stop is to be waited for."""
-    monkeypatch.setattr(administrator_module, "WATCHDOG_NS", 1)
     node = ControllerNode(lvshun, ControllerOptions())
 
     def half_finished(frame: Frame) -> list[Frame]:
         return [] if frame in (NOTCH_POLL, STATUS_POLL) else node.handle(frame)
 
     plant = plant_with(lvshun, session, half_finished)
-    plant.administrator._watchdog_ns = 1_000_000
     with pytest.raises(PeerSilent, match="controller"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST
@@ -128,7 +125,6 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
         return [] if frame == STATUS_POLL and plant.plant.tick == 17 else node.handle(frame)
 
     plant = plant_with(scenario, session, dying)
-    plant.administrator._watchdog_ns = 1_000_000
     with pytest.raises(PeerSilent, match=r"controller \(CTL_STAT\)"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST

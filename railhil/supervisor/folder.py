@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from railhil.bus.ident import PROFILES
+from railhil.bus.patience import PATIENCE_S
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.common.whole_file import whole_file
@@ -131,6 +132,7 @@ def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
     words += ["--no-rt"] * (not options.ask_for_fifo)
     words += ["--perturbed"] * options.perturbed
+    words += ["--patience", f"{options.patience_s:g}"] if options.patience_s != PATIENCE_S else []
     words += ["--no-controller"] * options.foreign
     words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     return shlex.join(words + ([] if options.attach else bus_arguments))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from railhil.bus.patience import PATIENCE_S
 from railhil.scenarios.parameters import ParameterSet
 
 
@@ -33,6 +34,8 @@ class RunOptions:
     rerun_command: str = ""
     #: Wall time for all nodes to appear.
     appear_s: float = 25.0
+    #: Lockstep: wall time for an answer, see :mod:`railhil.bus.patience`.
+    patience_s: float = PATIENCE_S
 
     @property
     def label(self) -> str:
