@@ -45,6 +45,10 @@ def open_link(config: dict[str, Any], name: str = "bus") -> Link:
             from railhil.bus.link.slcan import SlcanLink
 
             return SlcanLink(bus, reopen, say)
+        if type(bus).__name__ == "UdpMulticastBus":
+            from railhil.bus.link.echo import EchoLink
+
+            return EchoLink(bus, reopen, say)
         from railhil.bus.link.single import SingleLink
 
         return SingleLink(bus, reopen, say)
