@@ -143,6 +143,22 @@ def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path)
     assert nodes.blamed() is nodes.nodes[3]
 
 
+@pytest.mark.parametrize(
+    ("code", "said", "line"),
+    [
+        (-9, CHATTER, "plant lost before the run: killed by SIGKILL"),
+        (3, "plant: bus administrator waits for controller: no answer within 120 s\n",
+         "plant gave up before the run: plant: bus administrator waits for controller: no answer within 120 s"),
+    ],
+)  # fmt: skip
+def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
+    run: Run, tmp_path: Path, code: int, said: str, line: str
+) -> None:
+    nodes = Nodes(tmp_path)
+    nodes.nodes = [node_that(code, said, tmp_path, "plant")]
+    assert run._who_died(nodes) == line
+
+
 def test_the_plant_says_what_went_wrong_on_its_connection(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
