@@ -68,8 +68,8 @@ static int serve(railhil_bus_t *bus, railhil_control_t *control, long first_fram
             heard_ms = railhil_now_ms();
             limit_s = control->rate_10th == 0 ? patience_s : SILENCE_S;
         } else if (railhil_now_ms() - heard_ms > limit_s * (int64_t)1000) {
-            fprintf(stderr, "@LAW@_node: %s: waits for the bus administrator (plant): no frame of the bench for %ld s\n",
-                    bus->channel, limit_s);
+            fprintf(stderr, "@LAW@_node: %s: waits for the bus administrator (plant): ", bus->channel);
+            fprintf(stderr, "no frame of the bench for %ld s\n", limit_s);
             return EXIT_LOST;
         }
     }
