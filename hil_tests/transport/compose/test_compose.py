@@ -105,7 +105,7 @@ def test_realtime_run_keeps_its_pace_and_says_what_it_was_granted(project):
     assert (folder / "wall.csv").is_file()
 
 
-@pytest.mark.skipif(os.getuid() != 0, reason="gives ./runs to another user, as root only can")
+@pytest.mark.skipif(os.getuid() != 0, reason="MISSING CAPABILITY root: to give ./runs to another user")
 def test_another_user_than_before_needs_nothing_taken_away(project):
     """Only ``./runs`` has to belong to the new one, which a line says."""
     shutil.copy(Path(__file__).with_name("short_move.toml"), project / "scenarios")
