@@ -1,7 +1,7 @@
 """Bus administrator: publishes its own ports on their period and polls the ports of the others.
 
-In lockstep it waits for every answer, so time stands still until the whole bench has agreed; in realtime an answer
-that is later than ``reply_ns`` is a missed telegram that ages.
+In lockstep it waits for every answer, so time stands still until the whole bench has agreed (for how long:
+:mod:`railhil.common.patience`); in realtime an answer that is later than ``reply_ns`` is a missed telegram that ages.
 """
 
 from __future__ import annotations
@@ -17,14 +17,15 @@ from railhil.bus.layout import Telegram
 from railhil.bus.link import Endpoint
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
 from railhil.bus.store import TrafficStore
+from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Port, wire_contract
 
 #: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
 REPLY_NS = 5_000_000
 #: How long the answers to one device status poll are listened to, when each device is there.
 _SCAN_ANSWER_S = 0.03
-#: Lockstep: a peer that has not answered for this long on the wall clock is lost.
-WATCHDOG_NS = 2_000_000_000
+#: Lockstep: so often is looked whether the one who is waited for has ended.
+_LOOK_NS = 100_000_000
 
 
 class Administrator:
@@ -34,8 +35,8 @@ class Administrator:
     :param now_ns: simulation time, asked at each reception.
     :param pacer: pace of the run, and the wall clock of every time-out.
     :param fd: send the CAN FD form.
-    :param watchdog_ns: lockstep: wall time without an answer after which a peer is lost.
     :param reply_ns: realtime: wall time after which an answer comes too late.
+    :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
     """
 
     def __init__(
@@ -47,7 +48,7 @@ class Administrator:
         published: Iterable[Port],
         *,
         fd: bool = False,
-        watchdog_ns: int = WATCHDOG_NS,
+        patience_s: float = PATIENCE_S,
         reply_ns: int = REPLY_NS,
     ) -> None:
         self.counters: Counter[str] = Counter()
@@ -60,7 +61,7 @@ class Administrator:
         # Identifiers of the frame that completes a telegram, classic and CAN FD.
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in wire_contract().ports}
         self._queue: list[Frame] = []
-        self._watchdog_ns = watchdog_ns
+        self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns
 
     def publish(self, telegram: Telegram) -> None:
@@ -80,21 +81,22 @@ class Administrator:
         (damaged on the way) is a missed telegram in both.
 
         :returns: True when the answer was committed to the store, False for a missed one.
-        :raises PeerSilent: in lockstep, when no answer came within the wall-clock watchdog.
+        :raises PeerSilent: in lockstep, when the owner has ended or the patience with it is over.
         """
         self.counters["polls"] += 1
         if self._pacer.rate:
             self._discard_late()
         self._queue.append(master_frame(port.f_code, port.address))
         self.flush()
-        limit_ns = self._reply_ns if self._pacer.rate else self._watchdog_ns
-        committed = self._wait_for(port, self._monotonic_ns() + limit_ns)
+        committed = self._in_time(port) if self._pacer.rate else self._awaited(port)
         if committed:
             return True
         self.counters["missed_polls"] += 1
         if committed is None and not self._pacer.rate:
+            has_ended = self._endpoint.has_ended(port.source)
+            why = "which has ended" if has_ended else f"for {self._patience_ns / 1e9:g} s"
             raise PeerSilent(
-                f"bus administrator waits for {port.source} ({port.name}) for {limit_ns / 1e9:.1f} s, "
+                f"bus administrator waits for {port.source} ({port.name}), {why}, "
                 f"at simulation time {self._now_ns() / 1e9:.2f} s"
             )
         return False
@@ -107,37 +109,46 @@ class Administrator:
             if self._monotonic_ns() >= deadline_ns:
                 return
 
-    def _wait_for(self, port: Port, deadline_ns: int) -> bool | None:
-        """True: an answer was committed, False: it was refused, None: no answer by the deadline."""
-        receive, feed, now_ns = self._endpoint.receive, self._store.feed, self._now_ns
-        name, last_ids = port.name, self._last_ids[port.name]
-        give_up_ns = 0
+    def _in_time(self, port: Port) -> bool | None:
+        """Realtime: True when an answer was committed, False when it was refused, None when none came in time."""
+        deadline_ns = self._monotonic_ns() + self._reply_ns
+        committed = None
+        while committed is None and (remaining_ns := deadline_ns - self._monotonic_ns()) > 0:
+            committed = self._take(port, remaining_ns)
+        return committed
+
+    def _awaited(self, port: Port) -> bool | None:
+        """Lockstep: as :meth:`_in_time`, None when no answer is to be expected any more.
+
+        Waiting is counted look by look, each at its length at most: a time in which this process itself stood still
+        (a paused container, a debugger) is none in which the other could not answer.
+        """
+        waited_ns, last_look = 0, False
         while True:
-            now_wall_ns = self._monotonic_ns()
-            remaining_ns = deadline_ns - now_wall_ns
-            if remaining_ns <= 0:
-                if self._pacer.rate:
-                    return None
-                if self._endpoint.is_down:
-                    # Nobody can answer over an interface that is out; the link ends that wait itself.
-                    deadline_ns = now_wall_ns + self._watchdog_ns
-                    continue
-                # It may have been this process that stood still: an answer that lies there counts.
-                give_up_ns = give_up_ns or now_wall_ns + self._watchdog_ns
-                if now_wall_ns >= give_up_ns:
-                    return None
-                remaining_ns = 0
-            committed = None
-            frames = receive(remaining_ns / 1e9)
-            if not frames and remaining_ns == 0 and not self._endpoint.is_down:
-                return None
-            for frame in frames:
-                if feed(frame, now_ns()) == name:
-                    committed = True
-                elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
-                    committed = False
+            begun_ns = self._monotonic_ns()
+            committed = self._take(port, _LOOK_NS)
             if committed is not None:
                 return committed
+            if self._endpoint.is_down:
+                # Nobody can answer over an interface that is out; the link ends that wait itself.
+                waited_ns, last_look = 0, False
+            elif last_look:
+                return None
+            else:
+                waited_ns += min(self._monotonic_ns() - begun_ns, _LOOK_NS)
+                # One who has ended may have answered before: another look.
+                last_look = waited_ns >= self._patience_ns or self._endpoint.has_ended(port.source)
+
+    def _take(self, port: Port, timeout_ns: int) -> bool | None:
+        """Hand what arrives to the store; True: an answer was committed, False: refused, None: there was none."""
+        name, last_ids = port.name, self._last_ids[port.name]
+        committed = None
+        for frame in self._endpoint.receive(timeout_ns / 1e9):
+            if self._store.feed(frame, self._now_ns()) == name:
+                committed = True
+            elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
+                committed = False
+        return committed
 
     def find_devices(self, devices: Iterable[int], timeout_ns: int, interval_ns: int = 100_000_000) -> set[int]:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.

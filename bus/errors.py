@@ -6,7 +6,7 @@
      +-- BusUnavailable   the interface cannot be opened (missing, busy, no permission)
      |    +-- BusOccupied another bench is running on it
      +-- BusLost          an open interface is gone for good (hub died, adapter did not come back)
-     +-- PeerSilent       a lockstep answer did not come within the wall-clock watchdog
+     +-- PeerSilent       nobody is there to be waited for any longer (:mod:`railhil.common.patience`)
 """
 
 from __future__ import annotations
@@ -35,6 +35,6 @@ class BusLost(BusError):
 
 
 class PeerSilent(BusError):
-    """Nobody answered within the watchdog. The text says who waited for whom, since when."""
+    """Somebody has ended, or patience is over. The text says who waited for whom, since when."""
 
     exit_code = INVALID

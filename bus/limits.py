@@ -8,7 +8,7 @@ LIMITS = {
     "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
     "slcan, serial adapters": "latency of the serial line; the adapter may drop frames without telling",
     "virtual": "one process only",
-    "udp_multicast": "neither delivery nor order guaranteed: not for runs",
+    "udp_multicast": "neither delivery nor order guaranteed: a run may end as INVALID at any time; never tried here",
 }
 _OTHER = "an adapter that this bench does not know: timing and losses are the adapter's and its driver's"
 _SERIAL = ("slcan", "serial", "robotell")

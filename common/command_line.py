@@ -6,10 +6,12 @@ import argparse
 import contextlib
 import difflib
 import io
+import os
 import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
+from railhil.common.patience import PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.scheduling import PRIORITY_MAX
 
@@ -103,14 +105,43 @@ def _rate(text: str) -> float:
     return rate
 
 
-def _seconds(text: str) -> float:
+def seconds(text: str) -> float:
+    """An option's type: wall time to wait for another node."""
     try:
-        seconds = float(text)
+        found = float(text)
     except ValueError:
-        seconds = float("nan")
-    if not 0 < seconds <= APPEAR_MAX_S:
+        found = float("nan")
+    if not 0 < found <= APPEAR_MAX_S:
         raise argparse.ArgumentTypeError(f"found {text}, allowed above 0, at most {APPEAR_MAX_S:g} s")
-    return seconds
+    return found
+
+
+def add_patience_argument(parser: argparse.ArgumentParser, awaited: str) -> None:
+    """Option of every node that waits for another in lockstep.
+
+    :param awaited: what the help says is waited for.
+    """
+    parser.add_argument(
+        "--patience",
+        type=seconds,
+        default=PATIENCE_S,
+        metavar="S",
+        help=f"lockstep: wall time for {awaited} when nobody says that its node has ended (default {PATIENCE_S:g} s)",
+    )
+
+
+def add_lifeline_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of the plant, for the command that starts all nodes: see :class:`railhil.common.patience.Lifelines`."""
+    parser.add_argument("--lifeline", type=_lifeline, action="append", default=[], help=argparse.SUPPRESS)
+
+
+def _lifeline(text: str) -> tuple[str, int]:
+    node, _, descriptor = text.partition("=")
+    try:
+        os.fstat(int(descriptor))
+    except (ValueError, OverflowError, OSError):
+        raise argparse.ArgumentTypeError(f"found {text}, allowed NODE=DESCRIPTOR of an open file") from None
+    return node, int(descriptor)
 
 
 def add_task_argument(parser: argparse.ArgumentParser) -> None:
@@ -146,9 +177,10 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
     parser.add_argument(
         "--appear-timeout",
-        type=_seconds,
+        type=seconds,
         default=25.0,
         metavar="S",
         help="wall time for the other nodes to appear (default 25 s)",
     )
+    add_patience_argument(parser, "an answer")
     parser.add_argument("--rate", type=_rate, help=f"realtime: simulated seconds per second (default {RATE:g})")

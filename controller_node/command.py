@@ -13,12 +13,19 @@ from can.cli import add_bus_arguments
 from railhil.bus.ident import ARITHMETICS
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
-from railhil.common.command_line import OneLineParser, add_priority_argument, add_task_argument, parse
+from railhil.common.command_line import (
+    OneLineParser,
+    add_patience_argument,
+    add_priority_argument,
+    add_task_argument,
+    parse,
+    seconds,
+)
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import names
-from railhil.controller_node.node import ControllerNode, ControllerOptions, run_controller
+from railhil.controller_node.node import FIRST_FRAME_S, ControllerNode, ControllerOptions, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
@@ -38,6 +45,14 @@ def arguments() -> argparse.ArgumentParser:
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
     add_set_argument(parser)
+    parser.add_argument(
+        "--appear-timeout",
+        type=seconds,
+        default=FIRST_FRAME_S,
+        metavar="S",
+        help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
+    )
+    add_patience_argument(parser, "the bus administrator, which may wait for another node,")
     add_task_argument(parser)
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
@@ -71,7 +86,7 @@ def main(words: Sequence[str] | None = None) -> int:
     link = open_link(choice.config, "controller")
     try:
         with cycle("controller", namespace.realtime_priority):
-            return run_controller(node, link)
+            return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
     finally:
         # Also when the run ended early: what was measured until then is evidence.
         if namespace.telemetry is not None:

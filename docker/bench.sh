@@ -3,7 +3,8 @@
 #
 # The containers share one network namespace (that of `bus`, or with `adapter` the host's) and the volume /bus, where
 # they leave for each other
-#   can       python-can's interface and channel, one per line: written by `bus` or `adapter`, waited for by the nodes
+#   can       python-can's interface, its channel and the command that has started the containers, one per line: written
+#             by `bus` or `adapter`, waited for by the nodes
 #   results   written by `results` when ./runs can be written to
 #   problem   in place of either: the line that says why not
 #   verdict   exit code of the supervisor; every role ends when it appears
@@ -13,6 +14,7 @@ role=${1:?role: bus, adapter, plant, controller, supervisor or results}
 # linux/if_arp.h and linux/if.h
 arphrd_can=280
 iff_up=1
+up="up --exit-code-from supervisor"
 
 say() { echo "$role: $*" >&2; }
 
@@ -54,7 +56,7 @@ end_with_verdict() {
 # A problem is told by the supervisor alone; the other nodes end with it.
 read_bus() {
     await can || { [ "$role" = supervisor ] || end_with_verdict; refused; }
-    { read -r interface && read -r channel; } </bus/can
+    { read -r interface && read -r channel && read -r started; } </bus/can
 }
 
 refused() {
@@ -62,6 +64,11 @@ refused() {
     say "$problem"
     echo 2 | leave verdict
     exit 2
+}
+
+# What makes this run again: the containers, not the supervisor's part of them.
+again() {
+    echo "SCENARIO='$SCENARIO' CONTROLLER=$CONTROLLER ARITHMETIC=$ARITHMETIC SEED=$SEED PACE=$PACE RATE=$RATE $started"
 }
 
 # Flags of the pace. The default rate belongs to no pace; another one is passed on, and refused in lockstep.
@@ -78,13 +85,13 @@ priority() {
 # Why an interface of this network namespace cannot be the bus; nothing when it can.
 why_not() {
     device=/sys/class/net/$1
-    up="sudo ip link set $1 type can bitrate 500000 && sudo ip link set $1 txqueuelen 1000 up"
+    bring_up="sudo ip link set $1 type can bitrate 500000 && sudo ip link set $1 txqueuelen 1000 up"
     if [ ! -e "$device" ]; then
-        echo "$1: the host has no such interface (CAN_CHANNEL names it; bring it up with: $up)"
+        echo "$1: the host has no such interface (CAN_CHANNEL names it; bring it up with: $bring_up)"
     elif [ "$(cat "$device/type")" != $arphrd_can ]; then
         echo "$1: is no CAN interface (CAN_CHANNEL names one)"
     elif [ $(($(cat "$device/flags") & iff_up)) = 0 ]; then
-        echo "$1: the interface is down (bring it up on the host with: $up)"
+        echo "$1: the interface is down (bring it up on the host with: $bring_up)"
     fi
 }
 
@@ -92,7 +99,7 @@ case $role in
 bus)
     if reason=$(ip link add dev vcan0 type vcan 2>&1 && ip link set dev vcan0 up 2>&1); then
         say "socketcan:vcan0 (the kernel has vcan; the interface lives in this container's namespace)"
-        printf 'socketcan\nvcan0\n' | leave can
+        printf 'socketcan\nvcan0\ndocker compose %s\n' "$up" | leave can
     else
         # A frame is carried before a node goes on.
         python3 -m railhil.bus.hub -c /bus/hub.sock --realtime-priority "$(priority 45)" &
@@ -100,7 +107,7 @@ bus)
         trap 'kill -TERM $hub 2>/dev/null; exit 143' TERM INT
         await hub.sock
         say "railhil:/bus/hub.sock, the user-space hub (no vcan0: ${reason:-ip failed})"
-        printf 'railhil\n/bus/hub.sock\n' | leave can
+        printf 'railhil\n/bus/hub.sock\ndocker compose %s\n' "$up" | leave can
     fi
     end_with_verdict
     ;;
@@ -110,21 +117,22 @@ adapter)
         echo "$problem" | leave problem
     else
         say "socketcan:$CAN_CHANNEL (the host's interface; its bit rate is the host's)"
-        printf 'socketcan\n%s\n' "$CAN_CHANNEL" | leave can
+        printf 'socketcan\n%s\nCAN_CHANNEL=%s docker compose %s %s\n' "$CAN_CHANNEL" "$CAN_CHANNEL" \
+            "-f docker-compose.yml -f docker-compose.hardware.yml" "$up" | leave can
     fi
     end_with_verdict
     ;;
 plant)
     read_bus
     run railhil node plant "$SCENARIO" $(pacing) --seed "$SEED" \
-        --appear-timeout "$START_TIMEOUT" -i "$interface" -c "$channel"
+        --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
 controller)
     read_bus
     run railhil node controller "$SCENARIO" --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
+        --patience "$PATIENCE" --realtime-priority "$(priority 40)" -i "$interface" -c "$channel"
     [ $code -eq 0 ] || say "ended with $code"
     end_with_verdict $code
     ;;
@@ -134,7 +142,8 @@ supervisor)
     # The run folder's default name is below ./runs, which is /runs from here.
     cd /
     run railhil run "$SCENARIO" --attach --controller "$CONTROLLER" --arithmetic "$ARITHMETIC" \
-        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --quiet -i "$interface" -c "$channel"
+        --seed "$SEED" $(pacing) --appear-timeout "$START_TIMEOUT" --patience "$PATIENCE" --rerun-command "$(again)" --quiet \
+        -i "$interface" -c "$channel"
     echo $code | leave verdict
     exit $code
     ;;

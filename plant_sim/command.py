@@ -11,9 +11,17 @@ from can.cli import add_bus_arguments
 
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
-from railhil.common.command_line import RATE, OneLineParser, add_priority_argument, add_run_arguments, parse
+from railhil.common.command_line import (
+    RATE,
+    OneLineParser,
+    add_lifeline_argument,
+    add_priority_argument,
+    add_run_arguments,
+    parse,
+)
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import finish_undisturbed
+from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode, PlantOptions
@@ -30,6 +38,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
+    add_lifeline_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -76,11 +85,13 @@ def main(words: Sequence[str] | None = None) -> int:
         rate=(namespace.rate or RATE) if namespace.pace == "realtime" else 0.0,
         fd=choice.fd,
         appear_s=namespace.appear_timeout,
+        patience_s=namespace.patience,
     )
     priority = namespace.realtime_priority
     if priority is None:
         priority = NODE_PRIORITY if options.rate else 0
     link = open_link(choice.config, "plant")
+    link.lifelines = Lifelines(dict(namespace.lifeline))
     try:
         run_plant(PlantNode(scenario, options, link), priority, namespace.timing_file)
     finally:

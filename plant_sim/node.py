@@ -9,13 +9,14 @@ import time
 from dataclasses import dataclass
 from typing import NoReturn
 
-from railhil.bus.administrator import REPLY_NS, WATCHDOG_NS, Administrator
+from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
+from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.gate import CommandGate
@@ -55,8 +56,8 @@ class PlantOptions:
     reply_ns: int = REPLY_NS
     #: Realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it has longer.
     silence_ns: int = SILENCE_NS
-    #: Lockstep: a node that has not answered for this long on the wall clock is lost.
-    watchdog_ns: int = WATCHDOG_NS
+    #: Lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
+    patience_s: float = PATIENCE_S
 
 
 class PlantNode:
@@ -89,8 +90,8 @@ class PlantNode:
             self._pacer,
             [port for port in contract.ports if port.source == "plant"],
             fd=options.fd,
-            watchdog_ns=options.watchdog_ns,
             reply_ns=options.reply_ns,
+            patience_s=options.patience_s,
         )
         self._milestones = Milestones(self.administrator.publish, self._tick_ns)
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
@@ -109,9 +110,9 @@ class PlantNode:
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
-        sup_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
+        supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
         self._supervisor = SupervisorWatch(
-            endpoint, sup_period_ns, options.rate, silence_ns=options.silence_ns, watchdog_ns=options.watchdog_ns
+            endpoint, supervisor_period_ns, options.rate, silence_ns=options.silence_ns, patience_s=options.patience_s
         )
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0

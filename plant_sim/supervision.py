@@ -1,12 +1,12 @@
-"""Whether the supervisor is still there: without a recorder a realtime run ends."""
+"""Whether the supervisor is still there: without a recorder a run ends."""
 
 from __future__ import annotations
 
 import time
 from typing import Protocol
 
-from railhil.bus.administrator import WATCHDOG_NS
 from railhil.bus.link import Endpoint
+from railhil.common.patience import PATIENCE_S
 
 #: Realtime: wall time without an answer after which it counts as lost.
 SILENCE_NS = 2_000_000_000
@@ -28,7 +28,7 @@ class SupervisorWatch:
     :param period_ns: simulation time between two polls of the supervisor.
     :param rate: simulated seconds per wall second, 0 in lockstep.
     :param silence_ns: realtime: wall time that it may be silent at least.
-    :param watchdog_ns: lockstep: that of the bus administrator.
+    :param patience_s: that of the bus administrator in lockstep, where an answer may be damaged but is never late.
     """
 
     def __init__(
@@ -38,10 +38,10 @@ class SupervisorWatch:
         rate: float,
         *,
         silence_ns: int = SILENCE_NS,
-        watchdog_ns: int = WATCHDOG_NS,
+        patience_s: float = PATIENCE_S,
     ) -> None:
         self._endpoint = endpoint
-        self.limit_ns = max(silence_ns, round(_PERIODS * period_ns / rate)) if rate else watchdog_ns
+        self.limit_ns = max(silence_ns, round(_PERIODS * period_ns / rate)) if rate else round(patience_s * 1e9)
         self._heard_ns = time.monotonic_ns()
         self._was_down = False
 

@@ -12,6 +12,7 @@ import can
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.common.patience import Lifelines
 
 #: What python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)
@@ -43,6 +44,9 @@ class Endpoint(Protocol):
         :raises BusLost: when the interface is gone for good.
         """
 
+    def has_ended(self, node: str) -> bool:
+        """True when it is known that another node has ended: nobody waits for it."""
+
     def close(self) -> None:
         """Leave the bus."""
 
@@ -64,6 +68,8 @@ class Link(ABC):
         self.counters: Counter[str] = Counter()
         #: Called while a frame waits for the bus in lockstep; what it raises ends the wait.
         self.while_waiting: Callable[[], None] = lambda: None
+        #: Of the other nodes, when they were started together.
+        self.lifelines = Lifelines()
         self._say = say or (lambda line: None)
 
     @property
@@ -108,6 +114,10 @@ class Link(ABC):
         with contextlib.suppress(*FAILURES):
             # An adapter that is gone cannot be told goodbye; why it is gone has been said.
             self.bus.shutdown()
+
+    def has_ended(self, node: str) -> bool:
+        """See :meth:`Endpoint.has_ended`."""
+        return self.lifelines.has_ended(node)
 
     def take_gap_ns(self) -> int:
         """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""

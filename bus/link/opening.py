@@ -48,6 +48,10 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
             from railhil.bus.link.slcan import SlcanLink
 
             return SlcanLink(bus, reopen, say, timeouts=timeouts)
+        if type(bus).__name__ == "UdpMulticastBus":
+            from railhil.bus.link.echo import EchoLink
+
+            return EchoLink(bus, reopen, say, timeouts=timeouts)
         from railhil.bus.link.single import SingleLink
 
         return SingleLink(bus, reopen, say, timeouts=timeouts)

@@ -137,6 +137,25 @@ def test_what_the_command_leaves_running_is_ended(tmp_path, ends):
 
 
 @needs_namespaces
+def test_children_of_the_caller_are_left_alone(tmp_path):
+    """A process of the caller's own, one that has ended and waits to be reaped, and an orphan of another child."""
+    orphan = tmp_path / "orphan"
+    mine = subprocess.Popen(["sleep", "600"])
+    ended = subprocess.Popen(["true"])
+    parent = subprocess.Popen(["sh", "-c", f"sleep 600 & echo $! > {orphan}; read _"], stdin=subprocess.PIPE)
+    try:
+        wait_for(orphan.exists)
+        # The other child ends while the command runs.
+        assert in_namespace(["sh", "-c", f"kill {parent.pid}"]) == 0
+        assert (mine.poll(), ended.wait(5.0), alive(orphan)) == (None, 0, True)
+    finally:
+        for process in (mine, parent):
+            process.kill()
+            process.communicate()
+        os.kill(int(orphan.read_text()), signal.SIGKILL)
+
+
+@needs_namespaces
 @pytest.mark.parametrize(
     ("trap", "rest", "number", "code"),
     [

@@ -111,7 +111,11 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
     wait_for(channel.exists)
     node = subprocess.Popen([program, "hub", channel], stderr=subprocess.PIPE)
     try:
-        run = Started("run", "--no-controller", "--seed", "1", "--out", folder, "--quiet", "--no-report", *bus)
+        # Nobody tells the plant that it has ended.
+        patience = ("--patience", "2")
+        run = Started(
+            "run", "--no-controller", "--seed", "1", "--out", folder, "--quiet", "--no-report", *patience, *bus
+        )
         # 1.5 of 4 MB: the train is under way.
         wait_for(lambda: (folder / "frames.log").stat().st_size > 1_500_000)
         node.send_signal(signal.SIGKILL)
@@ -131,11 +135,14 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
 
 
 def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
-    """A bus on which only others talk any more; the device status answer shows that it was listening."""
+    """A bus on which only others talk any more; the device status answer shows that it was listening.
+
+    Nobody has said that time goes by the wall clock: its patience is that of lockstep.
+    """
     channel = socket_folder / "hub.sock"
     hub = Started("bus", "hub", "-c", channel)
     wait_for(channel.exists)
-    node = subprocess.Popen([program, "hub", channel], stderr=subprocess.PIPE, text=True)
+    node = subprocess.Popen([program, "-p", "3", "hub", channel], stderr=subprocess.PIPE, text=True)
     bus = HubBus(str(channel))
     try:
 
@@ -151,7 +158,8 @@ def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
             time.sleep(0.1)
         _, said = node.communicate(timeout=1)
         assert node.returncode == 3
-        assert said.splitlines()[0].endswith("no frame of the bench for 3 s")
+        expected = "waits for the bus administrator (plant): no frame of the bench for 3 s"
+        assert said.splitlines()[0].endswith(expected)
         assert time.monotonic() - begun_s >= _SILENCE_S - 0.3
     finally:
         node.kill()
@@ -159,6 +167,23 @@ def test_silence_ends_the_program(program: Path, socket_folder: Path) -> None:
         bus.shutdown()
         hub.process.terminate()
         hub.finish()
+
+
+def test_first_frame_is_waited_for_as_long_as_is_said(program: Path, socket_folder: Path) -> None:
+    channel = socket_folder / "hub.sock"
+    hub = Started("bus", "hub", "-c", channel)
+    try:
+        wait_for(channel.exists)
+        done = subprocess.run(
+            [program, "-w", "1", "hub", channel], capture_output=True, text=True, timeout=60, check=False
+        )
+    finally:
+        hub.process.terminate()
+        hub.finish()
+    assert done.returncode == 3
+    assert done.stderr.splitlines()[0].endswith(
+        "waits for the bus administrator (plant): no frame of the bench for 1 s"
+    )
 
 
 def test_hub_that_is_mute_is_one_line(program: Path, socket_folder: Path) -> None:
@@ -198,6 +223,10 @@ def test_hub_that_goes_is_one_line(program: Path, socket_folder: Path) -> None:
     ("arguments", "words"),
     [
         ((), "found 0 arguments, allowed can INTERFACE, or hub PATH"),
+        (("-w", "0", "can", "can0"), "found 0, allowed -w S, -p S with 1 to 3600 s"),
+        (("-p", "soon", "can", "can0"), "found soon, allowed"),
+        (("-x", "can", "can0"), "found -x, allowed"),
+        (("-w",), "found -w, allowed"),
         (("serial", "/dev/null"), "allowed can INTERFACE, or hub PATH"),
         (("can", "no_such_can9"), "no_such_can9: "),
         (("hub", "/" + "x" * 200), "the path is too long for a Unix socket"),
@@ -216,6 +245,7 @@ def test_wrong_use_is_one_line(program: Path, arguments: tuple[str, ...], words:
     [
         (("--no-controller", "--attach"), "--no-controller: found beside --attach, allowed one of the two"),
         (("--no-controller", "--task-period-ms", "50"), "--task-period-ms: found 50, allowed 0 with --no-controller"),
+        (("--rerun-command", "make again"), "--rerun-command: found 'make again', allowed only with --attach"),
     ],
 )
 def test_run_without_controller_refuses_what_it_cannot_have(arguments: tuple[str, ...], words: str) -> None:

@@ -43,7 +43,7 @@ def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, sess
     def half_finished(frame: Frame) -> list[Frame]:
         return [] if frame in (NOTCH_POLL, STATUS_POLL) else node.handle(frame)
 
-    plant = plant_with(lvshun, session, half_finished, watchdog_ns=1_000_000)
+    plant = plant_with(lvshun, session, half_finished)
     with pytest.raises(PeerSilent, match="controller"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST
@@ -159,7 +159,7 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
     def dying(frame: Frame) -> list[Frame]:
         return [] if frame == STATUS_POLL and plant.plant.tick == 17 else node.handle(frame)
 
-    plant = plant_with(scenario, session, dying, watchdog_ns=1_000_000)
+    plant = plant_with(scenario, session, dying)
     with pytest.raises(PeerSilent, match=r"controller \(CTL_STAT\)"):
         plant.run()
     assert session.ended is Event.ENDED_CONTROLLER_LOST

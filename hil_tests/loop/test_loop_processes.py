@@ -7,6 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -210,8 +211,31 @@ def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypa
         assert done.one_line() == "railhil: no memory for the hub"
 
 
-def test_killed_supervisor_stops_the_nodes(tmp_path):
-    run = Started("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", "--pace", "realtime", "--rate", "20")
+@pytest.mark.parametrize("starved", ["controller", "supervisor", "both"])
+def test_lockstep_waits_for_processes_that_stand_still(short, tmp_path, starved):
+    """On a loaded machine, longer than any of them would wait in realtime: the record is whole and the same."""
+    folder = tmp_path / "run"
+    run = Started("run", short, "--out", folder, "--quiet", "--no-report")
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
+    controller = run.child("railhil.controller_node")
+    stopped = {"controller": [controller], "supervisor": [run.process], "both": [controller, run.process]}[starved]
+    try:
+        for process in stopped:
+            process.send_signal(signal.SIGSTOP)
+        time.sleep(5.0)
+    finally:
+        for process in stopped:
+            process.send_signal(signal.SIGCONT)
+    done, _ = run.finish()
+    assert done.exit_code in (0, 1), done.out
+    expected = railhil("run", short, "--out", tmp_path / "again", "--quiet", "--no-report")
+    assert expected.exit_code == done.exit_code
+    assert certificate(folder)["frames_sha256"] == certificate(tmp_path / "again")["frames_sha256"]
+
+
+@pytest.mark.parametrize("pace", [(), ("--pace", "realtime", "--rate", "20")])
+def test_killed_supervisor_stops_the_nodes(tmp_path, pace):
+    run = Started("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", *pace)
     wait_for(lambda: (tmp_path / "run" / "frames.log").stat().st_size > 200_000)
     children = psutil.Process(run.process.pid).children()
     run.process.kill()

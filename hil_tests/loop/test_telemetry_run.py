@@ -26,7 +26,7 @@ from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.folder import junit, score_json
+from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import Score
@@ -215,6 +215,24 @@ def test_attached_run_takes_the_telemetry_from_the_record(
     assert (found["source"], found["cycles"]) == ("CTL_STAT", nominal.telemetry["cycles"]["ram"])
     assert len(found["quantities"]) == len(nominal.telemetry["quantities"])
     assert "no overflow, as CTL_STAT tells it" in done.out
+    certificate = json.loads((tmp_path / "run" / "certificate.json").read_text(encoding="utf-8"))
+    # Nobody is there any more to be attached to.
+    assert "attach" not in certificate["command"]
+    assert "hub.sock" not in certificate["command"]
+    assert "nodes" in certificate["command_needs"]
+    words = certificate["command"].split()
+    railhil(*words[1:], "--out", tmp_path / "again", "--quiet", "--no-report")
+    again = json.loads((tmp_path / "again" / "certificate.json").read_text(encoding="utf-8"))
+    assert again["frames_sha256"] == certificate["frames_sha256"]
+    assert again["command_needs"] is None
+
+
+def test_whoever_starts_the_nodes_says_how_it_is_done_again() -> None:
+    attached = RunOptions("lvshun_tieshan", attach=True, rerun_command="SEED=0 docker compose up")
+    assert (run_command(attached, []), rerun_needs(attached)) == ("SEED=0 docker compose up", None)
+    foreign = RunOptions("lvshun_tieshan", foreign=True)
+    assert run_command(foreign, ["-i", "socketcan", "-c", "can0"]).endswith("--no-controller -i socketcan -c can0")
+    assert "board" in str(rerun_needs(foreign))
 
 
 @pytest.mark.loop

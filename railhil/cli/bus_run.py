@@ -99,6 +99,7 @@ def run_options(
         ask_for_fifo=not namespace.no_rt,
         attach=attach,
         appear_s=namespace.appear_timeout,
+        patience_s=namespace.patience,
     )
 
 

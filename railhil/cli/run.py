@@ -35,6 +35,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
+    parser.add_argument(
+        "--rerun-command", default="", metavar="TEXT", help="--attach: what certificate.json says makes this run again"
+    )
     parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_json_argument(parser)
@@ -48,9 +51,11 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
     if given and namespace.task_period_ms:
         raise InputError("command line", "--task-period-ms", namespace.task_period_ms, f"0 with {given[0]}")
+    if namespace.rerun_command and not namespace.attach:
+        raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
     options = run_options(namespace, namespace.controller, parameters, namespace.attach)
-    return dataclasses.replace(options, foreign=namespace.no_controller)
+    return dataclasses.replace(options, foreign=namespace.no_controller, rerun_command=namespace.rerun_command)
 
 
 def work(namespace: argparse.Namespace) -> int:

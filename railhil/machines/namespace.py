@@ -13,9 +13,10 @@ import shlex
 import signal
 import socket
 import subprocess
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from railhil.machines import debian
@@ -100,8 +101,8 @@ def run(
 ) -> int:
     """Run ``command`` in a fresh namespace in which ``interfaces`` are up; :func:`require_namespace` comes first.
 
-    Signals sent to this process are passed on. What the command has left running is killed at its end: it would keep
-    the namespace.
+    Signals sent to this process are passed on. What the command has left running in the namespace is killed at its end:
+    it would keep the namespace. Other children of this process are not touched.
 
     Returns:
         The command's exit code, 128 + number for a signal; 124 after ``timeout_s``.
@@ -111,15 +112,16 @@ def run(
     """
     if debian.find_command(command[0]) is None and not Path(command[0]).exists():
         raise debian.MachineError(f"no command {command[0]}")
-    with _orphans_come_here(), _signals_wait() as mask:
+    with tempfile.NamedTemporaryFile(prefix="railhil-vcan-") as told, _orphans_come_here(), _signals_wait() as mask:
+        says_which = ["sh", "-c", 'readlink /proc/self/ns/net >"$0" && exec "$@"', told.name]
         process = subprocess.Popen(
-            _in_namespace(_prepared(interfaces, command)), env={**environment, "PATH": _path(environment)},
-            preexec_fn=lambda: _give_back(mask),
+            _in_namespace([*says_which, *_prepared(interfaces, command)]),
+            env={**environment, "PATH": _path(environment)}, preexec_fn=lambda: _give_back(mask),
         )  # fmt: skip
         try:
             return _until_ended(process, time.monotonic() + timeout_s, timeout_s)
         finally:
-            _kill_children()
+            _kill_left_in(told.read().decode().strip())
 
 
 def _path(environment: Mapping[str, str]) -> str:
@@ -176,27 +178,31 @@ def _orphans_come_here() -> Iterator[None]:
         prctl(_PR_SET_CHILD_SUBREAPER, 0, 0, 0, 0)
 
 
-def _kill_children() -> None:
-    """Kill and reap until no child is left; the children of a killed one come here in turn."""
+def _kill_left_in(namespace: str) -> None:
+    """Kill and reap the children of this process that are in a network namespace, until none is left.
+
+    The children of a killed one come here in turn.
+
+    :param namespace: as ``/proc/PID/ns/net`` names it; empty when the namespace was never made.
+    """
     deadline_s = time.monotonic() + _GRACE_S
-    while children := _children():
-        for pid in children:
-            os.kill(pid, signal.SIGKILL)
-            os.waitpid(pid, os.WNOHANG)
+    while namespace and (left := _children_in(namespace)):
+        for pid in left:
+            # Gone meanwhile, and reaped by whoever else waits for the children of this process.
+            with suppress(ProcessLookupError, ChildProcessError):
+                os.kill(pid, signal.SIGKILL)
+                os.waitpid(pid, 0)
         if time.monotonic() > deadline_s:
-            raise debian.MachineError(f"what the command has left behind does not end: processes {children}")
-        time.sleep(0.001)
+            raise debian.MachineError(f"what the command has left behind does not end: processes {left}")
 
 
-def _children() -> list[int]:
-    """Process numbers of this process's children, those that have ended but are not reaped among them."""
+def _children_in(namespace: str) -> list[int]:
+    """Process numbers of this process's running children in a network namespace."""
     found = []
-    for entry in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            fields = entry.read_text(errors="replace").rpartition(")")[2].split()
-        except (FileNotFoundError, ProcessLookupError):
-            # It has ended meanwhile.
-            continue
-        if int(fields[1]) == os.getpid():
-            found.append(int(entry.parent.name))
+    for entry in Path("/proc").glob("[0-9]*"):
+        # It has ended meanwhile, or is somebody else's.
+        with suppress(FileNotFoundError, ProcessLookupError, PermissionError):
+            fields = (entry / "stat").read_text(errors="replace").rpartition(")")[2].split()
+            if int(fields[1]) == os.getpid() and os.readlink(entry / "ns" / "net") == namespace:
+                found.append(int(entry.name))
     return found

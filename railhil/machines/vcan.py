@@ -113,7 +113,7 @@ def _in_machine(options: argparse.Namespace, reason: str) -> int:
     with _kept_folders(options.share) as folders:
         kept = ", ".join(map(str, folders)) or "no folder"
         debian.say(
-            f"vcan: {', '.join(options.interfaces)} in a virtual machine, about ten times slower ({reason}); "
+            f"vcan: {', '.join(options.interfaces)} in a virtual machine, some 25 times slower ({reason}); "
             f"kept afterwards: {kept}, what is written elsewhere is gone"
         )
         return vcan_vm.run(

@@ -2,7 +2,7 @@
 
 Boots Debian's kernel in an emulated machine (QEMU, software translation, no network card) whose root is this host's
 root, read-only under an overlay in memory. The CAN interfaces are up; the command runs as root in the caller's
-directory with the caller's environment, about ten times slower than on the host. What it writes is gone afterwards,
+directory with the caller's environment, some 25 times slower than on the host. What it writes is gone afterwards,
 except below the shared folders. The command has no terminal and no input.
 """
 

@@ -63,6 +63,7 @@ class _Certificate(_Part):
     verdict: str | None = None
     line: str | None = None
     command: str | None = None
+    command_needs: str | None = None
     dbc_sha256: str | None = None
     code_sha256: str | None = None
     railhil: str | None = None

@@ -18,6 +18,7 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.common.patience import PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
 from railhil.dbc import wire_contract
@@ -126,16 +127,32 @@ def code_sha256() -> str:
 
 
 def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
-    """The command line that makes the same run again."""
+    """The command line that makes the same run again.
+
+    Nobody can attach to nodes that have ended: for an attached run it is what has started them all, when that is known,
+    else a run that starts its own, on a bus of its own; in lockstep that gives the same bytes.
+    """
+    if options.rerun_command:
+        return options.rerun_command
     words = ["railhil", "run", *options.scenario_arguments, "--controller", options.controller]
     words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
     words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
     words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
     words += ["--no-rt"] * (not options.ask_for_fifo)
-    words += ["--perturbed"] * options.perturbed + ["--attach"] * options.attach
+    words += ["--perturbed"] * options.perturbed
+    words += ["--patience", f"{options.patience_s:g}"] if options.patience_s != PATIENCE_S else []
     words += ["--no-controller"] * options.foreign
     words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
-    return shlex.join(words + bus_arguments)
+    return shlex.join(words + ([] if options.attach else bus_arguments))
+
+
+def rerun_needs(options: RunOptions) -> str | None:
+    """What :func:`run_command` relies on that does not stand in it; None: nothing."""
+    if options.foreign:
+        return "the controller that answered, on the same bus: a board or another program"
+    if options.attach and not options.rerun_command:
+        return "that the nodes, which were started elsewhere, were ours and of this version"
+    return None
 
 
 def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
@@ -188,7 +205,6 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
         "pace": options.pace,
-        # Then the command is the supervisor's part only: what the other nodes were told is theirs.
         "attached": options.attach,
         # Then the controller was not ours: law, parameters and arithmetic are what it said in the handshake.
         "foreign": options.foreign,
@@ -198,6 +214,7 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "verdict": result.verdict,
         "line": result.line,
         "command": run_command(options, bus_arguments),
+        "command_needs": rerun_needs(options),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),

@@ -25,16 +25,18 @@ def start_hub(nodes: Nodes, options: RunOptions, choice: BusChoice) -> None:
 def start_nodes(nodes: Nodes, options: RunOptions, choice: BusChoice, folder: Path) -> None:
     """Start plant and controller; what they measure goes into the run folder."""
     plant = [*options.scenario_arguments, "--seed", str(options.seed), "--pace", options.pace]
-    plant += ["--appear-timeout", str(options.appear_s)] + ["--perturbed"] * options.perturbed
+    plant += ["--appear-timeout", str(options.appear_s), "--patience", str(options.patience_s)]
+    plant += ["--perturbed"] * options.perturbed
     if options.pace == "realtime":
         plant += ["--rate", str(options.rate)]
         # A plant that is told nothing would ask by itself.
         plant += _scheduling(options, NODE_PRIORITY) or ["--realtime-priority", "0"]
         plant += ["--timing-file", str(folder / TIMING)]
-    nodes.start("plant", "railhil.plant_sim", plant + choice.arguments)
+    ours = ["supervisor"] if options.foreign else ["supervisor", "controller"]
+    nodes.start("plant", "railhil.plant_sim", plant + choice.arguments, watches=ours)
     if options.foreign:
         return
     task = ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
     law = [*options.law_arguments, *task, "--telemetry", str(folder / TELEMETRY)]
-    law += _scheduling(options, NODE_PRIORITY)
+    law += ["--patience", str(options.patience_s), *_scheduling(options, NODE_PRIORITY)]
     nodes.start("controller", "railhil.controller_node", [*options.scenario_arguments, *law, *choice.arguments])

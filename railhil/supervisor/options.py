@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.settings import set_words
 
@@ -32,8 +33,12 @@ class RunOptions:
     attach: bool = False
     #: The controller is somebody else (a board, another program): everything but it is started.
     foreign: bool = False
+    #: What the certificate names as the way to make an attached run again; empty: a run that starts its own nodes.
+    rerun_command: str = ""
     #: Wall time for all nodes to appear.
     appear_s: float = 25.0
+    #: Lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
+    patience_s: float = PATIENCE_S
 
     @property
     def label(self) -> str:

@@ -69,19 +69,36 @@ class Nodes:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self.nodes: list[Node] = []
+        # Writing ends of the lifelines whose node is not started yet, and the supervisor's own.
+        self._lifelines: dict[str, int] = {}
         #: The supervisor's own processors, to be given back.
         self._before: set[int] = set()
 
-    def start(self, role: str, module: str, arguments: Sequence[str]) -> Node:
-        """Start ``python -m module arguments`` with its output in ``<role>.txt``."""
+    def start(self, role: str, module: str, arguments: Sequence[str], watches: Sequence[str] = ()) -> Node:
+        """Start ``python -m module arguments`` with its output in ``<role>.txt``.
+
+        :param watches: this command (``supervisor``) and nodes that are started later, of whose end it is told at once.
+        """
         output = self._folder / f"{role}.txt"
-        with output.open("wb") as stream:
-            process = subprocess.Popen(
-                [sys.executable, "-m", module, *arguments],
-                stdin=subprocess.DEVNULL,
-                stdout=stream,
-                stderr=subprocess.STDOUT,
-            )
+        # See bus.patience.Lifelines: this node's own one, and the reading ends of those that it watches.
+        handed = [self._lifelines.pop(role)] if role in self._lifelines else []
+        words = []
+        for other in watches:
+            reading, self._lifelines[other] = os.pipe()
+            handed.append(reading)
+            words += ["--lifeline", f"{other}={reading}"]
+        try:
+            with output.open("wb") as stream:
+                process = subprocess.Popen(
+                    [sys.executable, "-m", module, *arguments, *words],
+                    stdin=subprocess.DEVNULL,
+                    stdout=stream,
+                    stderr=subprocess.STDOUT,
+                    pass_fds=handed,
+                )
+        finally:
+            for end in handed:
+                os.close(end)
         node = Node(role, process, output)
         self.nodes.append(node)
         return node
@@ -140,3 +157,5 @@ class Nodes:
             except subprocess.TimeoutExpired:
                 node.process.kill()
                 node.process.wait()
+        while self._lifelines:
+            os.close(self._lifelines.popitem()[1])

@@ -14,6 +14,7 @@ from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.bus.telegrams import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.framelog import FrameLog, read_log
@@ -37,7 +38,8 @@ from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
 
-#: Wall time without a tick after which a started run counts as dead; an outage of the interface is no part of it.
+#: Realtime: wall time without a tick after which a started run counts as dead; an outage of the interface is no part of
+#: it. In lockstep it is the patience of the plant, and a little.
 SILENCE_S = 4.0
 #: After a node was lost, the rest may take this long to stop by itself.
 AFTER_LOSS_S = 4.0
@@ -45,8 +47,6 @@ _LOOK_S = 0.05
 #: Wall time after which the log is handed to the kernel: about as much of it a recorder that is killed can lose.
 FLUSH_S = 0.2
 _REAP_S = 1.0
-#: The plant knows better who is missing: it may give up first.
-_LATER_S = 2.0
 
 
 class Run:
@@ -178,6 +178,7 @@ class Run:
         flush_s = time.monotonic() + FLUSH_S
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
+        silence_s = self.options.patience_s + LATER_S if self.options.pace == "lockstep" else self._silence_s
         apart = self.options.pace == "lockstep" and bool(nodes.nodes)
         while session.ended is None:
             self._take(link, _LOOK_S)
@@ -207,11 +208,11 @@ class Run:
             elif now_s > give_up_s:
                 return
             # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
-            if not session.recording and now_s - opened_s > self.options.appear_s + _LATER_S:
+            if not session.recording and now_s - opened_s > self.options.appear_s + LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
                 return
-            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > self._silence_s:
-                self._lost = self._lost or f"no tick for {self._silence_s:g} s of wall time: bench is deadlocked"
+            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
+                self._lost = self._lost or f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
                 return
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
@@ -242,7 +243,9 @@ class Run:
         if dead is None:
             return ""
         at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
-        return f"{dead.role} lost {at}: {dead.last_words()}"
+        # One that ends by itself says whom it has waited for: it is not the one that is missing.
+        how = "gave up" if dead.exit_code() == INVALID else "lost"
+        return f"{dead.role} {how} {at}: {dead.last_words()}"
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without score, and whether it was refused for bad input."""

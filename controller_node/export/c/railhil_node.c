@@ -1,20 +1,28 @@
 /* The exported law as a controller of its own on the bus: Linux SocketCAN, or the bench's hub. For the host only.
  *
- *   @LAW@_node can INTERFACE   raw CAN socket, e.g. vcan0, can0
- *   @LAW@_node hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
+ *   @LAW@_node [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
+ *   @LAW@_node [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
+ *
+ *   -w S   seconds to wait for the first frame of the bench (default 300)
+ *   -p S   patience in lockstep: silence of the bench that ends the program, s (default 62: the plant may wait 60 s for
+ *          another node). In realtime 3 s do.
  *
  * Exit code 0: the run has ended; 2: bad command line, a bus that cannot be opened, or nodes that do not agree on what
  * to run; 3: the bus is gone or silent. On a board its main loop takes the place of this file.
  */
+#define _POSIX_C_SOURCE 200809L
+
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "railhil_control.h"
 #include "railhil_socket.h"
 
 enum { EXIT_ENDED = 0, EXIT_USAGE = 2, EXIT_LOST = 3 };
-/* Silence that ends the program: at first the other nodes may be started by hand. */
-enum { FIRST_FRAME_MS = 60000, SILENCE_MS = 3000 };
+/* Silence that ends the program: at first the other nodes may be started by hand, on a machine that is busy. */
+enum { FIRST_FRAME_S = 300, PATIENCE_S = 62, SILENCE_S = 3, WAIT_MAX_S = 3600 };
 
 static void say_how_it_went(const railhil_bus_t *bus, const railhil_control_t *control)
 {
@@ -32,12 +40,12 @@ static void say_how_it_went(const railhil_bus_t *bus, const railhil_control_t *c
     fprintf(stderr, "\n");
 }
 
-static int serve(railhil_bus_t *bus, railhil_control_t *control)
+static int serve(railhil_bus_t *bus, railhil_control_t *control, long first_frame_s, long patience_s)
 {
     struct can_frame frames[RAILHIL_PACKET_FRAMES];
     railhil_frame_t answer[RAILHIL_FRAMES_MAX];
     int64_t heard_ms = railhil_now_ms();
-    int patience_ms = FIRST_FRAME_MS;
+    long limit_s = first_frame_s;
     while (control->ended == 0) {
         const int count = railhil_bus_receive(bus, frames);
         int heard = 0;
@@ -58,30 +66,53 @@ static int serve(railhil_bus_t *bus, railhil_control_t *control)
         }
         if (heard) {
             heard_ms = railhil_now_ms();
-            patience_ms = SILENCE_MS;
-        } else if (railhil_now_ms() - heard_ms > patience_ms) {
-            fprintf(stderr, "@LAW@_node: %s: no frame of the bench for %d s\n", bus->channel,
-                    patience_ms / 1000);
+            limit_s = control->rate_10th == 0 ? patience_s : SILENCE_S;
+        } else if (railhil_now_ms() - heard_ms > limit_s * (int64_t)1000) {
+            fprintf(stderr, "@LAW@_node: %s: waits for the bus administrator (plant): ", bus->channel);
+            fprintf(stderr, "no frame of the bench for %ld s\n", limit_s);
             return EXIT_LOST;
         }
     }
     return control->ended == RAILHIL_REFUSED ? EXIT_USAGE : EXIT_ENDED;
 }
 
+/* Seconds of an option; 0 when the text is not a whole number from 1 to WAIT_MAX_S. */
+static long seconds(const char *text)
+{
+    char *end;
+    const long found = strtol(text, &end, 10);
+    return end == text || *end != '\0' || found < 1 || found > WAIT_MAX_S ? 0 : found;
+}
+
 int main(int argc, char **argv)
 {
     static railhil_control_t control;
     railhil_bus_t bus;
+    long first_frame_s = FIRST_FRAME_S;
+    long patience_s = PATIENCE_S;
+    int option;
     int exit_code;
-    if (argc != 3 || (strcmp(argv[1], "can") != 0 && strcmp(argv[1], "hub") != 0)) {
-        fprintf(stderr, "@LAW@_node: found %d arguments, allowed can INTERFACE, or hub PATH\n", argc - 1);
+    opterr = 0;
+    while ((option = getopt(argc, argv, "w:p:")) != -1) {
+        const long found = option == '?' ? 0 : seconds(optarg);
+        if (found == 0) {
+            fprintf(stderr, "@LAW@_node: found %s, allowed -w S, -p S with 1 to %d s\n",
+                    option == '?' ? argv[optind - 1] : optarg, WAIT_MAX_S);
+            return EXIT_USAGE;
+        }
+        *(option == 'w' ? &first_frame_s : &patience_s) = found;
+    }
+    argv += optind;
+    argc -= optind;
+    if (argc != 2 || (strcmp(argv[0], "can") != 0 && strcmp(argv[0], "hub") != 0)) {
+        fprintf(stderr, "@LAW@_node: found %d arguments, allowed can INTERFACE, or hub PATH\n", argc);
         return EXIT_USAGE;
     }
-    if (railhil_bus_open(&bus, strcmp(argv[1], "hub") == 0, argv[2]) != 0) {
+    if (railhil_bus_open(&bus, strcmp(argv[0], "hub") == 0, argv[1]) != 0) {
         return EXIT_USAGE;
     }
     railhil_init(&control);
-    exit_code = serve(&bus, &control);
+    exit_code = serve(&bus, &control, first_frame_s, patience_s);
     if (exit_code == EXIT_USAGE) {
         fprintf(stderr, "@LAW@_node: %s: the nodes do not agree on what to run; railhil run says in what\n",
                 bus.channel);

@@ -15,8 +15,9 @@
 #include <linux/can/raw.h>
 
 /* A hub may only just be starting. A full transmit queue is tried again for so long; then the answer is dropped: a
- * later one is newer. In lockstep there is no later one: the very answer waits, also while the interface is down. */
-enum { HUB_START_MS = 5000, SEND_MS = 20, SEND_LOCKSTEP_MS = 2000, SEND_RETRY_NS = 500000, DOWN_WAIT_NS = 50000000 };
+ * later one is newer. In lockstep there is no later one: the very answer waits, also while the interface is down, as
+ * long as the bench's own nodes wait for theirs. */
+enum { HUB_START_MS = 5000, SEND_MS = 20, SEND_LOCKSTEP_MS = 30000, SEND_RETRY_NS = 500000, DOWN_WAIT_NS = 50000000 };
 /* Packets of the hub are whole struct can_frame, or one CAN FD frame. */
 enum { FD_PACKET = 72, HELLO_MAX = 1024 };
 
@@ -210,7 +211,7 @@ int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned
 {
     struct can_frame frames[RAILHIL_FRAMES_MAX];
     const unsigned at_once = bus->is_hub ? count : 1u;
-    const int64_t until_ms = railhil_now_ms() + (lockstep ? SEND_LOCKSTEP_MS : SEND_MS);
+    const int64_t until_ms = railhil_now_ms() + (lockstep ? bus->lockstep_ms : SEND_MS);
     unsigned i;
     memset(frames, 0, sizeof frames);
     for (i = 0; i < count; i++) {
@@ -242,6 +243,7 @@ int railhil_bus_open(railhil_bus_t *bus, int is_hub, const char *channel)
     memset(bus, 0, sizeof *bus);
     bus->is_hub = is_hub;
     bus->channel = channel;
+    bus->lockstep_ms = SEND_LOCKSTEP_MS;
     make_filters(bus);
     bus->socket = is_hub ? open_hub(channel) : open_can(bus);
     return bus->socket < 0 ? -1 : 0;

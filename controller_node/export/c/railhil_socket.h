@@ -16,6 +16,7 @@ typedef struct {
     int socket;
     int is_hub;
     const char *channel;
+    int64_t lockstep_ms;   /* so long an answer waits for the interface in lockstep */
     unsigned long dropped; /* answers that the interface did not take */
     int down;
     unsigned index; /* of the interface that the socket is bound to */

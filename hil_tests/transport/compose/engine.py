@@ -83,16 +83,17 @@ def containers() -> list[str]:
     return docker("ps", "-aq", "--filter", f"label=com.docker.compose.project={PROJECT}").split()
 
 
-def up(folder: Path, *overrides: str, **variables: str) -> Up:
+def up(folder: Path, *overrides: str, volumes: bool = False, **variables: str) -> Up:
     """Run the bench to its end and look at the containers before they are removed.
 
     :param overrides: compose files on top of docker-compose.yml.
+    :param volumes: leave the volume for a next ``up``.
     """
     files = [word for name in ("docker-compose.yml", *overrides) for word in ("-f", name)]
     done = compose(folder, *files, "up", "--no-color", "--exit-code-from", "supervisor", **variables)
     names = containers()
     found = json.loads(docker("inspect", *names)) if names else []
-    down = compose(folder, *files, "down", "--volumes")
+    down = compose(folder, *files, "down", *([] if volumes else ["--volumes"]))
     assert down.returncode == 0, down.stderr
     return Up.of(folder / "runs", done.returncode, done.stdout + done.stderr, found)
 

@@ -69,8 +69,7 @@ bench() {
 }
 
 foreign() {
-    # After the plant: the controller waits a minute for it and no longer, which may be short in a busy machine. The plant
-    # waits as long as the containers do.
+    # After the plant, whose containers may take long to come up in a busy machine; it waits as long as they do.
     (
         until grep -qs 'plant.*socketcan:can0' "$folder/foreign/out" || [ -e "$folder/foreign/exit_code" ]; do sleep 1; done
         exec "$python" -m railhil.controller_node scenarios/short_move.toml -i socketcan -c can0 2>"$folder/controller.txt"

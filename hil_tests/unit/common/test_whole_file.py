@@ -136,7 +136,7 @@ def test_the_telemetry_goes_through_a_pipe(lvshun: Scenario, pipe: Path) -> None
 def test_telemetry_survives_a_sigterm_while_it_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The bus is gone, the controller writes, and only then does the supervisor end it."""
 
-    def lost(node: ControllerNode, link: Link) -> int:
+    def lost(node: ControllerNode, link: Link, **_: float) -> int:
         raise BusLost("hub closed the connection")
 
     def terminated(node: ControllerNode) -> dict[str, int]:

@@ -186,6 +186,7 @@ int main(int argc, char **argv)
     refusals = atoi(argv[1]);
     reason = strcmp(argv[2], "full") == 0 ? ENOBUFS : ENETDOWN;
     bus.channel = "can0";
+    bus.lockstep_ms = 2000;
     printf("%d ", railhil_bus_send(&bus, answer, 2, argv[3][0] == 'l'));
     printf("dropped %lu\\n", bus.dropped);
     return 0;

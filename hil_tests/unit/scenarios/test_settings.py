@@ -18,6 +18,7 @@ from railhil.campaign.worst import rerun_words
 from railhil.cli.bus_run import run_scenario
 from railhil.common.errors import InputError
 from railhil.plant_sim.command import main as plant
+from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load
 from railhil.scenarios.settings import setting
@@ -32,7 +33,10 @@ def test_a_setting_is_a_key_of_the_scenario() -> None:
     changed = load(NAME, ["plan.stop_error_max_m=0.5", "plan.stop_error_max_m=0.4", "title=wider window"])
     assert (changed.plan.stop_error_max_m, changed.title) == (0.4, "wider window")
     assert changed.name == plain.name
-    assert changed.sha256 != plain.sha256
+    # What judges a run changes no frame of it.
+    assert changed.sha256 == plain.sha256
+    assert judged_sha256(changed) != judged_sha256(plain)
+    assert load(NAME, ["plan.distance_m=2939"]).sha256 != plain.sha256
     assert load(NAME, [f"plan.stop_error_max_m={plain.plan.stop_error_max_m}"]).sha256 == plain.sha256
     lines = load(NAME, ["line.balises=[{number = 7, surveyed_m = 100}]"]).line
     assert [balise.number for balise in lines.balises] == [7]
@@ -85,7 +89,8 @@ def test_a_run_with_settings_can_be_scored_and_made_again(tmp_path: Path) -> Non
     assert done.exit_code == 0, done.err
     certificate = json.loads((tmp_path / "one" / "certificate.json").read_text(encoding="utf-8"))
     assert certificate["settings"] == given
-    assert certificate["scenario_sha256"] == load(path, given).sha256 != load(path).sha256
+    assert certificate["scenario_sha256"] == load(path).sha256
+    assert certificate["judged_sha256"] == judged_sha256(load(path, given)) != judged_sha256(load(path))
     assert railhil("score", tmp_path / "one").exit_code == 0
     again = shlex.split(certificate["command"])[1:]
     assert railhil(*again, "--no-report", "--out", tmp_path / "two").exit_code == 0

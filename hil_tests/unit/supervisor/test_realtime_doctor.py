@@ -130,7 +130,9 @@ def test_throttle(tmp_path: Path, runtime: str, words: str, advised: bool) -> No
     ("files", "version", "begin", "advice"),
     [
         ({"sys/kernel/realtime": "1"}, "#1 SMP PREEMPT_RT", "PREEMPT_RT: latencies have a bound", ""),
-        ({}, "#1 SMP PREEMPT_DYNAMIC Debian", "PREEMPT_DYNAMIC: short latencies", "for a bound: a PREEMPT_RT"),
+        ({}, "#1 SMP PREEMPT_DYNAMIC Debian", "PREEMPT_DYNAMIC, its mode not known (root", "for a bound: a PREEMPT_RT"),
+        ({"sys/kernel/debug/sched/preempt": "none voluntary (full)"}, "#1 SMP PREEMPT_DYNAMIC",
+         "PREEMPT_DYNAMIC, now full: no bound; the 10 ms loop measures", "for a bound: a PREEMPT_RT"),
         ({"sys/kernel/debug/sched/preempt": "none (voluntary) full"}, "#1 SMP PREEMPT_DYNAMIC",
          "PREEMPT_DYNAMIC, now voluntary: latencies of milliseconds", "kernel parameter preempt=full"),
         ({}, "#1 SMP Debian", "none: latencies of milliseconds", "a kernel with PREEMPT or PREEMPT_RT"),

@@ -56,7 +56,7 @@ def run(tmp_path: Path) -> Run:
     """One that waits for a moment only."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
     options = RunOptions("lvshun_tieshan", pace="realtime")
-    return Run(load("lvshun_tieshan"), options, choice, tmp_path, silence_s=0.1, after_loss_s=0.05)
+    return Run(load("lvshun_tieshan"), options, choice, tmp_path, silence_s=0.5, after_loss_s=0.05)
 
 
 def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
@@ -157,6 +157,22 @@ def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path)
     assert nodes.blamed() is nodes.nodes[1]
     nodes.nodes.append(node_that(-9, "", tmp_path, "hub"))
     assert nodes.blamed() is nodes.nodes[3]
+
+
+@pytest.mark.parametrize(
+    ("code", "said", "line"),
+    [
+        (-9, CHATTER, "plant lost before the run: killed by SIGKILL"),
+        (3, "plant: bus administrator waits for controller: no answer within 120 s\n",
+         "plant gave up before the run: plant: bus administrator waits for controller: no answer within 120 s"),
+    ],
+)  # fmt: skip
+def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
+    run: Run, tmp_path: Path, code: int, said: str, line: str
+) -> None:
+    nodes = Nodes(tmp_path)
+    nodes.nodes = [node_that(code, said, tmp_path, "plant")]
+    assert run._who_died(nodes) == line
 
 
 def test_the_plant_says_what_went_wrong_on_its_connection(

@@ -77,10 +77,12 @@ def preemption(root: Path, version: str) -> Finding:
     chosen = text_of(root / "sys/kernel/debug/sched/preempt")
     mode = chosen.partition("(")[2].partition(")")[0]
     kind = "PREEMPT_DYNAMIC" if "PREEMPT_DYNAMIC" in version else "PREEMPT" if "PREEMPT" in version else "none"
-    words = f"{kind}{f', now {mode}' if mode else ''}: short latencies, no bound"
+    shown = f"{kind}, now {mode}" if mode else kind
     if kind == "none" or mode in ("none", "voluntary"):
         advice = "kernel parameter preempt=full" if "DYNAMIC" in kind else "a kernel with PREEMPT or PREEMPT_RT"
-        return Finding("preemption", words.replace("short latencies, no bound", "latencies of milliseconds"), advice)
-    return Finding(
-        "preemption", words, "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
-    )
+        return Finding("preemption", f"{shown}: latencies of milliseconds are possible", advice)
+    if kind == "PREEMPT_DYNAMIC" and not mode:
+        # It may have been started with preempt=none: nothing is promised that nobody has looked at.
+        shown += ", its mode not known (root can read /sys/kernel/debug/sched/preempt)"
+    advice = "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
+    return Finding("preemption", f"{shown}: no bound; the 10 ms loop measures", advice)

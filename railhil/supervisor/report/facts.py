@@ -136,7 +136,9 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
     if certificate.get("foreign"):
         rows.append(("Not ours", "the controller, a board or another program; law and arithmetic are what it said"))
     if certificate.get("attached"):
-        rows.append(("Attached", "plant and controller were started elsewhere; the command is the supervisor's part"))
+        rows.append(("Attached", "plant and controller were started elsewhere"))
+    if certificate.get("command_needs"):
+        rows.append(("The command needs", said("command_needs")))
     return rows
 
 

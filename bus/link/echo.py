@@ -1,0 +1,59 @@
+"""The link on an interface that gives a node its own frames back, unmarked: python-can's ``udp_multicast``.
+
+The sender's address, which would tell, does not come out of python-can. So an own frame is known by its content: each
+frame that was sent takes one equal frame off what is received. One too many is somebody else's, as that of a second
+bus administrator.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+import can
+
+from railhil.bus.frame import Frame
+from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.bus.link.single import SingleLink
+from railhil.bus.wallclock import WallClock
+
+#: Frames that have been sent and not been heard again: more of them are lost on the way, the oldest first.
+_REMEMBERED_FRAMES = 1024
+
+
+class EchoLink(SingleLink):
+    """:class:`~railhil.bus.link.single.SingleLink` that keeps own frames from the node."""
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        reopen: Callable[[], can.BusABC] | None = None,
+        say: Callable[[str], None] | None = None,
+        *,
+        timeouts: Timeouts = TIMEOUTS,
+        wall: WallClock = time,
+    ) -> None:
+        super().__init__(bus, reopen, say, timeouts=timeouts, wall=wall)
+        self._own: deque[Frame] = deque(maxlen=_REMEMBERED_FRAMES)
+
+    def _put(self, frame: Frame) -> None:
+        super()._put(frame)
+        self._own.append(frame)
+
+    def _get(self, timeout_s: float | None) -> list[Frame]:
+        deadline_s = None if timeout_s is None else self._wall.monotonic() + timeout_s
+        while frames := super()._get(timeout_s):
+            if others := [frame for frame in frames if not self._is_own(frame)]:
+                return others
+            # An own frame is no reason to return before the time.
+            if deadline_s is not None:
+                timeout_s = max(0.0, deadline_s - self._wall.monotonic())
+        return []
+
+    def _is_own(self, frame: Frame) -> bool:
+        try:
+            self._own.remove(frame)
+        except ValueError:
+            return False
+        return True

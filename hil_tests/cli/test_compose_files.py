@@ -1,0 +1,61 @@
+"""The compose files by themselves, without an engine: what a version of Compose that is not here would refuse."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import yaml
+
+from hil_tests.support.paths import ROOT
+from railhil.supervisor.options import RunOptions
+
+_FILES = sorted(path.name for path in ROOT.glob("docker-compose*.yml"))
+
+
+def compose_file(name: str) -> dict[str, Any]:
+    return yaml.safe_load((ROOT / name).read_text())
+
+
+def empty_lists(found: Any, key: str = "") -> Iterator[str]:
+    """Keys that hold an empty list."""
+    if isinstance(found, dict):
+        for name, value in found.items():
+            yield from empty_lists(value, f"{key}.{name}")
+    elif found == []:
+        yield key
+
+
+@pytest.mark.parametrize("name", _FILES)
+def test_no_list_is_empty(name: str) -> None:
+    """Compose 2.26 merges an override into an empty list as nothing, and then says that it must be a list."""
+    assert list(empty_lists(compose_file(name))) == []
+
+
+def test_one_service_alone_has_a_capability_and_goes_without_no_new_privileges() -> None:
+    services = compose_file("docker-compose.yml")["services"]
+    capable = {name for name, service in services.items() if "cap_add" in service}
+    assert capable == {name for name, service in services.items() if "security_opt" not in service} == {"bus"}
+
+
+def test_defaults_are_those_of_the_command() -> None:
+    """Who starts the same scenario with and without containers expects the same bytes."""
+    said = compose_file("docker-compose.yml")["x-bench"]["environment"]
+    options = RunOptions("lvshun_tieshan")
+    assert said == said | {
+        "SCENARIO": f"${{SCENARIO:-{options.scenario}}}",
+        "CONTROLLER": f"${{CONTROLLER:-{options.controller}}}",
+        "ARITHMETIC": f"${{ARITHMETIC:-{options.arithmetic}}}",
+        "SEED": f"${{SEED:-{options.seed}}}",
+        "PACE": f"${{PACE:-{options.pace}}}",
+        "PATIENCE": f"${{PATIENCE:-{options.patience_s:g}}}",
+        "RATE": f"${{RATE:-{options.rate:g}}}",
+    }
+
+
+def test_the_volume_between_the_containers_knows_no_user() -> None:
+    """Its options stay those of its making: an owner in them would shut out another RAILHIL_UID."""
+    (volume,) = compose_file("docker-compose.yml")["volumes"].values()
+    assert "uid" not in volume["driver_opts"]["o"]
+    assert "gid" not in volume["driver_opts"]["o"]
