@@ -1,8 +1,10 @@
 """The tick loop of many trains as machine code, from one control period to the next.
 
-It goes through the order of the bench in every tick (``coupled_run``, ``PlantNode``, ``Plant.advance``): events of the
-tick before, SIM_TRUTH, TRN_POS, NOTCH_CMD, end of the run, watch, motion. The bus is healthy: every command is
-accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order.
+It holds a copy of the order that :mod:`railhil.plant_sim.cycle` states, and of ``Plant.advance``: in one pass of its
+loop the end of the run at a tick (``_end``), watch and motion (``_advance``), then, at the tick after it, the readings
+that are due. The law has answered before the pass that begins a control period. The bus is healthy: every command is
+accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order, and the tests of
+the batch hold it against ``coupled_run`` and the nodes.
 """
 
 from __future__ import annotations
@@ -192,7 +194,7 @@ def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample
 
 @compiled.part
 def _end(common: Any, train: Any, tick: int) -> None:
-    """End the run when its time has come."""
+    """``RunEnd.reached``, with a controller that is there."""
     if train.stop_tick >= 0:
         if tick >= train.stop_tick + common.after_stop_ticks:
             train.ended, train.end_tick = _COMPLETE, tick

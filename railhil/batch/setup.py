@@ -16,9 +16,9 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.plant_sim import force_tables
+from railhil.plant_sim.cycle import RunEnd
 from railhil.plant_sim.dynamics import lag
 from railhil.plant_sim.forces import EffortTable
-from railhil.plant_sim.node import AFTER_STOP_S
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.watch import INITIAL, watch_ticks
 from railhil.scenarios.model import Effort, Scenario
@@ -66,11 +66,11 @@ class Times:
     @classmethod
     def of(cls, scenario: Scenario) -> Times:
         """Times of a scenario; perturbations do not change them."""
-        timing, plan = scenario.timing, scenario.plan
+        timing = scenario.timing
         tick_ns, period_ns = timing.base_tick_ns, timing.control_period_ns
         schedule = coupled_schedule(scenario)
-        last_tick = round((plan.running_time_s + plan.overtime_max_s) * 1e9 / tick_ns)
-        after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
+        run_end = RunEnd(scenario)
+        last_tick, after_stop = run_end.last_tick, run_end.after_stop_ticks
         end = last_tick + 1 + after_stop
         polls = np.arange(0, end + 1, schedule.ticks(NotchCmd.PORT), dtype=np.int64)
         periods = polls * tick_ns // period_ns
