@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from railhil.common import compilable
+from railhil.common.compilable import F
 from railhil.common.errors import InputError, Words
 
 # Their marked functions are told to numba.
@@ -42,8 +43,8 @@ _INLINE = {"forceinline": True, "_nrt": False}
 #: For what a loop seldom calls.
 _ASIDE = {"_nrt": False}
 
-part = numba.njit(**_INLINE)
-aside = numba.njit(**_ASIDE)
+part: Callable[[F], F] = numba.njit(**_INLINE)
+aside: Callable[[F], F] = numba.njit(**_ASIDE)
 
 for _function in compilable.INLINE:
     register_jitable(**_INLINE)(_function)
@@ -51,7 +52,6 @@ for _function in compilable.ASIDE:
     register_jitable(**_ASIDE)(_function)
 
 
-@overload(bisect_right, jit_options=_INLINE, strict=False)
 def _bisect_right(values: Any, value: Any) -> Callable[..., int]:
     def by_steps_of_one(values: Any, value: Any) -> int:
         # The tables have a few rows.
@@ -63,14 +63,17 @@ def _bisect_right(values: Any, value: Any) -> Callable[..., int]:
     return by_steps_of_one
 
 
-@overload(compilable.chosen, jit_options=_INLINE, strict=False)
 def _chosen(condition: Any, a: Any, b: Any) -> Callable[..., Any]:
     return lambda condition, a, b: a if condition else b
 
 
-@overload(compilable.every, jit_options=_INLINE, strict=False)
 def _every(condition: Any) -> Callable[..., Any]:
     return lambda condition: condition
+
+
+#: For what numba does not know, or not with single numbers: what makes the function that it compiles instead.
+for _function, _instead in ((bisect_right, _bisect_right), (compilable.chosen, _chosen), (compilable.every, _every)):
+    overload(_function, jit_options=_INLINE, strict=False)(_instead)
 
 
 def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
