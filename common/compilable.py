@@ -7,7 +7,8 @@ debugger steps through them in either (``NUMBA_DISABLE_JIT=1`` runs the loops of
 What such a function may be made of: positional arguments, numbers, named tuples of them, tables (tuples in the
 interpreter, arrays when compiled), constants of its module, and calls of functions that are marked, too. Python's
 ``min`` and ``max`` and numpy's ``where`` and ``all`` mean something else to numba, or nothing: use :func:`smaller`,
-:func:`larger`, :func:`chosen` and :func:`every`. ``round`` and ``bisect_right`` may be used.
+:func:`larger`, :func:`chosen` and :func:`every`. ``round`` and ``bisect_right`` may be used; numpy's ``minimum`` and
+``maximum`` where the sign of a zero does not matter.
 
 Nothing here knows numba: it is an extra, and only the batch needs it.
 """
