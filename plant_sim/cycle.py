@@ -93,7 +93,7 @@ class RunEnd:
         return Event.ENDED_NOT_STOPPED if over else None
 
 
-class Cycle:
+class TickLoop:
     """One run of a plant, tick by tick.
 
     :param makers: what makes the telegram of each published port, None when there is nothing to be sent.

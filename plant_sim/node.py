@@ -14,7 +14,7 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SupCmd, SupCommand
 from railhil.dbc import Port, wire_contract
-from railhil.plant_sim.cycle import Cycle
+from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.gate import CommandGate
@@ -82,7 +82,7 @@ class PlantNode:
         #: As :class:`railhil.plant_sim.cycle.Surroundings` of the train.
         self.publish = self.administrator.publish
         self.ended: Event | None = None
-        self._cycle = Cycle(self.scenario, self.plant, schedule, self, self._telegrams.makers)
+        self._loop = TickLoop(self.scenario, self.plant, schedule, self, self._telegrams.makers)
         self._notch_port, self._stat_port, self._sup_port = (
             contract.port(telegram.PORT) for telegram in (NotchCmd, CtlStat, SupCmd)
         )
@@ -162,7 +162,7 @@ class PlantNode:
         self._pacer.start()
         self._supervisor.heard(time.monotonic_ns())
         try:
-            self._cycle.run()
+            self._loop.run()
         except PlantError:
             self.end(Event.ENDED_PLANT_ERROR)
             raise

@@ -25,7 +25,7 @@ from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
-from railhil.plant_sim.cycle import Cycle
+from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.plant_sim.plant import Plant
@@ -186,7 +186,7 @@ def coupled_run(
     coupled.publish(ident)
     truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
     makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
-    Cycle(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()
+    TickLoop(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()
     return BenchRun(coupled.trace, score(scenario, coupled.trace), ended=coupled.ended)
 
 

@@ -10,7 +10,7 @@ from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, SupCmd, TimeSync, TrnSpeed
 from railhil.dbc import Port
-from railhil.plant_sim.cycle import BRAKING_MAX_NS, Cycle, RunEnd
+from railhil.plant_sim.cycle import BRAKING_MAX_NS, RunEnd, TickLoop
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
@@ -63,10 +63,10 @@ class Noting:
         self.ended = event
 
 
-def cycle_of(scenario: Scenario, plant: Plant, noting: Noting, *ports: str) -> Cycle:
+def cycle_of(scenario: Scenario, plant: Plant, noting: Noting, *ports: str) -> TickLoop:
     makers = TrainTelegrams(scenario, plant, 0.0).makers
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
-    return Cycle(scenario, plant, schedule, noting, {port: makers[port] for port in ports})
+    return TickLoop(scenario, plant, schedule, noting, {port: makers[port] for port in ports})
 
 
 def test_order_of_a_tick() -> None:
