@@ -43,6 +43,7 @@ bench: $(VENV)/.installed-dev
 
 dbc: $(VENV)/.installed
 	$(BIN)/python -m railhil.dbc.generate
+	$(BIN)/python -m railhil.bus.generate_codecs
 
 # Constant tables of the control laws.
 tables: $(VENV)/.installed

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, ClassVar, Self
 
+from railhil.bus.codecs import CODECS
 from railhil.dbc import Port, Signal, wire_contract
 
 #: Code points of a 2-bit check variable.
@@ -30,13 +31,19 @@ class Telegram:
     Subclasses are dataclasses of raw integers; their ``PORT`` names the port whose signals they carry. Values that do
     not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
 
-    At its first use a class gets an ``encode`` and a ``decode`` of its own, straight-line code made from the port table
-    (as ``dataclass`` makes ``__init__``): every node packs or unpacks a telegram several times a tick.
+    What is said here in a loop over the signals, :mod:`railhil.bus.codecs` says in one line for each: a class that
+    stands there takes its ``encode`` and ``decode`` from there.
     """
 
     PORT: ClassVar[str]
     #: Field names with their signals, made at first use.
     _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
+
+    def __init_subclass__(cls) -> None:
+        codec = CODECS.get(codec_key(cls))
+        if codec is not None:
+            cls.encode = codec[0]  # type: ignore[assignment, method-assign]
+            cls.decode = classmethod(codec[1])  # type: ignore[assignment, method-assign]
 
     @classmethod
     def port(cls) -> Port:
@@ -51,33 +58,36 @@ class Telegram:
         return [(item.name, item.metadata["signal"].replace("{p}", prefix)) for item in fields]
 
     @classmethod
-    def _compile(cls) -> None:
-        """Give the class its own ``encode`` and ``decode``; checks it against the port table."""
-        port = cls.port()
-        by_name = {item.name: item for item in port.signals}
-        prefix = port.name.split("_")[0].capitalize()
-        signals = []
-        for item in dataclasses.fields(cls):  # type: ignore[arg-type]
-            signals.append((item.name, by_name.pop(item.metadata["signal"].replace("{p}", prefix))))
-        if by_name:
-            raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
-        cls._signals = tuple(signals)
-        made: dict[str, Any] = {}
-        exec(_codec_text(cls._signals, port.data_bytes), {}, made)
-        cls.encode = made["encode"]  # type: ignore[method-assign]
-        cls.decode = classmethod(made["decode"])  # type: ignore[assignment, method-assign]
+    def signals(cls) -> tuple[tuple[str, Signal], ...]:
+        """Field names with their signals, in the order of the fields.
+
+        :raises TypeError: they are not those of the port table.
+        """
+        if "_signals" not in vars(cls):
+            port = cls.port()
+            by_name = {item.name: item for item in port.signals}
+            found = [(field, by_name.pop(name)) for field, name in cls.signal_names()]
+            if by_name:
+                raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
+            cls._signals = tuple(found)
+        return cls._signals
 
     def encode(self) -> bytes:
         """Process data of the telegram, ``port.data_bytes`` bytes.
 
         :raises OverflowError: when a value does not fit its signal.
         """
-        self._compile()
-        return self.encode()
+        word, bits = 0, self.port().data_bytes * 8
+        for name, entry in self.signals():
+            value, (lowest, highest) = getattr(self, name), entry.raw_range
+            if not lowest <= value <= highest:
+                raise self.misfit()
+            word |= value % (1 << entry.length) << bits - entry.first_bit - entry.length
+        return word.to_bytes(bits // 8)
 
-    def _misfit(self) -> OverflowError:
+    def misfit(self) -> OverflowError:
         """Names the first value that does not fit."""
-        for name, entry in self._signals:
+        for name, entry in self.signals():
             value, (lowest, highest) = getattr(self, name), entry.raw_range
             if not lowest <= value <= highest:
                 return OverflowError(f"{self.PORT}.{name}: found {value}, allowed {lowest}..{highest}")
@@ -86,42 +96,20 @@ class Telegram:
     @classmethod
     def decode(cls, data: bytes) -> Self:
         """Telegram of process data of the right length (the traffic store has checked it)."""
-        cls._compile()
-        return cls.decode(data)
+        word, bits = int.from_bytes(data), len(data) * 8
+        values = []
+        for _, entry in cls.signals():
+            value = (word >> bits - entry.first_bit - entry.length) % (1 << entry.length)
+            # Two's complement.
+            values.append(value - (1 << entry.length) if value > entry.raw_range[1] else value)
+        return cls(*values)
 
     def items(self) -> Iterator[tuple[str, int]]:
         """``(field name, raw value)`` of every field."""
-        if not self._signals:
-            self._compile()
-        for name, _ in self._signals:
+        for name, _ in self.signals():
             yield name, getattr(self, name)
 
 
-def _codec_text(signals: Sequence[tuple[str, Signal]], data_bytes: int) -> str:
-    """Python text of ``encode`` and ``decode`` of a telegram with these fields.
-
-    A value fits when nothing is left of it, moved into the unsigned range, above its signal's length.
-    """
-    loads, misfits, packed, unpacked = [], [], [], []
-    for index, (name, entry) in enumerate(signals):
-        value, mask, shift = f"v{index}", (1 << entry.length) - 1, data_bytes * 8 - entry.first_bit - entry.length
-        bits = f"word >> {shift} & {mask}"
-        loads.append(f"    {value} = self.{name}\n")
-        if entry.signed:
-            sign = 1 << entry.length - 1
-            misfits.append(f"{value} + {sign} >> {entry.length}")
-            packed.append(f"({value} & {mask}) << {shift}")
-            # Two's complement: the sign bit turned, and its weight taken away again.
-            unpacked.append(f"({bits} ^ {sign}) - {sign}")
-        else:
-            misfits.append(f"{value} >> {entry.length}")
-            packed.append(f"{value} << {shift}")
-            unpacked.append(bits)
-    return (
-        "def encode(self):\n"
-        + "".join(loads)
-        + f"    if {' | '.join(misfits)}:\n        raise self._misfit()\n"
-        + f"    return ({' | '.join(packed)}).to_bytes({data_bytes})\n"
-        + "def decode(cls, data):\n    word = int.from_bytes(data)\n"
-        + f"    return cls({', '.join(unpacked)})\n"
-    )
+def codec_key(kind: type[Telegram]) -> str:
+    """Name of a telegram class in :data:`railhil.bus.codecs.CODECS`."""
+    return f"{kind.__module__}.{kind.__qualname__}"

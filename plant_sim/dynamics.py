@@ -6,7 +6,7 @@
 
 ``F`` is the signed force of the actuator (first-order lag with pole ``p``), ``u`` the notch and ``K`` the force per
 notch; ``W`` is Davis resistance plus grade averaged over the train length. ``clip`` keeps the force within the
-traction limit ``min(F_max, P_max / v, curve(v))`` and the brake limit. A brake holds the train and never pushes it
+traction limit ``smaller(F_max, P_max / v, curve(v))`` and the brake limit. A brake holds the train and never pushes it
 back: ``v >= 0``.
 
 Source: plant of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, with Davis resistance, force limits and grade added.
@@ -14,6 +14,8 @@ Source: plant of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, with Davis resi
 Within a step the notch is constant, so the actuator is solved exactly (mean force included); the motion uses the
 midpoint rule with a predicted middle (second order). Departure, stop and the crossing of a force limit are found
 inside the step, so the whole run is of second order in the step.
+
+The batch compiles all functions here (:mod:`railhil.common.compilable` says what they may be made of).
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from __future__ import annotations
 from math import exp, log
 from typing import NamedTuple
 
+from railhil.common.compilable import compilable, compilable_aside, larger, smaller
 from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 
 
@@ -69,21 +72,24 @@ class Step(NamedTuple):
     moving_to_s: float
 
 
+@compilable_aside
 def lag(pole_per_s: float, step_s: float) -> Lag:
     """Actuator factors of a step of any length > 0."""
     decay = exp(-pole_per_s * step_s)
     return Lag(step_s, decay, (1.0 - decay) / (pole_per_s * step_s))
 
 
+@compilable
 def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) -> tuple[float, float]:
     """Least and greatest force on the train at a speed, traction positive."""
     low_n = -effort_limit_n(constants.brake, speed_mps)
     traction, brake_min_n = window
     if brake_min_n > 0.0:
-        return low_n, max(low_n, -brake_min_n)
+        return low_n, larger(low_n, -brake_min_n)
     return low_n, effort_limit_n(constants.traction, speed_mps) if traction else 0.0
 
 
+@compilable_aside
 def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, high_n: float) -> float:
     """Mean of a force clipped to ``low_n..high_n`` while it runs from ``first_n`` to ``last_n`` with mean ``mean_n``.
 
@@ -97,8 +103,8 @@ def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, h
         return low_n
     mean_n = (first_n + last_n) / 2
     span_n = abs(last_n - first_n)
-    over_n = max(first_n, last_n) - high_n
-    under_n = low_n - min(first_n, last_n)
+    over_n = larger(first_n, last_n) - high_n
+    under_n = low_n - smaller(first_n, last_n)
     if over_n > 0.0:
         mean_n -= over_n * over_n / (2 * span_n)
     if under_n > 0.0:
@@ -106,12 +112,14 @@ def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, h
     return mean_n
 
 
+@compilable
 def applied_n(constants: TrainConstants, window: Window, motion: Motion) -> float:
     """Force on the train at this instant after all limits, traction positive."""
     low_n, high_n = force_bounds_n(constants, window, motion.speed_mps)
-    return min(max(motion.actuator_n, low_n), high_n)
+    return smaller(larger(motion.actuator_n, low_n), high_n)
 
 
+@compilable
 def acceleration_mps2(constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion) -> float:
     """Acceleration at this instant; 0 for a standing train that the brake or its own resistance holds."""
     grade = mean_grade_permil(grades, motion.position_m)
@@ -121,6 +129,7 @@ def acceleration_mps2(constants: TrainConstants, grades: GradeTable, window: Win
     return net_n / constants.mass_kg
 
 
+@compilable
 def step(
     constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
 ) -> Step:
@@ -141,6 +150,7 @@ def step(
     return Step(Motion(position_m + moved_m, next_mps, next_n, accel_mps2), 0.0, step_s)
 
 
+@compilable
 def _mean_acceleration(
     constants: TrainConstants,
     grades: GradeTable,
@@ -163,6 +173,7 @@ def _mean_acceleration(
     return (mean_n - resistance_n(constants, middle_mps, grade)) / constants.mass_kg
 
 
+@compilable_aside
 def _to_rest(
     constants: TrainConstants,
     grades: GradeTable,
@@ -177,17 +188,18 @@ def _to_rest(
     position_m, speed_mps, actuator_n, _ = motion
     stop_s = step_s
     if accel_mps2 < 0.0 < speed_mps:
-        stop_s = min(step_s, -speed_mps / accel_mps2)
+        stop_s = smaller(step_s, -speed_mps / accel_mps2)
         part = lag(constants.pole_per_s, stop_s)
         offset_n = actuator_n - steady_n
         part_n = steady_n + offset_n * part.decay
         mean_n = steady_n + offset_n * part.mean
         accel_mps2 = _mean_acceleration(constants, grades, window, motion, part_n, mean_n, stop_s)
         if accel_mps2 < 0.0:
-            stop_s = min(step_s, -speed_mps / accel_mps2)
+            stop_s = smaller(step_s, -speed_mps / accel_mps2)
     return Step(Motion(position_m + speed_mps * 0.5 * stop_s, 0.0, next_n, 0.0), 0.0, stop_s)
 
 
+@compilable_aside
 def _waiting_s(
     constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
 ) -> float:
@@ -195,14 +207,15 @@ def _waiting_s(
     against_n = resistance_n(constants, 0.0, mean_grade_permil(grades, motion.position_m))
     low_n, high_n = force_bounds_n(constants, window, 0.0)
     actuator_n = motion.actuator_n
-    if min(max(actuator_n, low_n), high_n) > against_n:
+    if smaller(larger(actuator_n, low_n), high_n) > against_n:
         return 0.0
     last_n = steady_n + (actuator_n - steady_n) * lag_step.decay
-    if min(max(last_n, low_n), high_n) <= against_n:
+    if smaller(larger(last_n, low_n), high_n) <= against_n:
         return lag_step.step_s
-    return min(log((actuator_n - steady_n) / (against_n - steady_n)) / constants.pole_per_s, lag_step.step_s)
+    return smaller(log((actuator_n - steady_n) / (against_n - steady_n)) / constants.pole_per_s, lag_step.step_s)
 
 
+@compilable_aside
 def _from_rest(
     constants: TrainConstants,
     grades: GradeTable,
@@ -223,5 +236,5 @@ def _from_rest(
     standing = Motion(position_m, 0.0, steady_n + offset_n, 0.0)
     mean_n = steady_n + offset_n * lag(constants.pole_per_s, moving_s).mean
     accel_mps2 = _mean_acceleration(constants, grades, window, standing, next_n, mean_n, moving_s)
-    speed_mps = max(0.0, accel_mps2 * moving_s)
+    speed_mps = larger(0.0, accel_mps2 * moving_s)
     return Step(Motion(position_m + speed_mps * 0.5 * moving_s, speed_mps, next_n, accel_mps2), waiting_s, step_s)

@@ -1,17 +1,15 @@
-"""Forces on a train as tables and pure functions: effort limits, Davis resistance, grade under the train."""
+"""Forces on a train from tables: effort limits, Davis resistance, grade under the train.
+
+The batch compiles all functions here (:mod:`railhil.common.compilable` says what they may be made of); the tables are
+made in :mod:`railhil.plant_sim.force_tables`.
+"""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from math import inf
 from typing import NamedTuple
 
-import numpy as np
-
-from railhil.scenarios.model import Effort, Profile, Train
-from railhil.scenarios.profiles import Floats, MeanGrade
-
-_KMH = 3.6
+from railhil.common.compilable import compilable, smaller
 
 
 class EffortTable(NamedTuple):
@@ -44,51 +42,7 @@ class GradeTable(NamedTuple):
     permil_per_m: tuple[float, ...]
 
 
-def effort_table(effort: Effort) -> EffortTable:
-    """Table of a force limit."""
-    power_w = inf if effort.power_max_w is None else effort.power_max_w
-    return EffortTable(
-        effort.force_max_n,
-        power_w,
-        tuple(speed for speed, _ in effort.curve),
-        tuple(force for _, force in effort.curve),
-    )
-
-
-def train_constants(train: Train) -> TrainConstants:
-    """Constants of a train; Davis coefficients are turned from N/kN and km/h into N and m/s."""
-    weight_kn = train.mass_kg * train.gravity_mps2 / 1000.0
-    return TrainConstants(
-        train.inertial_mass_kg,
-        weight_kn * train.davis_a_n_per_kn,
-        weight_kn * train.davis_b_n_per_kn_kmh * _KMH,
-        weight_kn * train.davis_c_n_per_kn_kmh2 * _KMH**2,
-        weight_kn,
-        train.actuator_pole_per_s,
-        effort_table(train.traction),
-        effort_table(train.brake),
-    )
-
-
-def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, Floats]:
-    """Breakpoints of ``(height(x) - height(x - length)) / length``, height being the integral of the grade.
-
-    :returns: the fields of a :class:`GradeTable` as arrays of shape (rows,); all but the first of shape (N, rows) when
-        the grades of the profile are arrays over N runs.
-    """
-    mean = MeanGrade(grade_permil, length_m)
-    from_m = mean.breakpoints_m
-    permil = mean(from_m)
-    slope = np.diff(permil) / np.diff(from_m)
-    return from_m, permil, np.concatenate((slope, np.zeros((*slope.shape[:-1], 1))), axis=-1)
-
-
-def grade_table(grade_permil: Profile, length_m: float) -> GradeTable:
-    """The table of one run."""
-    from_m, permil, slope = grade_rows(grade_permil, length_m)
-    return GradeTable(tuple(from_m.tolist()), tuple(permil.tolist()), tuple(slope.tolist()))
-
-
+@compilable
 def mean_grade_permil(table: GradeTable, front_m: float) -> float:
     """Grade averaged over the train with its front at ``front_m``; held before the first and after the last row."""
     row = bisect_right(table.from_m, front_m) - 1
@@ -97,6 +51,7 @@ def mean_grade_permil(table: GradeTable, front_m: float) -> float:
     return table.permil[row] + table.permil_per_m[row] * (front_m - table.from_m[row])
 
 
+@compilable
 def effort_limit_n(table: EffortTable, speed_mps: float) -> float:
     """Greatest force at a speed: ``min(F_max, P_max / v, curve(v))``, the curve held at both ends."""
     limit_n = table.force_max_n
@@ -113,10 +68,11 @@ def effort_limit_n(table: EffortTable, speed_mps: float) -> float:
         else:
             share = (speed_mps - speeds[row - 1]) / (speeds[row] - speeds[row - 1])
             curve_n = forces[row - 1] + share * (forces[row] - forces[row - 1])
-        limit_n = min(limit_n, curve_n)
+        limit_n = smaller(limit_n, curve_n)
     return limit_n
 
 
+@compilable
 def resistance_n(constants: TrainConstants, speed_mps: float, grade_permil: float) -> float:
     """Davis resistance and grade force, positive against the motion."""
     running_n = constants.resistance_a_n + speed_mps * (

@@ -1,7 +1,4 @@
-"""The plant process: train and line in one loop, and the bus administrator of the bench.
-
-One tick: publish what is due (the clock port first), poll what is due, let the train take the command, advance.
-"""
+"""The plant process: a train on its run (:mod:`railhil.plant_sim.cycle`), and the bus administrator of the bench."""
 
 from __future__ import annotations
 
@@ -18,7 +15,9 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Port, wire_contract
+from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.plant import Plant, PlantError
@@ -27,12 +26,8 @@ from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
 
-#: The record goes on this long after the stop, so that it shows the standstill.
-AFTER_STOP_S = 1.0
 #: Polls of the last CTL_STAT until one is answered, in realtime or on a disturbed bus.
 LAST_STATUS_POLLS = 3
-#: No train brakes longer than this after its controller was lost.
-BRAKING_MAX_NS = 300_000_000_000
 
 
 class Refused(BusError):
@@ -93,20 +88,17 @@ class PlantNode:
             reply_ns=options.reply_ns,
             patience_s=options.patience_s,
         )
-        self._milestones = Milestones(self.administrator.publish, self._tick_ns)
+        self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
-        clock_port = contract.clock_port.name
-        self._published = sorted(
-            ((schedule.ticks(name), name != clock_port, make) for name, make in self._telegrams.makers.items()),
-            key=lambda entry: entry[1],
-        )
+        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the train.
+        self.publish = self.administrator.publish
+        self.ended: Event | None = None
+        self._loop = TickLoop(self.scenario, self.plant, schedule, self, self._telegrams.makers)
         self._notch_port, self._stat_port, self._sup_port = (
             contract.port(telegram.PORT) for telegram in (NotchCmd, CtlStat, SupCmd)
         )
-        self._polled = [
-            (schedule.ticks(port.name), port) for port in (self._sup_port, self._notch_port, self._stat_port)
-        ]
-        self._controller_lost = ""
+        self.controller_lost = False
+        self._silence = ""
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
         self._appear_s = options.appear_s
@@ -116,7 +108,6 @@ class PlantNode:
         )
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0
-        self._ended: Event | None = None
 
     @property
     def counters(self) -> dict[str, int]:
@@ -144,12 +135,12 @@ class PlantNode:
             if other is not None:
                 differences += self._ident.differences(other)
         if differences:
-            self._end(Event.ENDED_REFUSED)
+            self.end(Event.ENDED_REFUSED)
             raise Refused("; ".join(differences))
         self._demand(self._sup_port)
         order = self._store.read(SupCmd, 0)[0]
         if order is None or order.command != SupCommand.START:
-            self._end(Event.ENDED_REFUSED)
+            self.end(Event.ENDED_REFUSED)
             raise Refused("the supervisor did not start the run")
 
     def _demand(self, port: Port) -> None:
@@ -176,67 +167,48 @@ class PlantNode:
             self._announce(Event.ENDED_BY_SUPERVISOR)
             self.administrator.flush()
             raise
-        if self._controller_lost:
-            raise PeerSilent(self._controller_lost)
-        assert self._ended is not None
-        return self._ended
+        if self.controller_lost:
+            raise PeerSilent(self._silence)
+        assert self.ended is not None
+        return self.ended
 
     def _run(self) -> None:
         self._pacer.start()
         self._supervisor.heard(time.monotonic_ns())
-        plan, timing = self.scenario.plan, self._tick_ns / 1e9
-        last_tick = round((plan.running_time_s + plan.overtime_max_s) / timing)
-        after_stop = max(1, round(AFTER_STOP_S / timing))
-        plant = self.plant
-        stop_tick: int | None = None
-        while self._ended is None:
-            lateness_ns = self._pacer.wait(plant.tick * self._tick_ns)
-            if self.timing is not None:
-                self.timing.began(plant.tick, lateness_ns)
-            stopped = self._tick()
-            if stopped and stop_tick is None:
-                stop_tick = plant.tick
-            if self._ended is None:
-                if stop_tick is not None and plant.tick >= stop_tick + after_stop:
-                    self._end(Event.ENDED_COMPLETE)
-                elif stop_tick is None and self._overdue(last_tick):
-                    self._end(Event.ENDED_NOT_STOPPED)
-            try:
-                plant.advance()
-            except PlantError:
-                self._end(Event.ENDED_PLANT_ERROR)
-                raise
+        try:
+            self._loop.run()
+        except PlantError:
+            self.end(Event.ENDED_PLANT_ERROR)
+            raise
 
-    def _tick(self) -> bool:
-        """Bus traffic of the current tick; True when the train stopped since the tick before."""
-        tick, administrator = self.plant.tick, self.administrator
+    # -- what the train meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
+
+    def begin(self) -> None:
+        """Wait for the instant of the tick."""
+        tick = self.plant.tick
+        lateness_ns = self._pacer.wait(tick * self._tick_ns)
+        if self.timing is not None:
+            self.timing.began(tick, lateness_ns)
         self._position_01mm = self.plant.position_01mm
-        stopped = False
-        for period, _, make in self._published:
-            if tick % period == 0:
-                telegram = make()
-                if telegram is not None:
-                    administrator.publish(telegram)
-        self._milestones.repeat(tick)
-        for event in self.plant.drain_events():
-            if event.balise is not None:
-                telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
-                administrator.publish(telegram)
-            else:
-                kind = Event[event.kind.upper()]
-                stopped = stopped or kind is Event.STOPPED
-                self._milestones.reached(tick, kind, event.instant_01ms, event.position_01mm)
-        for period, port in self._polled:
-            if self._ended is not None:
-                # The supervisor has just ended the run: the controller is leaving.
-                break
-            if tick % period == 0 and not (port.source == "controller" and self._controller_lost):
-                self._poll(port)
-        if self._pacer.rate:
-            administrator.flush()
-        return stopped
 
-    def _poll(self, port: Port) -> None:
+    def report(self, event: PlantEvent) -> None:
+        """BALISE or RUN_EVENT."""
+        if event.balise is not None:
+            telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
+            self.publish(telegram)
+        else:
+            kind = Event[event.kind.upper()]
+            self.milestones.reached(self.plant.tick, kind, event.instant_01ms, event.position_01mm)
+
+    def finish(self) -> None:
+        """In realtime nothing waits for the next poll."""
+        if self._pacer.rate:
+            self.administrator.flush()
+
+    def poll(self, port: Port) -> None:
+        """Poll a port, and do what the answer says; a controller that is lost is not asked any more."""
+        if self.controller_lost and port.source == "controller":
+            return
         polled_ns = time.monotonic_ns()
         self._supervisor.begin()
         try:
@@ -245,7 +217,7 @@ class PlantNode:
             if port.source != "controller":
                 self._supervisor_lost(silence)
             # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
-            self._controller_lost = str(silence)
+            self.controller_lost, self._silence = True, str(silence)
             return
         now_wall_ns = time.monotonic_ns()
         self._supervisor.end(now_wall_ns)
@@ -269,22 +241,12 @@ class PlantNode:
         elif port is self._sup_port:
             order, _ = self._store.read(SupCmd, now_ns)
             if order is not None and order.command == SupCommand.STOP:
-                self._end(Event.ENDED_BY_SUPERVISOR)
-
-    def _overdue(self, last_tick: int) -> bool:
-        """True when no stop is to be waited for: time is over, or nobody will ever move the standing train.
-
-        A train whose controller is lost may still be braking when the timetable is over.
-        """
-        standing = self.plant.true_speed_01mmps == 0
-        if self._controller_lost:
-            return standing or self.plant.tick * self._tick_ns > last_tick * self._tick_ns + BRAKING_MAX_NS
-        return self.plant.tick > last_tick
+                self.end(Event.ENDED_BY_SUPERVISOR)
 
     def _controller_silent(self) -> bool:
         """True when the train stands because nobody commanded it: its watch had reached the emergency age."""
         _, age_ns = self._store.read(NotchCmd, self.plant.tick * self._tick_ns)
-        return bool(self._controller_lost) or age_ns > self.scenario.watch.emergency_ms * 1_000_000
+        return self.controller_lost or age_ns > self.scenario.watch.emergency_ms * 1_000_000
 
     def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
         """Nobody records any more: tell the controller, and end."""
@@ -293,11 +255,11 @@ class PlantNode:
         raise silence
 
     def _announce(self, event: Event) -> None:
-        self._ended = event
+        self.ended = event
         instant_01ms = self.plant.tick * self._tick_ns // 100_000
-        self._milestones.end(event, instant_01ms, self._position_01mm)
+        self.milestones.end(event, instant_01ms, self._position_01mm)
 
-    def _end(self, event: Event) -> None:
+    def end(self, event: Event) -> None:
         """Last status and last event; the final poll tells that the supervisor has recorded everything."""
         if event is not Event.ENDED_REFUSED:
             # Nodes that disagree may not speak the same wire.
@@ -310,6 +272,6 @@ class PlantNode:
     def _last_status(self) -> None:
         """CTL_STAT of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
         for _ in range(LAST_STATUS_POLLS):
-            if self._controller_lost or self._status_tick == self.plant.tick:
+            if self.controller_lost or self._status_tick == self.plant.tick:
                 return
-            self._poll(self._stat_port)
+            self.poll(self._stat_port)

@@ -6,7 +6,7 @@ from collections import deque
 from math import inf, isfinite
 
 from railhil.bus.telegrams import STOP_LEG_MIN_M
-from railhil.plant_sim import dynamics, forces
+from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
 from railhil.plant_sim.sensors import AxleSensors
@@ -41,8 +41,8 @@ class Plant:
         self.status = TrainStatus()
         self.events: list[PlantEvent] = []
         self._train = train
-        self._constants = forces.train_constants(train)
-        self._grades = forces.grade_table(scenario.line.grade_permil, train.length_m)
+        self._constants = force_tables.train_constants(train)
+        self._grades = force_tables.grade_table(scenario.line.grade_permil, train.length_m)
         self._step_s = timing.base_tick_ns * 1e-9
         self._full_lag = dynamics.lag(train.actuator_pole_per_s, self._step_s)
         self._motion = dynamics.AT_REST
@@ -138,10 +138,10 @@ class Plant:
         watch = watch_step(
             self._limits,
             before,
-            accepted=self._accepted,
-            moving=moving,
-            below_limit=speed_mps < self._limit_mps,
-            emergency=emergency,
+            self._accepted,
+            moving,
+            speed_mps < self._limit_mps,
+            emergency,
         )
         self._watch = watch
         self._accepted = False
@@ -156,10 +156,10 @@ class Plant:
         self._watch_brake_mps2 = watch_brake_mps2(
             watch.level,
             self._watch_brake_mps2,
-            braking_now_mps2=max(0.0, -applied_n / mass_kg),
-            moving=moving,
-            step_s=self._step_s,
-            service_mps2=self._train.service_braking_mps2,
+            max(0.0, -applied_n / mass_kg),
+            moving,
+            self._step_s,
+            self._train.service_braking_mps2,
         )
         brake_min_n = self._watch_brake_mps2 * mass_kg
         if not status.parking_brake_released:

@@ -16,15 +16,8 @@ from itertools import pairwise
 from math import sqrt
 from typing import NamedTuple
 
-from railhil.plant_sim.forces import (
-    GradeTable,
-    TrainConstants,
-    effort_limit_n,
-    grade_table,
-    mean_grade_permil,
-    resistance_n,
-    train_constants,
-)
+from railhil.plant_sim.force_tables import grade_table, train_constants
+from railhil.plant_sim.forces import GradeTable, TrainConstants, effort_limit_n, mean_grade_permil, resistance_n
 from railhil.scenarios.model import Line, Profile, Train
 from railhil.scenarios.profiles import front_speed_limit
 

@@ -1,7 +1,11 @@
-"""Axle sensors of the train: speed and odometer, with worn wheel, noise and resolution."""
+"""Axle sensors of the train: speed and odometer, with worn wheel, noise and resolution.
+
+The batch compiles the two readings (:mod:`railhil.common.compilable` says what they may be made of).
+"""
 
 from __future__ import annotations
 
+from railhil.common.compilable import compilable
 from railhil.scenarios import streams
 from railhil.scenarios.model import Sensors
 
@@ -9,11 +13,23 @@ from railhil.scenarios.model import Sensors
 _NOISE_BLOCK = 4096
 
 
-class AxleSensors:
-    """Readings of one run. Speed noise is drawn per tick from its own stream, whether anybody reads it or not.
+@compilable
+def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float, lsb_mps: float) -> int:
+    """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and none runs backwards."""
+    if speed_mps <= 0.0:
+        return 0
+    counts = round((speed_mps * wheel_factor + noise_mps) / lsb_mps)
+    return round(counts * lsb_mps * 1e4) if counts > 0 else 0
 
-    The readings use ``sensors`` and ``noise_mps`` alone, so that they can be compiled for many trains.
-    """
+
+@compilable
+def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) -> int:
+    """Odometer at a true position, in mm, to its resolution."""
+    return round(round(position_m * wheel_factor / lsb_m) * lsb_m * 1000)
+
+
+class AxleSensors:
+    """Readings of one run. Speed noise is drawn per tick from its own stream, whether anybody reads it or not."""
 
     def __init__(self, sensors: Sensors, seed: int) -> None:
         self.sensors = sensors
@@ -35,18 +51,13 @@ class AxleSensors:
         return noise
 
     def speed_01mmps(self, speed_mps: float) -> int:
-        """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and none runs backwards."""
-        if speed_mps <= 0.0:
-            return 0
+        """Reading of a true speed >= 0, in 0.1 mm/s."""
         sensors = self.sensors
-        lsb_mps = sensors.speed_lsb_mps
-        counts = round((speed_mps * sensors.wheel_factor + self.noise_mps) / lsb_mps)
-        return round(counts * lsb_mps * 1e4) if counts > 0 else 0
+        return speed_reading_01mmps(speed_mps, self.noise_mps, sensors.wheel_factor, sensors.speed_lsb_mps)
 
     def odometer_mm(self, position_m: float) -> int:
         """Odometer at a true position, in mm, to its resolution."""
-        lsb_m = self.sensors.odometer_lsb_m
-        return round(round(position_m * self.sensors.wheel_factor / lsb_m) * lsb_m * 1000)
+        return odometer_reading_mm(position_m, self.sensors.wheel_factor, self.sensors.odometer_lsb_m)
 
     def odometer_between_mm(self, position_m: float) -> int:
         """Odometer at a true position, in mm, interpolated between its counts as a balise reader does."""

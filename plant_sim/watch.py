@@ -16,6 +16,8 @@ EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at o
 The age is the simulation time since the last accepted command; "in a row" means that no command came later than the
 hold limit after the one before it. Every leave leads to NORMAL. The thresholds are scenario data
 (:class:`railhil.scenarios.model.WatchLimits`).
+
+The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from enum import IntEnum
 from math import inf
 from typing import NamedTuple
 
+from railhil.common.compilable import compilable, larger, smaller
 from railhil.scenarios.model import WatchLimits
 
 #: Good commands in a row that end TRACTION_CUT.
@@ -77,8 +80,9 @@ def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
     )
 
 
+@compilable
 def watch_step(
-    limits: WatchTicks, state: WatchState, *, accepted: bool, moving: bool, below_limit: bool, emergency: bool
+    limits: WatchTicks, state: WatchState, accepted: bool, moving: bool, below_limit: bool, emergency: bool
 ) -> WatchState:
     """State of the ladder one tick later.
 
@@ -93,9 +97,10 @@ def watch_step(
         good = 0
     if accepted:
         age = 0
-        good = min(good + 1, GOOD_AFTER_SERVICE_BRAKE)
+        good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
     if level == Level.EMERGENCY or emergency:
-        return WatchState(Level.EMERGENCY, age, good)
+        # None is stronger. Compiled, a level is a number, as in the last line.
+        return WatchState(larger(level, Level.EMERGENCY), age, good)
     if _may_leave(level, good, moving, below_limit):
         level = Level.NORMAL
     demanded = Level.NORMAL
@@ -107,9 +112,10 @@ def watch_step(
             demanded = Level.SERVICE_BRAKE
         if age > limits.emergency and moving:
             demanded = Level.EMERGENCY
-    return WatchState(demanded if demanded > level else level, age, good)
+    return WatchState(larger(level, demanded), age, good)
 
 
+@compilable
 def _may_leave(level: Level, good: int, moving: bool, below_limit: bool) -> bool:
     if level <= Level.HOLD:
         return good >= 1
@@ -118,8 +124,9 @@ def _may_leave(level: Level, good: int, moving: bool, below_limit: bool) -> bool
     return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
 
 
+@compilable
 def watch_brake_mps2(
-    level: Level, brake_mps2: float, *, braking_now_mps2: float, moving: bool, step_s: float, service_mps2: float
+    level: Level, brake_mps2: float, braking_now_mps2: float, moving: bool, step_s: float, service_mps2: float
 ) -> float:
     """Braking that the watch demands over the next step, in m/s2 on the inertial mass; infinite: the whole brake.
 
@@ -131,7 +138,7 @@ def watch_brake_mps2(
     if level == Level.SERVICE_BRAKE:
         if not moving:
             return service_mps2
-        return min(service_mps2, max(brake_mps2, braking_now_mps2) + SERVICE_BRAKE_JERK_MPS3 * step_s)
+        return smaller(service_mps2, larger(brake_mps2, braking_now_mps2) + SERVICE_BRAKE_JERK_MPS3 * step_s)
     if not moving:
         return 0.0
-    return max(0.0, brake_mps2 - SERVICE_BRAKE_JERK_MPS3 * step_s)
+    return larger(0.0, brake_mps2 - SERVICE_BRAKE_JERK_MPS3 * step_s)

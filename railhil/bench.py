@@ -12,10 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.frame import Frame
-from railhil.bus.ident import CtlIdent, Role, make_ident
+from railhil.bus.ident import Role, make_ident
+from railhil.bus.layout import Telegram
 from railhil.bus.local import LocalBus
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, TrnPos, TrnSpeed
+from railhil.bus.telegrams import Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
@@ -23,8 +24,11 @@ from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.controller_node.telemetry_file import telemetry_document
+from railhil.dbc import Port
+from railhil.plant_sim.cycle import TickLoop
+from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.node import AFTER_STOP_S, PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
@@ -180,48 +184,68 @@ def coupled_run(
     """
     actual = perturbed(scenario, seed) if drawn else scenario
     plant = Plant(actual, seed)
-    telegrams = TrainTelegrams(actual, plant, 0.0)
-    trace = Trace()
+    coupled = _Coupled(scenario, plant, law)
     ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
-    trace.add(CtlIdent.PORT, 0, ident.encode())
-    tick_ns, control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
-    schedule = coupled_schedule(scenario)
-    position_ticks, truth_ticks, notch_ticks = (
-        schedule.ticks(telegram.PORT) for telegram in (TrnPos, SimTruth, NotchCmd)
-    )
-    after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
-    last_tick = round((scenario.plan.running_time_s + scenario.plan.overtime_max_s) * 1e9 / tick_ns)
-    stop_tick: int | None = None
-    ended: Event | None = None
-    last_k, code, position_01mm, balise = -1, 0, 0, NO_BALISE
-    milestones = Milestones(lambda telegram: trace.add(RunEvent.PORT, plant.tick * tick_ns, telegram.encode()), tick_ns)
-    while ended is None:
-        tick = plant.tick
-        now_ns = tick * tick_ns
-        for event in plant.drain_events():
-            if event.balise is not None:
-                surveyed_mm = round(event.balise.surveyed_m * 1000)
-                balise = BaliseReading(event.balise.number, limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm))
-            else:
-                kind = Event[event.kind.upper()]
-                if kind is Event.STOPPED and stop_tick is None:
-                    stop_tick = tick
-                milestones.reached(tick, kind, event.instant_01ms, event.position_01mm)
-        if tick % truth_ticks == 0:
-            telegram = telegrams.makers[SimTruth.PORT]()
-            assert telegram is not None
-            trace.add(SimTruth.PORT, now_ns, telegram.encode())
-        if tick % position_ticks == 0:
-            position_01mm = limited_01mm(plant.odometer_mm)
-        if tick % notch_ticks == 0:
-            if (k := now_ns // control_ns) > last_k:
-                last_k, code = k, law(k, plant.speed_01mmps, position_01mm, balise)
-            plant.command(code, False)
-            trace.add(NotchCmd.PORT, now_ns, NotchCmd(code).encode())
-        if stop_tick is not None and tick >= stop_tick + after_stop:
-            ended = Event.ENDED_COMPLETE
-        elif stop_tick is None and tick > last_tick:
-            ended = Event.ENDED_NOT_STOPPED
-        plant.advance()
-    milestones.end(ended, 0, 0)
-    return BenchRun(trace, score(scenario, trace), ended=ended)
+    coupled.publish(ident)
+    truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
+    makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
+    TickLoop(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()
+    return BenchRun(coupled.trace, score(scenario, coupled.trace), ended=coupled.ended)
+
+
+class _Coupled:
+    """A law in place of the bus: the readings go to it as they are, telegrams go into the trace.
+
+    See :class:`railhil.plant_sim.cycle.Surroundings`.
+    """
+
+    controller_lost = False
+
+    def __init__(
+        self, scenario: Scenario, plant: Plant, law: Callable[[int, int, int, BaliseReading[int]], int]
+    ) -> None:
+        self.trace = Trace()
+        self.ended: Event | None = None
+        self._plant = plant
+        self._law = law
+        self._tick_ns, self._control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
+        self._now_ns = 0
+        self.milestones = Milestones(self.publish, self._tick_ns)
+        # Control period of the last step, and its answer.
+        self._k, self._code = -1, 0
+        self._position_01mm = 0
+        self._balise = NO_BALISE
+
+    def begin(self) -> None:
+        self._now_ns = self._plant.tick * self._tick_ns
+
+    def publish(self, telegram: Telegram) -> None:
+        self.trace.add(telegram.PORT, self._now_ns, telegram.encode())
+
+    def read_position(self) -> None:
+        """TRN_POS is due: nobody needs more of it."""
+        self._position_01mm = limited_01mm(self._plant.odometer_mm)
+
+    def report(self, event: PlantEvent) -> None:
+        if event.balise is not None:
+            surveyed_mm = round(event.balise.surveyed_m * 1000)
+            reading = limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm)
+            self._balise = BaliseReading(event.balise.number, *reading)
+        else:
+            kind = Event[event.kind.upper()]
+            self.milestones.reached(self._plant.tick, kind, event.instant_01ms, event.position_01mm)
+
+    def poll(self, port: Port) -> None:
+        """NOTCH_CMD: the law takes its step in the first poll of a control period."""
+        k = self._now_ns // self._control_ns
+        if k > self._k:
+            self._k, self._code = k, self._law(k, self._plant.speed_01mmps, self._position_01mm, self._balise)
+        self._plant.command(self._code, False)
+        self.publish(NotchCmd(self._code))
+
+    def finish(self) -> None:
+        """Nothing waits to be sent."""
+
+    def end(self, event: Event) -> None:
+        self.ended = event
+        self.milestones.end(event, 0, 0)

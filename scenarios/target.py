@@ -8,6 +8,8 @@ t_i``::
 After the last node the last acceleration continues: the set-point becomes virtually negative after the
 planned stop (IPFC reading 5: clamping it at zero costs 5.8 s of punctuality). Before time 0 everything is
 0.
+
+The batch compiles :func:`time_in_piece_s` for single numbers (:mod:`railhil.common.compilable`).
 """
 
 from __future__ import annotations
@@ -15,10 +17,10 @@ from __future__ import annotations
 from typing import Any, overload
 
 import numpy as np
-from numpy import all as all_of
-from numpy import maximum, minimum, sqrt, where
+from numpy import maximum, minimum, sqrt
 from numpy.typing import ArrayLike, NDArray
 
+from railhil.common.compilable import chosen, compilable, every
 from railhil.scenarios.model import TargetCurve
 
 Floats = NDArray[np.float64]
@@ -30,6 +32,7 @@ _SETTLED_S = 1e-12
 _STEPS_MAX = 80
 
 
+@compilable
 def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2: Any, jerk_mps3: Any) -> Any:
     """Time into a piece of the curve at which it has covered a distance; numbers, or arrays of one shape.
 
@@ -42,21 +45,21 @@ def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2:
     low, high = 0.0 * longest_s, longest_s
     twice_mean = speed_mps + sqrt(maximum(speed_mps * speed_mps + 2.0 * accel_mps2 * distance_m, 0.0))
     moves = twice_mean > 0.0
-    time_s = minimum(where(moves, 2.0 * distance_m / where(moves, twice_mean, 1.0), longest_s), longest_s)
+    time_s = minimum(chosen(moves, 2.0 * distance_m / chosen(moves, twice_mean, 1.0), longest_s), longest_s)
     settled = low > high
     for _ in range(_STEPS_MAX):
         missing = time_s * (speed_mps + time_s * (accel_mps2 / 2 + time_s * jerk_mps3 / 6)) - distance_m
         now_mps = speed_mps + time_s * (accel_mps2 + time_s * jerk_mps3 / 2)
-        low = where(missing < 0.0, time_s, low)
-        high = where(missing < 0.0, high, time_s)
+        low = chosen(missing < 0.0, time_s, low)
+        high = chosen(missing < 0.0, high, time_s)
         moves = now_mps > 0.0
-        newton = time_s - missing / where(moves, now_mps, 1.0)
+        newton = time_s - missing / chosen(moves, now_mps, 1.0)
         inside = moves & (newton >= low) & (newton <= high)
-        better = where(inside, newton, (low + high) / 2)
+        better = chosen(inside, newton, (low + high) / 2)
         step_s = abs(better - time_s)
-        time_s = where(settled, time_s, better)
+        time_s = chosen(settled, time_s, better)
         settled = settled | (step_s <= _SETTLED_S)
-        if all_of(settled):
+        if every(settled):
             break
     return time_s
 

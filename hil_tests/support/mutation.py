@@ -131,7 +131,7 @@ def load(mutant: Mutant, original: ModuleType) -> ModuleType:
     """Execute a mutant as a module of its own; the original stays what everybody else imports."""
     module = ModuleType(original.__name__)
     module.__file__ = original.__file__
-    exec(compile(mutant.tree, f"mutant of {original.__name__}", "exec"), module.__dict__)
+    exec(compile(mutant.tree, f"mutant of {original.__name__}", "exec"), module.__dict__)  # noqa: S102
     return module
 
 

@@ -1,6 +1,6 @@
 """Thousands of runs of one scenario under one law in one process, equal to those of the bench in every bit.
 
-The plant's own functions are compiled (:mod:`railhil.batch.compiled`), the law steps on arrays; the notch codes and
+The plant's own functions are compiled (:mod:`railhil.common.compilable`), the law steps on arrays; the notch codes and
 the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
 a healthy bus. A run that ends up in an emergency brake is made again through the nodes of the bench
 (:mod:`railhil.batch.replay`), which takes a second. Needs numba (extra ``campaign``).

@@ -2,35 +2,33 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from math import inf
 from typing import Any
 
 from railhil.batch import compiled
-
-bisect_right = compiled.bisect_right
-_max = compiled.larger
-_min = compiled.smaller
-time_in_piece_s = compiled.time_in_piece_s
+from railhil.common.compilable import larger, smaller
+from railhil.scenarios.target import time_in_piece_s
 
 
 @compiled.part
 def _piece(target: Any, time_s: float) -> Any:
     """``Target._locate``: the piece of the curve that holds at a time >= 0, and the time since its start."""
-    piece = _max(bisect_right(target.time_s, time_s) - 1, 0)
-    return piece, _max(time_s - target.time_s[piece], 0.0)
+    piece = larger(bisect_right(target.time_s, time_s) - 1, 0)
+    return piece, larger(time_s - target.time_s[piece], 0.0)
 
 
 @compiled.aside
 def passing_mps(target: Any, position_m: float) -> float:
     """``Target.speed_mps(Target.time_s(position_m))``."""
-    goal_m = _min(_max(position_m, 0.0), target.stop_position_m)
+    goal_m = smaller(larger(position_m, 0.0), target.stop_position_m)
     piece = 0
     while piece + 1 < target.moving and target.position_m[piece + 1] < goal_m:
         piece += 1
     end_s = target.time_s[piece + 1] if piece + 1 < target.time_s.size else inf
     after_s = time_in_piece_s(
         goal_m - target.position_m[piece],
-        _min(end_s, target.stop_time_s) - target.time_s[piece],
+        smaller(end_s, target.stop_time_s) - target.time_s[piece],
         target.speed_mps[piece],
         target.accel_mps2[piece],
         target.jerk_mps3[piece],

@@ -1,45 +1,36 @@
 """The tick loop of many trains as machine code, from one control period to the next.
 
-It goes through the order of the bench in every tick (``coupled_run``, ``PlantNode``, ``Plant.advance``): events of the
-tick before, SIM_TRUTH, TRN_POS, NOTCH_CMD, end of the run, watch, motion. The bus is healthy: every command is
-accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order.
+It holds a copy of the order that :mod:`railhil.plant_sim.cycle` states, and of ``Plant.advance``: in one pass of its
+loop the end of the run at a tick (``_end``), watch and motion (``_advance``), then, at the tick after it, the readings
+that are due. The law has answered before the pass that begins a control period. The bus is healthy: every command is
+accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order, and the tests of
+the batch hold it against ``coupled_run`` and the nodes.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from math import inf
 from typing import Any
 
 from railhil.batch import compiled, curve, layout
-from railhil.batch.layout import Axle, AxleConstants
 from railhil.bus.telegrams import STOP_LEG_MIN_M, Event
-from railhil.plant_sim.dynamics import Lag, Motion, Window
+from railhil.common.compilable import larger, smaller
+from railhil.plant_sim import events, plant
+from railhil.plant_sim.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
 from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
-from railhil.plant_sim.watch import WatchState
+from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
+from railhil.plant_sim.watch import Level, WatchState, watch_brake_mps2, watch_step
+from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
 _COMPLETE, _NOT_STOPPED = int(Event.ENDED_COMPLETE), int(Event.ENDED_NOT_STOPPED)
-_LEVELS = compiled.LEVELS
+#: What the machine code is made of, beside the functions that the bench uses, too.
+_SOURCES = (__file__, *(str(module.__file__) for module in (curve, layout, events, plant)))
 #: Raw SIM_TRUTH: scales of position, speed and forces.
 _TRUTH_LSB, _FORCE_LSB_N = 1e-4, 20
 #: Trains that go through a tick side by side.
 _BLOCK = 16
-
-applied_n = compiled.applied_n
-acceleration_mps2 = compiled.acceleration_mps2
-lag = compiled.lag
-step = compiled.step
-watch_step = compiled.watch_step
-watch_brake_mps2 = compiled.watch_brake_mps2
-bisect_right = compiled.bisect_right
-_round = compiled.nearest
-_max = compiled.larger
-_min = compiled.smaller
-speed_reading_01mmps = compiled.speed_01mmps
-odometer_reading_mm = compiled.odometer_mm
-limits_under_train = compiled.limits_under_train
-error_kmh = compiled.error_kmh
-work_j = compiled.work_j
 
 
 @compiled.part
@@ -80,25 +71,25 @@ def _window(train: Any) -> Any:
 def _change_limit(common: Any, train: Any) -> None:
     """``_limit_from``: the speed limit at the train's position, and to where it holds."""
     row = bisect_right(common.front_limit_from_m, train.position_m)
-    train.limit_mps = common.front_limit_mps[_max(row - 1, 0)]
+    train.limit_mps = common.front_limit_mps[larger(row - 1, 0)]
     train.limit_to_m = common.front_limit_from_m[row] if row < common.front_limit_from_m.size else inf
 
 
 @compiled.aside
 def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
     """What the train's watch leaves of the forces while it brakes, or has just let go."""
-    if train.level == _LEVELS.EMERGENCY and before != _LEVELS.EMERGENCY and train.emergency_01ms < 0:
-        train.emergency_01ms = _round((tick * common.step_s + 0.0) * 1e4)
+    if train.level == Level.EMERGENCY and before != Level.EMERGENCY and train.emergency_01ms < 0:
+        train.emergency_01ms = round((tick * common.step_s + 0.0) * 1e4)
     force_n = applied_n(_constants(common, train), _window(train), _motion(train))
     train.watch_brake_mps2 = watch_brake_mps2(
         train.level,
         train.watch_brake_mps2,
-        _max(0.0, -force_n / train.mass_kg),
+        larger(0.0, -force_n / train.mass_kg),
         train.speed_mps > 0.0,
         common.step_s,
         common.service_mps2,
     )
-    train.traction = 1 if train.level < _LEVELS.TRACTION_CUT else 0
+    train.traction = 1 if train.level < Level.TRACTION_CUT else 0
     train.brake_min_n = train.watch_brake_mps2 * train.mass_kg
     if train.traction == 0 and train.actuator_n > 0.0:
         train.actuator_n = 0.0
@@ -119,7 +110,7 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
         train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
     )
     train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
-    if watch.level < _LEVELS.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
+    if watch.level < Level.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
         train.traction, train.brake_min_n = 1, 0.0
     else:
         _restrain(common, train, before, tick)
@@ -129,10 +120,10 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
 def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: float) -> None:
     """``Plant._move``: a tick or a part of it with the notch as it is now."""
     if ticks == 1.0:
-        lag_step = Lag(common.step_s, train.decay, train.mean)
+        lag_step = Lag(common.step_s, train.lag_decay, train.lag_mean)
     else:
         lag_step = lag(train.pole_per_s, ticks * common.step_s)
-    notch = train.acting_code if train.traction != 0 else _min(train.acting_code, 0)
+    notch = train.acting_code if train.traction != 0 else smaller(train.acting_code, 0)
     steady_n = notch * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH
     before_mps = train.speed_mps
     after = step(_constants(common, train), grades, _window(train), _motion(train), steady_n, lag_step)
@@ -144,8 +135,8 @@ def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: fl
         if train.stop_tick < 0:
             after_s = (now - tick) * common.step_s + after.moving_to_s
             train.stop_tick = tick + 1
-            train.stop_01ms = _round((tick * common.step_s + after_s) * 1e4)
-            train.stop_01mm = _round(motion.position_m * 1e4)
+            train.stop_01ms = round((tick * common.step_s + after_s) * 1e4)
+            train.stop_01mm = round(motion.position_m * 1e4)
 
 
 @compiled.part
@@ -171,12 +162,12 @@ def _advance(common: Any, tables: Any, index: int, grades: Any, train: Any, tick
 def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample: int) -> None:
     """A SIM_TRUTH, taken into the sums of the score as its raw integers say."""
     train.samples = sample + 1
-    train.true_position_01mm = _round(train.position_m * 1e4)
+    train.true_position_01mm = round(train.position_m * 1e4)
     position_m = train.true_position_01mm * _TRUTH_LSB
-    speed_mps = _round(train.speed_mps * 1e4) * _TRUTH_LSB
+    speed_mps = round(train.speed_mps * 1e4) * _TRUTH_LSB
     force_n = applied_n(_constants(common, train), _window(train), _motion(train))
-    traction_w = _min(_round(_max(0.0, force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
-    brake_w = _min(_round(_max(0.0, -force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
+    traction_w = smaller(round(larger(0.0, force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
+    brake_w = smaller(round(larger(0.0, -force_n) / _FORCE_LSB_N), 0xFFFF) * _FORCE_LSB_N * speed_mps
     if sample > 0:
         now_s = common.truth_s[sample]
         if train.stop_tick < 0 or now_s <= train.stop_01ms * _TRUTH_LSB:
@@ -187,18 +178,18 @@ def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample
             wanted = curve.passing_mps(common.target, position_m) if common.by_distance else common.wanted_mps[sample]
             tables.error_sums_kmh[index, common.cycle[sample]] += error_kmh(wanted, speed_mps)
     train.traction_w, train.brake_w = traction_w, brake_w
-    train.overspeed_mps = _max(
+    train.overspeed_mps = larger(
         train.overspeed_mps, speed_mps - limits_under_train(common.line_limits, position_m, common.length_m)
     )
     column = common.control_sample[sample]
     if column >= 0:
         now = acceleration_mps2(_constants(common, train), grades, _window(train), _motion(train))
-        tables.control_accel_raw[index, column] = _min(_max(_round(now * 1e4), -0x8000), 0x7FFF)
+        tables.control_accel_raw[index, column] = smaller(larger(round(now * 1e4), -0x8000), 0x7FFF)
 
 
 @compiled.part
 def _end(common: Any, train: Any, tick: int) -> None:
-    """End the run when its time has come."""
+    """``RunEnd.reached``, with a controller that is there."""
     if train.stop_tick >= 0:
         if tick >= train.stop_tick + common.after_stop_ticks:
             train.ended, train.end_tick = _COMPLETE, tick
@@ -209,7 +200,7 @@ def _end(common: Any, train: Any, tick: int) -> None:
 @compiled.part
 def _command(common: Any, tables: Any, index: int, train: Any, notch_code: int, tick: int) -> None:
     """``Plant.command`` with the law's answer; the polls after it repeat the code."""
-    code = _min(_max(notch_code, -common.notch_max_code), common.notch_max_code)
+    code = smaller(larger(notch_code, -common.notch_max_code), common.notch_max_code)
     if code != train.staged_last:
         train.staged_last = code
         slot = (train.staged_first + train.staged_count) % tables.staged_due.shape[1]
@@ -224,11 +215,11 @@ def _read(common: Any, tables: Any, index: int, train: Any, noise: float) -> Non
     balises = tables.balise_m
     while train.passed < balises.shape[1] and balises[index, train.passed] <= train.position_m:
         train.passed += 1
-    sensors = AxleConstants(common.speed_lsb_mps, common.odometer_lsb_m, train.wheel_factor)
-    train.speed_01mmps = speed_reading_01mmps(Axle(sensors, noise * train.noise_sigma_mps), train.speed_mps)
+    noise_mps = noise * train.noise_sigma_mps
+    train.speed_01mmps = speed_reading_01mmps(train.speed_mps, noise_mps, train.wheel_factor, common.speed_lsb_mps)
 
 
-@compiled.cached(__file__, curve.__file__, layout.__file__)
+@compiled.cached(*_SOURCES)
 def run_period(
     common: Any, tables: Any, trains: Any, notch_codes: Any, noise: Any, from_tick: int, to_tick: int
 ) -> None:
@@ -241,7 +232,7 @@ def run_period(
     :param noise: standard normal numbers of the speed sensor at ``to_tick``, shape (N,).
     """
     for first in range(0, trains.size, _BLOCK):
-        last = _min(first + _BLOCK, trains.size)
+        last = smaller(first + _BLOCK, trains.size)
         for index in range(first, last):
             if from_tick >= 0 and trains[index].ended == 0:
                 _command(common, tables, index, trains[index], notch_codes[index], from_tick)
@@ -263,14 +254,14 @@ def run_period(
                 if truth_due:
                     _truth(common, tables, index, grades, train, sample)
                 if position_due:
-                    sensors = AxleConstants(common.speed_lsb_mps, common.odometer_lsb_m, train.wheel_factor)
-                    train.odometer_01mm = odometer_reading_mm(Axle(sensors, 0.0), train.position_m) * 10
+                    odometer_mm = odometer_reading_mm(train.position_m, train.wheel_factor, common.odometer_lsb_m)
+                    train.odometer_01mm = odometer_mm * 10
     for index in range(trains.size):
         if trains[index].ended == 0:
             _read(common, tables, index, trains[index], noise[index])
 
 
-@compiled.cached(__file__, curve.__file__, layout.__file__)
+@compiled.cached(*_SOURCES)
 def stand_to_the_end(common: Any, tables: Any, trains: Any) -> None:
     """Take into the sums what is left of the timetable after the end of each run: the train stands."""
     for index in range(trains.size):

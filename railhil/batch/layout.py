@@ -7,21 +7,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 
-class AxleConstants(NamedTuple):
-    """Constants of the sensors by the names of :class:`railhil.scenarios.model.Sensors`."""
-
-    speed_lsb_mps: float
-    odometer_lsb_m: float
-    wheel_factor: float
-
-
-class Axle(NamedTuple):
-    """What the readings of :class:`railhil.plant_sim.sensors.AxleSensors` look at."""
-
-    sensors: AxleConstants
-    noise_mps: float
-
-
 class Common(NamedTuple):
     """Constants that no perturbation touches; ticks are base ticks, tables are arrays.
 
@@ -73,67 +58,65 @@ class PerTrain(NamedTuple):
     control_accel_raw: Any
 
 
-#: Constants and state of one train.
-TRAIN = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "mass_kg",
-            "resistance_a_n",
-            "resistance_b_n_per_mps",
-            "resistance_c_n_per_mps2",
-            "grade_n_per_permil",
-            "pole_per_s",
-            "decay",
-            "mean",
-            "force_per_notch_n",
-            "wheel_factor",
-            "noise_sigma_mps",
-            "delay_ticks",
-            # Motion, and what the train's protection leaves of the forces.
-            "position_m",
-            "speed_mps",
-            "actuator_n",
-            "accel_mps2",
-            "brake_min_n",
-            "watch_brake_mps2",
-            "limit_mps",
-            "limit_to_m",
-            "leg_from_m",
-            # Sums for the score.
-            "traction_j",
-            "brake_j",
-            "traction_w",
-            "brake_w",
-            "overspeed_mps",
-        )
-    ]
-    + [
-        (name, np.int64)
-        for name in (
-            "traction",
-            "grade_row",
-            "level",
-            "age_ticks",
-            "good",
-            "staged_last",
-            "acting_code",
-            "staged_first",
-            "staged_count",
-            # Balises passed, readings.
-            "passed",
-            "speed_01mmps",
-            "odometer_01mm",
-            # Truth samples so far, and the position in the last of them.
-            "samples",
-            "true_position_01mm",
-            # Events: -1 until they happen.
-            "stop_tick",
-            "stop_01ms",
-            "stop_01mm",
-            "emergency_01ms",
-            "ended",
-            "end_tick",
-        )
-    ]
-)
+_FIELDS = [
+    (name, np.float64)
+    for name in (
+        "mass_kg",
+        "resistance_a_n",
+        "resistance_b_n_per_mps",
+        "resistance_c_n_per_mps2",
+        "grade_n_per_permil",
+        "pole_per_s",
+        "lag_decay",
+        "lag_mean",
+        "force_per_notch_n",
+        "wheel_factor",
+        "noise_sigma_mps",
+        "delay_ticks",
+        # Motion, and what the train's protection leaves of the forces.
+        "position_m",
+        "speed_mps",
+        "actuator_n",
+        "accel_mps2",
+        "brake_min_n",
+        "watch_brake_mps2",
+        "limit_mps",
+        "limit_to_m",
+        "leg_from_m",
+        # Sums for the score.
+        "traction_j",
+        "brake_j",
+        "traction_w",
+        "brake_w",
+        "overspeed_mps",
+    )
+] + [
+    (name, np.int64)
+    for name in (
+        "traction",
+        "grade_row",
+        "level",
+        "age_ticks",
+        "good",
+        "staged_last",
+        "acting_code",
+        "staged_first",
+        "staged_count",
+        # Balises passed, readings.
+        "passed",
+        "speed_01mmps",
+        "odometer_01mm",
+        # Truth samples so far, and the position in the last of them.
+        "samples",
+        "true_position_01mm",
+        # Events: -1 until they happen.
+        "stop_tick",
+        "stop_01ms",
+        "stop_01mm",
+        "emergency_01ms",
+        "ended",
+        "end_tick",
+    )
+]
+#: Constants and state of one train: a record, whose fields are attributes in the interpreter, too.
+TRAIN = np.dtype((np.record, _FIELDS))

@@ -15,9 +15,10 @@ from railhil.bench import coupled_schedule
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
-from railhil.plant_sim import forces
+from railhil.plant_sim import force_tables
+from railhil.plant_sim.cycle import RunEnd
 from railhil.plant_sim.dynamics import lag
-from railhil.plant_sim.node import AFTER_STOP_S
+from railhil.plant_sim.forces import EffortTable
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.watch import INITIAL, watch_ticks
 from railhil.scenarios.model import Effort, Scenario
@@ -65,11 +66,11 @@ class Times:
     @classmethod
     def of(cls, scenario: Scenario) -> Times:
         """Times of a scenario; perturbations do not change them."""
-        timing, plan = scenario.timing, scenario.plan
+        timing = scenario.timing
         tick_ns, period_ns = timing.base_tick_ns, timing.control_period_ns
         schedule = coupled_schedule(scenario)
-        last_tick = round((plan.running_time_s + plan.overtime_max_s) * 1e9 / tick_ns)
-        after_stop = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
+        run_end = RunEnd(scenario)
+        last_tick, after_stop = run_end.last_tick, run_end.after_stop_ticks
         end = last_tick + 1 + after_stop
         polls = np.arange(0, end + 1, schedule.ticks(NotchCmd.PORT), dtype=np.int64)
         periods = polls * tick_ns // period_ns
@@ -86,8 +87,8 @@ class Times:
         return cls(schedule, last_tick, after_stop, steps, ends, periods[first], truth_s, columns, control_sample)
 
 
-def _effort(effort: Effort) -> forces.EffortTable:
-    table = forces.effort_table(effort)
+def _effort(effort: Effort) -> EffortTable:
+    table = force_tables.effort_table(effort)
     return table._replace(curve_mps=np.array(table.curve_mps), curve_n=np.array(table.curve_n))  # type: ignore[arg-type]
 
 
@@ -110,7 +111,7 @@ def common(scenario: Scenario, indexing: str, times: Times) -> Common:
         traction=_effort(train.traction),
         brake=_effort(train.brake),
         limits=watch_ticks(scenario.watch, timing.base_tick_ns),
-        grade_from_m=forces.grade_rows(scenario.line.grade_permil, train.length_m)[0],
+        grade_from_m=force_tables.grade_rows(scenario.line.grade_permil, train.length_m)[0],
         front_limit_from_m=np.array([row[0] for row in limit]),
         front_limit_mps=np.array([row[1] for row in limit]),
         overspeed_margin_mps=scenario.watch.overspeed_margin_mps,
@@ -168,12 +169,12 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
         actual = with_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
     train, sensors = actual.train, actual.sensors
     records = np.zeros(count, dtype=TRAIN)
-    constants = forces.train_constants(train)
+    constants = force_tables.train_constants(train)
     for name in ("mass_kg", "resistance_a_n", "resistance_b_n_per_mps", "resistance_c_n_per_mps2"):
         records[name] = getattr(constants, name)
     records["grade_n_per_permil"], records["pole_per_s"] = constants.grade_n_per_permil, constants.pole_per_s
     full = [lag(pole, timing.base_tick_ns * 1e-9) for pole in records["pole_per_s"].tolist()]
-    records["decay"], records["mean"] = [one.decay for one in full], [one.mean for one in full]
+    records["lag_decay"], records["lag_mean"] = [one.decay for one in full], [one.mean for one in full]
     records["force_per_notch_n"] = train.force_per_notch_n
     records["wheel_factor"], records["noise_sigma_mps"] = sensors.wheel_factor, sensors.speed_noise_sigma_mps
     records["delay_ticks"] = actual.timing.loop_delay_s * 1e9 / timing.base_tick_ns
@@ -184,7 +185,7 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     records["level"] = INITIAL.level
     for name in ("stop_tick", "emergency_01ms"):
         records[name] = -1
-    _, permil, permil_per_m = forces.grade_rows(actual.line.grade_permil, train.length_m)
+    _, permil, permil_per_m = force_tables.grade_rows(actual.line.grade_permil, train.length_m)
     # A notch is on its way for at most the loop delay, and a new one comes once in a control period.
     slots = ceil(records["delay_ticks"].max() * timing.base_tick_ns / timing.control_period_ns) + 2
     balises = _balises(actual, records["wheel_factor"])

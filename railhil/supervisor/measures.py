@@ -1,7 +1,8 @@
 """What the score adds up, sample by sample: pure functions on numbers or on arrays of them.
 
 They, and the order in which their results are added up (:func:`total`), are all that decides the digits of a score; a
-compiled loop over many trains gives the same digits by using them in the same order.
+compiled loop over many trains gives the same digits by using them in the same order: the batch compiles the marked ones
+for single numbers (:mod:`railhil.common.compilable` says what they may be made of).
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy import inf, minimum, where
+from numpy import inf, minimum
 
+from railhil.common.compilable import chosen, compilable
 from railhil.scenarios.model import Energy, Profile
 
 KMH = 3.6
@@ -22,16 +24,19 @@ def total(values: Any) -> Any:
     return np.cumsum(array, axis=-1)[..., -1] if array.shape[-1] else np.zeros(array.shape[:-1])
 
 
+@compilable
 def error_kmh(wanted_mps: Any, speed_mps: Any) -> Any:
     """Size of a speed error in km/h."""
     return abs(wanted_mps - speed_mps) * KMH
 
 
+@compilable
 def work_j(seconds: Any, first_w: Any, last_w: Any) -> Any:
     """Work between two samples of a power: trapezoidal rule."""
     return seconds * (last_w + first_w) / 2.0
 
 
+@compilable
 def limits_under_train(limits: Profile, front_m: Any, length_m: float) -> Any:
     """Speed limit in force for the whole train at each front position, m/s, shape of ``front_m``.
 
@@ -42,7 +47,7 @@ def limits_under_train(limits: Profile, front_m: Any, length_m: float) -> Any:
         end_m = limits[index + 1][0] if index + 1 < len(limits) else inf
         begin_m = -inf if index == 0 else limits[index][0]
         touched = (front_m >= begin_m) & (front_m - length_m < end_m)
-        allowed = where(touched, minimum(allowed, limits[index][1]), allowed)
+        allowed = chosen(touched, minimum(allowed, limits[index][1]), allowed)
     return allowed
 
 

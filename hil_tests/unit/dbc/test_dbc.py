@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import dataclasses
 import subprocess
 import sys
+from typing import ClassVar
 
 import cantools
 import pytest
@@ -13,7 +15,8 @@ from hypothesis import strategies as st
 import railhil.bus.ident
 import railhil.bus.telegrams
 from hil_tests.support.paths import ROOT
-from railhil.bus.layout import Telegram
+from railhil.bus.generate_codecs import codecs_text, telegram_classes
+from railhil.bus.layout import Telegram, signal
 from railhil.bus.load import bus_load, longest_frame_bits
 from railhil.bus.mvb import TelegramSource
 from railhil.dbc import ContractError, load_contract, wire_contract
@@ -22,23 +25,7 @@ from railhil.supervisor.trace import Trace
 
 FOLDER = ROOT / "dbc"
 DATABASE = cantools.database.load_file(FOLDER / "railhil.dbc")
-
-
-def telegram_classes() -> list[type[Telegram]]:
-    """Every telegram class of the bench."""
-    found = []
-    for module in (railhil.bus.telegrams, railhil.bus.ident):
-        for item in vars(module).values():
-            if (
-                isinstance(item, type)
-                and issubclass(item, Telegram)
-                and item not in (Telegram, railhil.bus.ident.Ident)
-            ):
-                found.append(item)
-    return found
-
-
-CLASSES = telegram_classes()
+CLASSES = telegram_classes(railhil.bus.telegrams, railhil.bus.ident)
 
 
 def telegrams() -> st.SearchStrategy[Telegram]:
@@ -49,8 +36,6 @@ def telegrams() -> st.SearchStrategy[Telegram]:
         names = [name for name, _ in cls().items()]
         by_order = {item.name: item.raw_range for item in cls.port().signals}
         assert len(names) == len(by_order) == len(ranges)
-        import dataclasses
-
         prefix = cls.PORT.split("_")[0].capitalize()
         fields = dataclasses.fields(cls)
         return st.tuples(
@@ -67,6 +52,46 @@ def test_every_port_has_one_telegram_class():
 def test_dbc_file_is_what_the_port_table_describes():
     contract = load_contract(check_dbc=False)
     assert (FOLDER / "railhil.dbc").read_text(encoding="utf-8") == dbc_text(contract)
+
+
+def test_codecs_are_what_the_port_table_describes():
+    """Else: make dbc."""
+    classes = telegram_classes(railhil.bus.telegrams, railhil.bus.ident)
+    assert (ROOT / "bus" / "codecs.py").read_text(encoding="utf-8") == codecs_text(classes)
+
+
+@given(telegrams())
+def test_written_codecs_do_what_the_loop_over_the_signals_does(telegram):
+    kind, data = type(telegram), telegram.encode()
+    assert data == Telegram.encode(telegram)
+    assert Telegram.decode.__func__(kind, data) == telegram
+
+
+def test_a_telegram_class_that_lacks_signals_of_its_port_is_refused():
+    @dataclasses.dataclass(slots=True)
+    class Short(Telegram):
+        PORT: ClassVar[str] = "TRN_SPEED"
+        speed_01mmps: int = signal("TrainSpeed")
+        check: int = signal("SpeedChk")
+
+    with pytest.raises(TypeError, match="lacks signals of port TRN_SPEED: SpeedSpare, SpeedLife"):
+        Short().encode()
+
+
+def test_a_telegram_of_somebody_else_goes_through_the_loop():
+    @dataclasses.dataclass(slots=True)
+    class Theirs(Telegram):
+        PORT: ClassVar[str] = "TRN_SPEED"
+        speed_01mmps: int = signal("TrainSpeed")
+        check: int = signal("SpeedChk")
+        spare: int = signal("SpeedSpare")
+        life: int = signal("SpeedLife")
+
+    telegram = Theirs(-70_000, 1, 2, 3)
+    assert telegram.encode() == (-70_000).to_bytes(3, signed=True) + bytes([0b01_10_0011])
+    assert Theirs.decode(telegram.encode()) == telegram
+    with pytest.raises(OverflowError, match=r"TRN_SPEED\.speed_01mmps: found 8388608"):
+        Theirs(1 << 23).encode()
 
 
 @given(telegrams())

@@ -187,12 +187,27 @@ def test_a_damaged_cache_is_no_harm(short, tmp_path):
         path.write_bytes(path.read_bytes()[: 40 * (i % 2)])
     (tmp_path / "quick.toml").write_text(QUICK_TOML)
     code = (
-        "from hil_tests.batch import Case, run_batch; from scenarios.load import load;"
+        "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
         f"print(run_batch(Case(load({str(tmp_path / 'quick.toml')!r})), [3]).notch_digest[0])"
     )
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "NUMBA_CACHE_DIR": ""}
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
     assert (done.stdout.strip(), done.stderr) == (here.notch_digest[0], "")
+
+
+def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
+    """So that a debugger can step through it."""
+    here = [run_batch(Case(short, indexing=indexing), [3]) for indexing in ("time", "distance")]
+    (tmp_path / "quick.toml").write_text(QUICK_TOML)
+    code = (
+        "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
+        f"short = load({str(tmp_path / 'quick.toml')!r});"
+        "runs = [run_batch(Case(short, indexing=indexing), [3]) for indexing in ('time', 'distance')];"
+        "print([(run.notch_digest, run.scores) for run in runs])"
+    )
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    assert done.stdout.strip() == str([(run.notch_digest, run.scores) for run in here])
 
 
 def test_an_unperturbed_batch_differs_in_its_noise_only(short):
@@ -316,8 +331,8 @@ def test_noise_is_that_of_the_sensors():
 def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     for name in ("compiled", "kernel", "engine"):
-        monkeypatch.delitem(sys.modules, f"hil_tests.batch.{name}", raising=False)
-        monkeypatch.delattr(f"hil_tests.batch.{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"railhil.batch.{name}", raising=False)
+        monkeypatch.delattr(f"railhil.batch.{name}", raising=False)
     with pytest.raises(InputError, match=r"^batch: module numba.*: found not installed, allowed .* -m pip install "):
         run_batch(Case(short), [1])
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from railhil.plant_sim import dynamics, forces
+from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.dynamics import FREE, Motion, Window
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Effort, Profile, Train
@@ -35,8 +35,8 @@ def stepped(
     window: Window = FREE,
     step_s: float = TICK_S,
 ) -> dynamics.Step:
-    constants = forces.train_constants(train)
-    grades = forces.grade_table(grade, train.length_m)
+    constants = force_tables.train_constants(train)
+    grades = force_tables.grade_table(grade, train.length_m)
     return dynamics.step(constants, grades, window, motion, steady_n, dynamics.lag(train.actuator_pole_per_s, step_s))
 
 
@@ -58,7 +58,7 @@ profiles = st.lists(
 
 @given(profile=profiles, length_m=st.floats(1, 400), front_m=st.floats(-500, 4000))
 def test_grade_is_the_mean_over_the_train(profile: Profile, length_m: float, front_m: float) -> None:
-    table = forces.grade_table(profile, length_m)
+    table = force_tables.grade_table(profile, length_m)
     expected = overlap_mean(profile, front_m - length_m, front_m)
     assert forces.mean_grade_permil(table, front_m) == pytest.approx(expected, abs=1e-6)
 
@@ -68,7 +68,7 @@ def test_grade_is_the_mean_over_the_train(profile: Profile, length_m: float, fro
     [(0.0, 215e3), (11.86, 215e3), (2550e3 / 215e3, 215e3), (12.0, 2550e3 / 12), (20.0, 127.5e3)],
 )
 def test_traction_limit_is_force_then_power(speed_mps: float, force_n: float) -> None:
-    assert forces.effort_limit_n(forces.effort_table(TRAIN.traction), speed_mps) == pytest.approx(force_n)
+    assert forces.effort_limit_n(force_tables.effort_table(TRAIN.traction), speed_mps) == pytest.approx(force_n)
 
 
 @pytest.mark.parametrize(
@@ -77,12 +77,12 @@ def test_traction_limit_is_force_then_power(speed_mps: float, force_n: float) ->
 )
 def test_curve_is_interpolated_held_and_below_the_other_limits(speed_mps: float, force_n: float) -> None:
     effort = Effort(force_max_n=90.0, power_max_w=2000.0, curve=((5.0, 90.0), (10.0, 70.0), (15.0, 40.0)))
-    assert forces.effort_limit_n(forces.effort_table(effort), speed_mps) == pytest.approx(force_n)
+    assert forces.effort_limit_n(force_tables.effort_table(effort), speed_mps) == pytest.approx(force_n)
 
 
 def test_resistance_in_newton() -> None:
     # 211 t * 9.81 = 2069.91 kN; at 72 km/h 2 + 0.576 + 2.3328 = 4.9088 N/kN, and 5 permil of grade.
-    assert forces.resistance_n(forces.train_constants(TRAIN), 20.0, 5.0) == pytest.approx(2069.91 * 9.9088)
+    assert forces.resistance_n(force_tables.train_constants(TRAIN), 20.0, 5.0) == pytest.approx(2069.91 * 9.9088)
 
 
 @given(
@@ -148,7 +148,7 @@ def test_stop_inside_a_step(speed: float, braking_mps2: float) -> None:
 @pytest.mark.parametrize("window", [Window(False, 0.0), Window(False, 50e3), Window(True, 50e3), Window(False, inf)])
 def test_no_traction_gets_through_a_closed_window(window: Window) -> None:
     motion = Motion(0.0, 10.0, 150e3, 0.0)
-    applied_n = dynamics.applied_n(forces.train_constants(TRAIN), window, motion)
+    applied_n = dynamics.applied_n(force_tables.train_constants(TRAIN), window, motion)
     assert applied_n == -min(window.brake_min_n, 270e3)
 
 
@@ -206,8 +206,8 @@ def test_a_run_agrees_with_an_independent_solver() -> None:
     train = scenario.train
     stop_s, stop_m = _solved(train, grade, notches)
 
-    constants = forces.train_constants(train)
-    grades = forces.grade_table(grade, train.length_m)
+    constants = force_tables.train_constants(train)
+    grades = force_tables.grade_table(grade, train.length_m)
     tick_lag = dynamics.lag(train.actuator_pole_per_s, TICK_S)
     # Start where the reference starts: force just at the resistance.
     motion = Motion(0.0, 0.0, 2.0 * 2069.91, 0.0)

@@ -1,0 +1,98 @@
+"""Write ``codecs.py`` from the telegram classes: ``python -m railhil.bus.generate_codecs`` (or ``make dbc``).
+
+Every node packs or unpacks a telegram several times a tick, so each of them has straight-line code of its own. It does
+what :meth:`railhil.bus.layout.Telegram.encode` and ``decode`` say in a loop over the signals.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+
+from railhil.bus import ident, telegrams
+from railhil.bus.layout import Telegram, codec_key
+from railhil.dbc import Signal
+
+_HEAD = '''"""Packing of each telegram, bit by bit. Written by ``make dbc`` from the port table; do not edit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+T = TypeVar("T")
+'''
+
+
+def telegram_classes(*modules: ModuleType) -> list[type[Telegram]]:
+    """Telegram classes that the modules define, one for each port, in their order there."""
+    classes = [kind for module in modules for kind in vars(module).values() if isinstance(kind, type)]
+    own = [kind for kind in classes if issubclass(kind, Telegram) and "PORT" in vars(kind)]
+    # A layout that several ports share is a class, too: the last one that names a port is the port's own.
+    return list({kind.PORT: kind for kind in own}.values())
+
+
+def codecs_text(classes: list[type[Telegram]]) -> str:
+    """Text of ``codecs.py`` for some classes."""
+    rows = [f'    "{codec_key(kind)}": (encode_{_name(kind)}, decode_{_name(kind)}),\n' for kind in classes]
+    return (
+        _HEAD
+        + "".join(_encode(kind) + _decode(kind) for kind in classes)
+        + "\n\n#: Encode and decode of each telegram class.\n"
+        + "CODECS: dict[str, tuple[Callable[[Any], bytes], Callable[[Any, bytes], Any]]] = {\n"
+        + "".join(rows)
+        + "}\n"
+    )
+
+
+def _name(kind: type[Telegram]) -> str:
+    return kind.PORT.lower()
+
+
+def _shift(kind: type[Telegram], entry: Signal) -> int:
+    return kind.port().data_bytes * 8 - entry.first_bit - entry.length
+
+
+def _encode(kind: type[Telegram]) -> str:
+    """A value fits when nothing is left of it, moved into the unsigned range, above its signal's length."""
+    lines = [f"def encode_{_name(kind)}(telegram: Any) -> bytes:"]
+    signals = kind.signals()
+    lines += [f"    {name} = telegram.{name}" for name, _ in signals]
+    for index, (name, entry) in enumerate(signals):
+        moved = f"{name} + 0x{1 << entry.length - 1:X}" if entry.signed else name
+        lines.append(f"    misfit {'|=' if index else '='} {moved} >> {entry.length}")
+    lines += ["    if misfit:", "        raise telegram.misfit()"]
+    for index, (name, entry) in enumerate(signals):
+        shift = _shift(kind, entry)
+        bits = f"{name} & 0x{(1 << entry.length) - 1:X}" if entry.signed else name
+        if shift:
+            bits = f"({bits}) << {shift}" if entry.signed else f"{bits} << {shift}"
+        lines.append(f"    word{' |=' if index else ': int ='} {bits}")
+    lines.append(f"    return word.to_bytes({kind.port().data_bytes})")
+    return "\n\n" + "\n".join(lines) + "\n"
+
+
+def _decode(kind: type[Telegram]) -> str:
+    """Two's complement: the sign bit turned, and its weight taken away again."""
+    lines = [f"def decode_{_name(kind)}(made: Callable[..., T], data: bytes) -> T:"]
+    lines += ["    word = int.from_bytes(data)", "    return made("]
+    for name, entry in kind.signals():
+        shift = _shift(kind, entry)
+        value = f"word{f' >> {shift}' if shift else ''} & 0x{(1 << entry.length) - 1:X}"
+        if entry.signed:
+            sign = f"0x{1 << entry.length - 1:X}"
+            value = f"({value} ^ {sign}) - {sign}"
+        lines.append(f"        {value},  # {name}")
+    lines.append("    )")
+    return "\n\n" + "\n".join(lines) + "\n"
+
+
+def main() -> None:
+    """Write ``codecs.py`` beside this file."""
+    target, classes = Path(__file__).with_name("codecs.py"), telegram_classes(telegrams, ident)
+    target.write_text(codecs_text(classes), encoding="utf-8")
+    print(f"{target.name}: {len(classes)} telegrams")
+
+
+if __name__ == "__main__":
+    main()

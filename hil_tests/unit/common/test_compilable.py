@@ -1,0 +1,76 @@
+"""Functions that the interpreter runs and numba compiles: the same bits, and nothing that numba cannot do."""
+
+from __future__ import annotations
+
+import math
+import struct
+from bisect import bisect_right
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from railhil.common.compilable import compilable, compilable_aside, larger, smaller
+from railhil.plant_sim import forces, sensors
+
+numba = pytest.importorskip("numba")
+#: Equal numbers of both signs, ties, and what lies beside them.
+NUMBERS = (0.0, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -0.5, -1.5, 1e-300, -1e-300, 3.0, math.inf, -math.inf)
+
+
+def bits(value: float) -> bytes:
+    return struct.pack("<d", value)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _told() -> None:
+    """Numba knows the marked functions."""
+    import railhil.batch.compiled  # noqa: F401
+
+
+@pytest.mark.parametrize(("ours", "pythons"), [(smaller, min), (larger, max)])
+def test_the_smaller_and_the_larger_are_those_of_python(
+    ours: Callable[..., float], pythons: Callable[..., float]
+) -> None:
+    compiled = numba.njit(lambda a, b: ours(a, b))
+    for a in NUMBERS:
+        for b in NUMBERS:
+            assert bits(ours(a, b)) == bits(compiled(a, b)) == bits(pythons(a, b))
+
+
+def test_compiled_round_and_bisect_are_those_of_python() -> None:
+    rounded = numba.njit(lambda value: round(value))
+    for value in (number for number in NUMBERS if math.isfinite(number)):
+        assert rounded(value) == round(value)
+    row = numba.njit(lambda values, value: bisect_right(values, value))
+    for values in ((), (0.0,), (-1.0, 0.0, 0.0, 2.5)):
+        for value in NUMBERS:
+            assert row(np.array(values, dtype=np.float64), value) == bisect_right(values, value)
+
+
+def test_a_marked_function_is_itself_and_numba_compiles_it() -> None:
+    table = forces.GradeTable((0.0, 100.0), (5.0, -2.0), (0.0, 0.1))
+    grade = numba.njit(lambda table, front_m: forces.mean_grade_permil(table, front_m))
+    reading = numba.njit(lambda speed_mps: sensors.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01))
+    arrays = forces.GradeTable(*(np.array(column) for column in table))
+    for front_m in (-1.0, 0.0, 99.9, 100.0, 133.3):
+        assert bits(grade(arrays, front_m)) == bits(forces.mean_grade_permil(table, front_m))
+    for speed_mps in (-1.0, 0.0, 1e-4, 0.0151, 13.337):
+        assert reading(speed_mps) == sensors.speed_reading_01mmps(speed_mps, 0.001, 0.99, 0.01)
+
+
+def test_what_numba_cannot_compile_is_refused_where_it_is_marked() -> None:
+    around = 1.0
+
+    def by_keyword(*, speed_mps: float) -> float:
+        return speed_mps
+
+    def over_a_name_around_it(speed_mps: float) -> float:
+        return speed_mps + around
+
+    things: tuple[Any, ...] = (by_keyword, over_a_name_around_it)
+    for function in things:
+        for mark in (compilable, compilable_aside):
+            with pytest.raises(TypeError, match="plain function of positional arguments"):
+                mark(function)
