@@ -12,6 +12,7 @@ from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, SupCmd, Ti
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import BRAKING_MAX_NS, RunEnd, TickLoop
 from railhil.plant_sim.events import PlantEvent
+from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.load import load
@@ -32,6 +33,7 @@ class Noting:
         self.ended: Event | None = None
         self.controller_lost = False
         self.notes: list[str] = []
+        self.milestones = Milestones(self.publish, 10_000_000)
         self._plant = plant
         self._notch_code = notch_code
         self._ends_at = ends_at

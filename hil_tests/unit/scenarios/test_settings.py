@@ -36,7 +36,7 @@ def test_a_setting_is_a_key_of_the_scenario() -> None:
     # What judges a run changes no frame of it.
     assert changed.sha256 == plain.sha256
     assert judged_sha256(changed) != judged_sha256(plain)
-    assert load(NAME, ["plan.distance_m=2939"]).sha256 != plain.sha256
+    assert load(NAME, ["timing.loop_delay_s=0.05"]).sha256 != plain.sha256
     assert load(NAME, [f"plan.stop_error_max_m={plain.plan.stop_error_max_m}"]).sha256 == plain.sha256
     lines = load(NAME, ["line.balises=[{number = 7, surveyed_m = 100}]"]).line
     assert [balise.number for balise in lines.balises] == [7]

@@ -51,12 +51,17 @@ class Bus:
 FOREIGN = [Frame(0x7FF, b"\0")]
 
 
+def made(folder: Path, silence_s: float) -> Run:
+    """A realtime run that gives up after so long."""
+    choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
+    options = RunOptions("lvshun_tieshan", pace="realtime")
+    return Run(load("lvshun_tieshan"), options, choice, folder, silence_s=silence_s, after_loss_s=0.05)
+
+
 @pytest.fixture
 def run(tmp_path: Path) -> Run:
     """One that waits for a moment only."""
-    choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    options = RunOptions("lvshun_tieshan", pace="realtime")
-    return Run(load("lvshun_tieshan"), options, choice, tmp_path, silence_s=0.5, after_loss_s=0.05)
+    return made(tmp_path, 0.1)
 
 
 def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
@@ -94,8 +99,9 @@ def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, is_down: bool) -> No
             assert run._lost == "no tick for 0.1 s of wall time: bench is deadlocked"
 
 
-def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(run: Run) -> None:
+def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(tmp_path: Path) -> None:
     """At 1x the buffer holds seconds of it; a recorder that is killed loses a fifth of one."""
+    run = made(tmp_path, 5.0)
     line = "(0.000000) mvb0 7FF#00 R\n"
 
     def killed_when_it_is_there() -> None:
