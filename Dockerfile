@@ -9,7 +9,8 @@ WORKDIR /src
 # Dependencies before sources: a change of code does not fetch them again.
 COPY pyproject.toml ./
 RUN python3 -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; \
-print("\n".join(p["dependencies"] + p["optional-dependencies"]["report"]))' >/requirements.txt \
+extras = p["optional-dependencies"]; \
+print("\n".join(p["dependencies"] + extras["report"] + extras["campaign"]))' >/requirements.txt \
     && /opt/railhil/bin/pip install --no-cache-dir --only-binary=:all: -r /requirements.txt
 COPY . ./
 # Of no use at run time, a third of the size: pip itself, the libraries' own test suites, and what is there for compilers
