@@ -19,7 +19,7 @@ from rich.table import Table
 
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
-from railhil.supervisor.extras import missing
+from railhil.common.extras import missing
 
 #: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (

@@ -14,8 +14,8 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
+from railhil.common.extras import install_command
 from railhil.scenarios.parameters import load_parameters
-from railhil.supervisor.extras import install_command
 
 _PLUGGED = """\
 from railhil.controller_node.laws.ipfc import Ipfc

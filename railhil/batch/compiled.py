@@ -21,12 +21,12 @@ import numpy as np
 
 from railhil.common import compilable
 from railhil.common.compilable import F
+from railhil.common.extras import missing
 
 # Their marked functions are told to numba.
 from railhil.plant_sim import dynamics, forces, sensors, watch
 from railhil.scenarios import target
 from railhil.supervisor import measures
-from railhil.supervisor.extras import missing
 
 try:
     import numba

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-from railhil.supervisor.extras import missing
+from railhil.common.extras import missing
 
 
 def need(module: str, extra: str) -> ModuleType:

@@ -18,6 +18,7 @@ from railhil.bus.select import BusChoice, choose_bus
 from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
+from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.common.output import Output
 from railhil.scenarios.load import load, stable_name
@@ -27,7 +28,6 @@ from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.settings import add_set_argument
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
-from railhil.supervisor.extras import install_command
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.options import RunOptions

@@ -10,8 +10,8 @@ from railhil.cli import commands, programs
 from railhil.cli.bus_run import law_names
 from railhil.common.command_line import OneLineParser, parse
 from railhil.common.exit_codes import PASS, guarded
+from railhil.common.extras import missing
 from railhil.scenarios.load import short_names
-from railhil.supervisor.extras import missing
 
 #: Where the command line of a program stands, when not in its ``__main__``.
 _ARGUMENTS = {

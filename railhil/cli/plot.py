@@ -7,10 +7,10 @@ from pathlib import Path
 
 from railhil.bus.telegrams import SimTruth
 from railhil.common.errors import InputError
+from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.extras import missing
 from railhil.supervisor.record import checked_record
 
 _SUFFIXES = (".svg", ".png", ".pdf")

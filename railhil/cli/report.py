@@ -6,11 +6,11 @@ import argparse
 from pathlib import Path
 
 from railhil.common.errors import InputError
+from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.scenarios.canonical import judged_sha256
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.extras import missing
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.score import score

@@ -26,6 +26,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, Strict
 
 from railhil.common.errors import InputError, Words
+from railhil.common.extras import missing
 from railhil.scenarios.importers.section import Stop, StopLine
 from railhil.scenarios.model import Effort, Line, Train
 from railhil.scenarios.profiles import merged
@@ -216,8 +217,10 @@ def _chosen(file: str | Path, key: str, entries: list[Any], wanted: str | None) 
 
 def _read(file: str | Path, kind: str) -> dict[str, Any]:
     # Here, because every process would load it, and few scenarios have such a file.
-    import yaml
-
+    try:
+        import yaml
+    except ImportError as error:
+        raise missing(str(file), error, "railtoolkit") from None
     try:
         data = yaml.safe_load(Path(file).read_text(encoding="utf-8"))
     except OSError as error:

@@ -15,9 +15,9 @@ from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.summary import training_sentence
 from railhil.campaign.work import task_of
+from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
-from railhil.supervisor.extras import install_command
 
 
 @pytest.fixture(scope="module")

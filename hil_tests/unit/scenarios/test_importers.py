@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -297,3 +298,9 @@ def test_distance_and_stops_must_agree(tmp_path: Path) -> None:
         with pytest.raises(InputError) as caught:
             load(path)
         assert words in str(caught.value)
+
+
+def test_without_yaml_one_line_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(InputError, match=r"module yaml: found .*, allowed .*PyYAML.* \(the extra \[railtoolkit\]\)"):
+        railtoolkit.load_train(RAILTOOLKIT / "trains" / "local.yaml", actuator_pole_per_s=0.4, accel_per_notch_mps2=0.1)

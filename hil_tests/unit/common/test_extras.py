@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from railhil.supervisor import extras
-from railhil.supervisor.extras import install_command, missing
+from hil_tests.support.paths import ROOT
+from railhil.common import extras
+from railhil.common.extras import install_command, missing
 
-_EXTRAS = tomllib.loads((Path(extras.__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"][
-    "optional-dependencies"
-]
+_EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 
 
 def _names(words: list[str]) -> list[str]:
