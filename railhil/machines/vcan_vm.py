@@ -193,9 +193,3 @@ def _exit_code(control: Path) -> int:
         tail = " | ".join(deque((line.strip() for line in text.splitlines() if line.strip()), maxlen=3))
         raise debian.MachineError(f"the virtual machine ended without an exit code: {tail or 'no output'}")
     return int(left.read_text())
-
-
-if __name__ == "__main__":
-    from railhil.machines.vcan import main
-
-    sys.exit(main(["--via", "machine", *sys.argv[1:]]))
