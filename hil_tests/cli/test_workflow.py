@@ -18,7 +18,7 @@ from hil_tests.support.paths import ROOT
 
 _FOLDER = ROOT / ".github" / "workflows"
 _WORKFLOWS = sorted(path.name for path in _FOLDER.glob("*.yml"))
-_SHORT = ROOT / "hil_tests" / "compose" / "short_move.toml"
+_SHORT = ROOT / "hil_tests" / "transport" / "compose" / "short_move.toml"
 #: What GitHub starts for ``shell: bash``.
 _BASH = ["bash", "--noprofile", "--norc", "-eo", "pipefail"]
 

@@ -294,6 +294,7 @@ def realtime_record(scenario: Scenario) -> list[str]:
     return lines
 
 
+@pytest.mark.wall_clock
 def test_a_step_of_the_wall_clock_changes_nothing(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     """The wall clock jumps by two hours at each look."""
     steady = realtime_record(short)

@@ -183,7 +183,7 @@ def test_a_damaged_cache_is_no_harm(short, tmp_path):
         path.write_bytes(path.read_bytes()[: 40 * (i % 2)])
     (tmp_path / "quick.toml").write_text(QUICK_TOML)
     code = (
-        "from hil_tests.batch import Case, run_batch; from scenarios.load import load;"
+        "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
         f"print(run_batch(Case(load({str(tmp_path / 'quick.toml')!r})), [3]).notch_digest[0])"
     )
     environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "NUMBA_CACHE_DIR": ""}
@@ -313,8 +313,8 @@ def test_noise_is_that_of_the_sensors():
 def test_without_numba_one_line_says_what_to_install(short, monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     for name in ("compiled", "kernel", "engine"):
-        monkeypatch.delitem(sys.modules, f"hil_tests.batch.{name}", raising=False)
-        monkeypatch.delattr(f"hil_tests.batch.{name}", raising=False)
+        monkeypatch.delitem(sys.modules, f"railhil.batch.{name}", raising=False)
+        monkeypatch.delattr(f"railhil.batch.{name}", raising=False)
     with pytest.raises(
         InputError, match=r"^batch: numba: found not installed, allowed pip install 'railhil\[campaign\]'$"
     ):
