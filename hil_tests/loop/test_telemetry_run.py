@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-import railhil.controller_node.controller
-import railhil.controller_node.loop
 from hil_tests.support.cli import Started, railhil, wait_for
 from railhil.bench import BenchRun, local_run
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
 from railhil.common.exit_codes import FAIL
+from railhil.controller_node import controller, loop
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
@@ -50,9 +49,9 @@ class Squared(Ipfc[Any]):
 def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """A run of :class:`Squared`."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(railhil.controller_node.loop, "load", lambda name: Squared)
+        patch.setattr(loop, "load", lambda name: Squared)
         # Else it would not start.
-        patch.setattr(railhil.controller_node.controller, "refuse_wraps", lambda *given: None)
+        patch.setattr(controller, "refuse_wraps", lambda *given: None)
         return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
 
 
@@ -112,7 +111,7 @@ def test_a_wrap_in_the_last_step_fails_the_run(
     lvshun: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Control periods begin in ticks 0 and 50, CTL_STAT is due in tick 48, and the run ends in tick 53."""
-    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Late)
+    monkeypatch.setattr(loop, "load", lambda name: Late)
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.52, overtime_max_s=0.0)
     run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path)
     assert run.telemetry["steps"] == 2

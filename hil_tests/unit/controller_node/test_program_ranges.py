@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import railhil.controller_node.loop
 from hil_tests.support.cli import railhil
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.controller_node import loop
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
 from railhil.controller_node.controller import BatchController, Controller
@@ -188,7 +188,7 @@ def test_a_plugged_in_law_that_may_wrap_does_not_start(monkeypatch: pytest.Monke
             after, outputs = super().step(state, inputs)
             return after._replace(tracking_error=self._ar.add(state.tracking_error, after.tracking_error)), outputs
 
-    monkeypatch.setattr(railhil.controller_node.loop, "load", lambda name: Growing)
+    monkeypatch.setattr(loop, "load", lambda name: Growing)
     with pytest.raises(InputError, match=r"which ends at 2048, .*operations that may wrap: \d"):
         Controller(SCENARIO, "growing", "iq")
     Controller(SCENARIO, "growing", "float64")
