@@ -164,7 +164,7 @@ def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
     """Made by ``make tuned``; after a change of a law, the plant or the protocol they are to be made again."""
     files = shipped()
     # Laws that somebody plugs in have no file here.
-    own = {law for law in laws.names() if laws.load(law).__module__.startswith("controller_node.")}
+    own = {law for law in laws.names() if laws.load(law).__module__.startswith("railhil.controller_node.")}
     assert {given.law for given in files} == own
     for given in files:
         content = tomllib.loads(given.source.read_text(encoding="utf-8"))
