@@ -31,7 +31,7 @@ def handlers():
     ("script", "code", "closing"),
     [
         (f"echo 9 passed in 1.00s; echo {CLOSING}", 0, "3 passed, 0 failed, 1 skipped"),
-        (f"echo '=== 1 failed, 2 passed, 1 error in 4.56s (0:01:02) ==='; echo ..; exit 1", 1, "2 passed, 2 failed"),
+        ("echo '=== 1 failed, 2 passed, 1 error in 4.56s (0:01:02) ==='; echo ..; exit 1", 1, "2 passed, 2 failed"),
         ("echo no tests ran in 0.01s; exit 5", 1, "0 passed, 1 failed, 0 skipped"),
         (f"echo {CLOSING}; exit 125", 1, "3 passed, 1 failed, 1 skipped"),
         ("exit 77", 0, "0 passed, 0 failed, 1 skipped"),

@@ -17,9 +17,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.bus.telegrams import CtlMode, Event, NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
-from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.watch import Level
-from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
 SPEED_ID = TrnSpeed.port().address
@@ -30,28 +28,8 @@ Wire = Callable[[Frame], list[Frame]]
 
 
 @pytest.fixture(scope="module")
-def short() -> Scenario:
-    """A short run between two stations."""
-    return load("yizhuang_04_jiugong_yizhuang_qiao")
-
-
-@pytest.fixture(scope="module")
 def clean(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     return local_run(short, tmp_path_factory.mktemp("clean"))
-
-
-@pytest.fixture
-def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Level, float]]:
-    """Level of the train's own watch and traction force at every tick of every run of the test."""
-    seen: list[tuple[Level, float]] = []
-    advance = Plant.advance
-
-    def recorded(plant: Plant) -> None:
-        advance(plant)
-        seen.append((plant.watch_level, plant.traction_n))
-
-    monkeypatch.setattr(Plant, "advance", recorded)
-    return seen
 
 
 def notch_table(run: BenchRun) -> tuple[Any, Any, Any]:

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 import pytest
 
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
 from railhil.controller_node.node import MAILBOXES, ControllerNode, ControllerOptions
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
-
-#: 72 m in 24 s. The record goes on for 1 s after the stop: longer than the overtime.
-SHORT_TOML = """\
-extends = "lvshun_tieshan"
-name = "short"
-title = "72 m in 24 s"
-[target]
-nodes_s_mps2 = [[0, 0.5], [11.9, 0.5], [12.1, -0.5], [24, -0.5]]
-[plan]
-distance_m = 71.9983
-running_time_s = 24
-overtime_max_s = 0.9
-"""
 
 
 def test_nominal_run_is_healthy_and_complete(nominal, healthy):
@@ -91,7 +79,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic,
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
     path = tmp_path / "timing.toml"
-    path.write_text(f"{SHORT_TOML}[timing]\n{timing}\n")
+    path.write_text(f"{RUN_72M_TOML}[timing]\n{timing}\n")
     scenario = load(str(path))
     through_telegrams = local_run(scenario, tmp_path, seed=1, indexing=indexing)
     direct = direct_run(scenario, seed=1, indexing=indexing)

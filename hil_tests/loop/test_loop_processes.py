@@ -15,8 +15,8 @@ import numpy as np
 import psutil
 import pytest
 
-from hil_tests.loop.test_loop_local import SHORT_TOML
 from hil_tests.support.cli import Started, railhil, wait_for
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.load import load
@@ -43,7 +43,7 @@ def hub_run(tmp_path_factory) -> Path:
 def short(tmp_path) -> Path:
     """A scenario of 24 s, 13 000 frames."""
     path = tmp_path / "short.toml"
-    path.write_text(SHORT_TOML)
+    path.write_text(RUN_72M_TOML)
     return path
 
 

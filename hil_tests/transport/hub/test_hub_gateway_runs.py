@@ -11,10 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.loop.test_loop_local import SHORT_TOML
 from hil_tests.support.cli import TIMEOUT_S, command, railhil, wait_for
-from hil_tests.transport.hub.test_hub_gateway import gateway, two_hubs_and_a_gateway
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.hub import PATIENCE_S, gateway, running_hub, two_hubs_and_a_gateway
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
@@ -44,7 +43,7 @@ def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterat
 def short(tmp_path: Path) -> Path:
     """A scenario of 24 s."""
     path = tmp_path / "short.toml"
-    path.write_text(SHORT_TOML)
+    path.write_text(RUN_72M_TOML)
     return path
 
 

@@ -9,7 +9,7 @@ import time
 import can
 import pytest
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
 from railhil.bus.hub.bitlength import frame_bits
 from railhil.bus.hub.link import SendTimeout

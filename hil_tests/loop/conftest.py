@@ -1,0 +1,30 @@
+"""What tests of the whole loop share."""
+
+from __future__ import annotations
+
+import pytest
+
+from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.watch import Level
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+
+
+@pytest.fixture(scope="module")
+def short() -> Scenario:
+    """A short run between two stations."""
+    return load("yizhuang_04_jiugong_yizhuang_qiao")
+
+
+@pytest.fixture
+def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Level, float]]:
+    """Level of the train's own watch and traction force at every tick of every run of the test."""
+    seen: list[tuple[Level, float]] = []
+    advance = Plant.advance
+
+    def recorded(plant: Plant) -> None:
+        advance(plant)
+        seen.append((plant.watch_level, plant.traction_n))
+
+    monkeypatch.setattr(Plant, "advance", recorded)
+    return seen
