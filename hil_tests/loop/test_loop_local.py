@@ -13,8 +13,7 @@ from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 
 
-def test_nominal_run_is_healthy_and_complete(nominal, healthy):
-    healthy.append(nominal)
+def test_nominal_run_is_healthy_and_complete(nominal):
     assert nominal.ended is Event.ENDED_COMPLETE
     assert nominal.trace.count(TrnSpeed.PORT) == round(nominal.trace.times_s(TrnSpeed.PORT)[-1] * 100) + 1
     assert nominal.counters["gate"]["accepted"] == nominal.trace.count(NotchCmd.PORT)
@@ -40,9 +39,8 @@ def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
     assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(nominal.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
 
 
-def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path, healthy):
+def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
     fd = local_run(lvshun, tmp_path, seed=1, fd=True)
-    healthy.append(fd)
     assert fd.notches == nominal.notches
     assert fd.score == nominal.score
     assert fd.frames_sha256 != nominal.frames_sha256

@@ -55,6 +55,7 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
         return local_run(lvshun, tmp_path_factory.mktemp("wrapped"), seed=1)
 
 
+@pytest.mark.faults
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
     slow = local_run(lvshun, tmp_path, seed=1, task_period_ms=50)
     for run, lost in ((nominal, False), (slow, True)):
