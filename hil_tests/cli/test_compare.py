@@ -88,6 +88,7 @@ def compared(place: Path) -> Compared:
     return Compared(done, place / "whole", document)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     runs = compared.document["runs"]

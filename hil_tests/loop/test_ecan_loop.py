@@ -159,6 +159,7 @@ def at_50_ms(lvshun, tmp_path_factory):
     return local_run(lvshun, tmp_path_factory.mktemp("task"), seed=1, task_period_ms=50)
 
 
+@pytest.mark.slow
 def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tmp_path, monkeypatch):
     """Against the same node with its mailboxes taken out."""
 
@@ -195,6 +196,7 @@ def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel").tolist()) <= {0, 1, 2, 3}
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_processes_give_the_record_of_the_loop_without_sockets(at_50_ms, tmp_path):
     words = ("--task-period-ms", "50", "--quiet", "--no-report", "--out", tmp_path / "run")

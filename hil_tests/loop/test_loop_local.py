@@ -46,6 +46,7 @@ def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
     assert fd.frames_sha256 != nominal.frames_sha256
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 @pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
 def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic, seed, drawn):

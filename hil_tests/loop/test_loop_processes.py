@@ -78,6 +78,7 @@ def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, nominal):
     assert nominal.frames_sha256 == certificate(hub_run)["frames_sha256"]
 
 
+@pytest.mark.slow
 def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -128,6 +129,7 @@ def test_signals_table_matches_the_log(hub_run):
     assert np.nanmax(table["notch_command"]) == pytest.approx(trace.values(NotchCmd.PORT, "NotchCmd").max())
 
 
+@pytest.mark.slow
 def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     words = certificate(hub_run)["command"].split()
     assert words[0] == "railhil"
@@ -136,6 +138,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "role"),
     [("railhil.plant_sim", "plant"), ("railhil.controller_node", "controller"), ("railhil.bus.hub", "hub")],
@@ -161,6 +164,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
     assert f"{role} lost at simulation time" in scored.out
 
 
+@pytest.mark.slow
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     folder = tmp_path / "run"
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
@@ -203,6 +207,7 @@ def test_realtime_pace_keeps_time(tmp_path):
     assert document["jitter"]["cycles"] > 19_000
 
 
+@pytest.mark.slow
 def test_other_tools_attach_to_the_hub(short, tmp_path, socket_folder):
     """python-can's logger, unmodified, sees what the supervisor records."""
     channel = str(socket_folder / "hub.sock")

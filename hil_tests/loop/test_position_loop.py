@@ -167,6 +167,7 @@ def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel")[-10:]) == {3}
 
 
+@pytest.mark.slow
 def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> None:
     by_distance = run_with(tmp_path / "d", TrnPos, silent(60), controller="tdmc", indexing="distance")
     assert_braked(by_distance, 60)
@@ -178,6 +179,7 @@ def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> Non
 # -- balises ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     """9 km with few balises: there a reading wrong by 65.536 m is inside of what a worn wheel explains."""

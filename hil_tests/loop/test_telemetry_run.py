@@ -167,6 +167,7 @@ def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Be
     assert other.sentence().endswith(", wrap, as CTL_STAT tells it")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path: Path) -> None:
     folder = tmp_path / "run"
@@ -193,6 +194,7 @@ def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path:
     assert not list(folder.glob(".part-*"))
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_attached_run_takes_the_telemetry_from_the_record(
     nominal: BenchRun, tmp_path: Path, socket_folder: Path
@@ -214,6 +216,7 @@ def test_attached_run_takes_the_telemetry_from_the_record(
     assert "no overflow, as CTL_STAT tells it" in done.out
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
     folder = tmp_path / "run"

@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.support.campaign_command import Campaign, campaign_here
 from hil_tests.support.cli import railhil
+from hil_tests.support.programs import Campaign, campaign_here
 from railhil.batch.perturbed_runs import SCORES
 from railhil.bench import direct_run
 from railhil.scenarios.load import load
@@ -177,6 +177,7 @@ def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_the_bench_verifies(campaign, finished):
     done = campaign("--verify", finished, "--runs", "1")
@@ -184,6 +185,7 @@ def test_the_bench_verifies(campaign, finished):
     assert done.out.rstrip().endswith("1 of 1 runs are the same on the bench")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_the_bench_finds_a_forged_figure(campaign, short):
     assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0

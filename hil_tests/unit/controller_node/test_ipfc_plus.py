@@ -27,6 +27,7 @@ TABLE = compute_constants(IpfcPlusParameters(), WORN)
 # -- the bars ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_bars_over_200_runs(arithmetic: str) -> None:
     result = run_batch(Case(WORN, LAW, arithmetic), range(1000, 1200))

@@ -89,6 +89,7 @@ def test_the_cause_stays_with_the_line(plugged: Path) -> None:
     assert isinstance(caught.value.__cause__, RuntimeError)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize("law", ["fussy", "missing"])
 @pytest.mark.parametrize(

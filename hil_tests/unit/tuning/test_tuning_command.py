@@ -69,6 +69,7 @@ def test_seed_list() -> None:
             seed_list(bad)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_tune_as_a_user_runs_it(
     quick: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
@@ -160,6 +161,7 @@ def test_bad_input_is_one_line(
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
     """Made by ``make tuned``; after a change of a law, the plant or the protocol they are to be made again."""
     files = shipped()
