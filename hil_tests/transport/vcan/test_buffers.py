@@ -49,6 +49,7 @@ def test_sleeping_reader_knows_exactly_how_much_it_has_lost():
     assert [int.from_bytes(frame.data, "big") for frame in heard] == list(range(len(heard)))
 
 
+@pytest.mark.faults
 def test_recorder_that_sleeps_through_a_flood_says_how_much_the_record_has_lost(
     hop, hop_reference, folder, monkeypatch
 ):

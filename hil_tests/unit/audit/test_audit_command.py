@@ -8,7 +8,6 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
-from hil_tests.support.programs import program_here
 from railhil.audit import __main__ as command
 from railhil.audit.result import Bar, audit
 
@@ -109,9 +108,8 @@ def test_a_missed_bar_is_exit_code_1(short, capsys, monkeypatch):
         (["--frobnicate"], "--frobnicate"),
     ],
 )
-def test_bad_input_is_one_line(arguments, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    done = program_here(monkeypatch, capsys, "audit", command.main)(*arguments)
+def test_bad_input_is_one_line(arguments, words, tmp_path):
+    done = railhil("audit", *arguments, cwd=tmp_path)
     assert done.exit_code == 2
     assert done.out == ""
     assert words in done.one_line()

@@ -9,8 +9,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.campaign_command import Campaign, campaign_here
 from hil_tests.support.cli import railhil
-from hil_tests.support.programs import Campaign, campaign_here
 from railhil.batch.perturbed_runs import SCORES
 from railhil.bench import direct_run
 from railhil.scenarios.load import load

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.support.programs import Campaign, campaign_here
+from hil_tests.support.campaign_command import Campaign, campaign_here
 from railhil.campaign import extras
 from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
