@@ -238,6 +238,7 @@ def test_attach_with_nobody_there(monkeypatch, tmp_path):
     assert result.line == "no plant on socketcan:can0 within 0.3 s"
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_nodes_that_do_not_agree(tmp_path, socket_folder):
     """A hub, a controller with another scenario, a plant: refused, and everybody says why."""

@@ -89,6 +89,7 @@ def bench_step(folder: Path, **inputs: str) -> subprocess.CompletedProcess[str]:
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_bench_step_leaves_a_report_and_a_summary(tmp_path):
     done = bench_step(tmp_path, scenario=str(_SHORT), arithmetic="float64", seed="2")

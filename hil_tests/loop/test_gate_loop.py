@@ -73,6 +73,7 @@ def lose(count: int) -> Callable[[int, Frame], list[Frame]]:
 # -- loss -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize(
     ("count", "first", "worst"),

@@ -96,6 +96,7 @@ def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
         assert hub.wait(5) == 0
 
 
+@pytest.mark.slow
 def test_score_of_the_log_is_the_live_score_to_the_last_digit(hub_run, tmp_path):
     live = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))
     done = railhil("score", hub_run / "frames.log", "--json")

@@ -54,6 +54,7 @@ def _recorded(scenario: str | Path, folder: Path, channel: str, *options: str) -
     return done.exit_code
 
 
+@pytest.mark.slow
 def test_the_published_run_through_the_gateway_has_the_bytes_of_every_other_transport(tmp_path: Path) -> None:
     """Plant on one bus, controller on the other, supervisor at the gateway itself."""
     with (
@@ -68,6 +69,7 @@ def test_the_published_run_through_the_gateway_has_the_bytes_of_every_other_tran
     assert sha256_of(tmp_path / "run/frames.log") == PUBLISHED_SHA256
 
 
+@pytest.mark.slow
 def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can_fd(
     tmp_path: Path, short: Path
 ) -> None:
@@ -132,6 +134,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
     assert trace.values("SIM_TRUTH", "TractionForce")[meanwhile].max() == 0, "traction is cut within 0.15 s"
 
 
+@pytest.mark.slow
 def test_when_the_controller_s_bus_dies_the_train_stops_by_itself(tmp_path: Path, short: Path) -> None:
     with (
         two_hubs_and_a_gateway(options=("--lossless",)) as (a, b, between),

@@ -48,6 +48,7 @@ def same_results(folder: Path, finished: Path) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_results_are_those_of_the_bench(finished, short):
     rows = pq.read_table(finished / "results.parquet").to_pylist()
     assert [(row["law"], row["seed"]) for row in rows] == [("ipfc", seed) for seed in range(50, 74)]
