@@ -96,6 +96,7 @@ def main(words: Sequence[str] | None = None) -> int:
         counts = _counted("\n".join(lines))
         # One that was killed has counted nothing.
         counts["failed"] += options.total - len(lines)
+        print("\n=== all parts ===", *lines, sep="\n", flush=True)
     else:
         name, *command = options.command
         print(f"\n=== {name} ===", flush=True)
@@ -106,7 +107,7 @@ def main(words: Sequence[str] | None = None) -> int:
         return 1 if counts["failed"] else 0
     options.counts.parent.mkdir(exist_ok=True)
     with options.counts.open("a") as file:
-        print(closing, file=file)
+        print(f"{name}: {closing}", file=file)
     return 0
 
 
