@@ -9,28 +9,49 @@ ARGS   ?=
 # Laws whose parameters `make tuned` searches.
 TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
 
-.PHONY: run test test-fast test-vcan test-compose lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
+PART         = $(BIN)/python -m hil_tests.part
+COUNTS       = build/test_counts
+HERE         = not needs_socketcan and not needs_docker
+# A file at a time on each core: what a module's tests share is made once.
+SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(nproc) --dist loadfile
+
+.PHONY: run test test-fast test-here test-vcan test-compose test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
 	@echo "railhil run $(strip $(ARGS)): plant, controller and supervisor, three processes on a bus"
 	@$(BIN)/railhil run $(ARGS) || [ $$? -eq 1 ]
 
-# Everything: lint, all tests, and the capabilities (kernel SocketCAN, Docker) brought up where this machine permits.
+# Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
+# machine permits. The machines run beside each other, each printed whole at its end; the last line is the sum.
 test: lint $(VENV)/.installed-dev
-	$(BIN)/python -m hil_tests.everything
+	@rm -f $(COUNTS)
+	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-here
+	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" -j$$(nproc) -Otarget test-vcan test-compose
+	@$(PART) --counts $(COUNTS) --total 5
 
-# Without the virtual machine and without Docker.
+# What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
 test-fast: $(VENV)/.installed-dev
-	$(BIN)/pytest -q -m "not needs_socketcan and not needs_docker"
+	$(SIDE_BY_SIDE) -m "$(HERE) and not slow and not wall_clock"
+
+# All that needs no machine. What keeps real time runs alone, after the rest.
+test-here: $(VENV)/.installed-dev
+	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not wall_clock"
+	@$(PART) "tests in real time, alone" $(BIN)/pytest -q -m "$(HERE) and wall_clock"
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (root on Debian).
 test-vcan: $(VENV)/.installed-dev
-	$(BIN)/python -m hil_tests.everything vcan
+	@$(PART) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
 
-# docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
+# docker-compose.yml on a real engine: the host's, else a private one (root on Debian); then on a kernel with CAN.
 test-compose: $(VENV)/.installed-dev
-	$(BIN)/python -m hil_tests.everything compose
+	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
+	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose
+	@$(PART) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
+
+# The wheel, installed beside other distributions and with every Python that is there (part of test-here).
+test-wheel: $(VENV)/.installed-dev
+	$(BIN)/pytest -q hil_tests/wheel
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .

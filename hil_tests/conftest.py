@@ -69,13 +69,3 @@ def socket_folder() -> Iterator[Path]:
     """Folder with a path short enough for a Unix socket."""
     with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
         yield Path(folder)
-
-
-@pytest.fixture
-def healthy() -> Iterator[list[BenchRun]]:
-    """Append runs here: after the test every one of them must have lost, refused and reordered nothing."""
-    runs: list[BenchRun] = []
-    yield runs
-    assert runs, "the test handed in no run"
-    for run in runs:
-        assert run.refused == {}

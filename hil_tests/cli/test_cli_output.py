@@ -70,6 +70,7 @@ def strict_json(path: Path) -> Any:
     return json.loads(path.read_text(encoding="utf-8"), parse_constant=refuse)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_json_of_a_run_is_its_score_file(json_run):
     folder, document, err = json_run
@@ -134,6 +135,7 @@ def test_score_refuses_a_log_that_was_changed(json_run, tmp_path):
     assert "frames.log: sha256: found" in done.one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_plot(json_run, tmp_path):
     folder, _, _ = json_run
@@ -323,6 +325,7 @@ def interruptible() -> None:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(
     ("number", "whole_group"),

@@ -89,6 +89,7 @@ def compared(place: Path) -> Compared:
     return Compared(done, place / "whole", document)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_every_law_runs_and_stands_in_the_table(compared: Compared) -> None:
     runs = compared.document["runs"]
@@ -134,6 +135,7 @@ def test_csv_holds_the_same_figures(compared: Compared) -> None:
         assert {key: row[f"published_{key}"] for key in run["scores"]} == {k: str(v) for k, v in published.items()}
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, tmp_path: Path) -> None:
     first = (compared.folder / "report.html").read_bytes()
@@ -150,6 +152,7 @@ def test_report_again_from_the_folders_gives_the_same_bytes(compared: Compared, 
     assert full.one_line() == "railhil: /dev/full cannot be written: no space left on device"
 
 
+@pytest.mark.slow
 def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: Path) -> None:
     """Also when it comes last; what is there says so in its own words, and the folder is free for the next attempt."""
     (place / "wrong.toml").write_text('law = "twin"\n[parameters]\nsoftening_maxx = 0.8\n')
@@ -165,6 +168,7 @@ def test_a_controller_that_cannot_be_had_is_refused_before_the_first_run(place: 
         assert not (place / "refused").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two laws are enough here: the others of this distribution are hidden."""
@@ -184,6 +188,7 @@ def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pyt
     assert (place / "all" / "report.html").read_bytes() == report
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_an_interrupted_comparison_keeps_what_was_recorded(place: Path) -> None:
     folder = place / "stopped"
@@ -222,6 +227,7 @@ def test_bad_command_lines_are_one_line_and_leave_nothing(place: Path, arguments
     assert not (place / "bad").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None:
     folder = place / "early"
@@ -234,6 +240,7 @@ def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None
     assert [path.name for path in folder.iterdir()] == ["ipfc"]
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:
     arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
@@ -251,6 +258,7 @@ def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -
     assert 'class="first best"' not in page
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Compared, tmp_path: Path) -> None:
     arguments = ("--parameters", place / "tuned.toml", "--perturbed", "--seed", "1", "--no-report", "--quiet")
@@ -266,6 +274,7 @@ def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Com
     assert "score.json: " in damaged.one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: Path, tmp_path: Path) -> None:
     (place / "other.toml").write_text(QUICK_TOML.replace("benchmark_quick", "another"))
@@ -285,6 +294,7 @@ def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: P
     assert "compare.json: file: found [], allowed a JSON object" in railhil("report", tmp_path).one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     lacking = 'raise ModuleNotFoundError("No module named \'jinja2\'", name="jinja2")\n'

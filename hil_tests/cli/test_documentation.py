@@ -9,11 +9,15 @@ from functools import cache
 import pytest
 
 from hil_tests.support.paths import ROOT
+from hil_tests.support.venvs import project
 from railhil.cli import commands
 from railhil.cli import programs as outside
 from railhil.cli.completion import program_parser
 
 _PAGES = ("README.md", "CONTRIBUTING.md", *sorted(str(page.relative_to(ROOT)) for page in ROOT.glob("docs/**/*.md")))
+#: Of our own repository, and of a file in it as it is.
+_REPOSITORY = project()["urls"]["Homepage"]
+_RAW = _REPOSITORY.replace("github.com", "raw.githubusercontent.com")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
@@ -48,13 +52,28 @@ def _command_lines(text: str) -> list[tuple[str, str]]:
     return [(match[1], match[2]) for line in joined.splitlines() for match in _COMMAND.finditer(line)]
 
 
+def _in_the_tree(target: str) -> str:
+    """A link to our own repository, as in README.md, as one within the tree."""
+    found = re.fullmatch(rf"(?:{_REPOSITORY}/blob|{_RAW})/main/(.*)", target)
+    return f"/{found[1]}" if found else target
+
+
+def test_readme_has_whole_addresses():
+    """The package index shows it, and knows no neighbouring file."""
+    targets = _LINK.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+    assert len(targets) > 20
+    assert [target for target in targets if not target.startswith("https://")] == []
+    assert sum(target.startswith((_REPOSITORY, _RAW)) for target in targets) > 20
+
+
 @pytest.mark.parametrize("page", _PAGES)
 def test_links_lead_somewhere(page):
-    for target in _LINK.findall((ROOT / page).read_text(encoding="utf-8")):
+    for target in map(_in_the_tree, _LINK.findall((ROOT / page).read_text(encoding="utf-8"))):
         if target.startswith(("http://", "https://")):
             continue
         name, _, anchor = target.partition("#")
-        path = (ROOT / page).parent / name if name else ROOT / page
+        base = ROOT if name.startswith("/") else (ROOT / page).parent
+        path = base / name.removeprefix("/") if name else ROOT / page
         assert path.exists(), target
         if anchor:
             headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.M)

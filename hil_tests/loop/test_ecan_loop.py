@@ -159,9 +159,9 @@ def at_50_ms(lvshun, tmp_path_factory):
     return local_run(lvshun, tmp_path_factory.mktemp("task"), seed=1, task_period_ms=50)
 
 
-def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tmp_path, monkeypatch, healthy):
+@pytest.mark.slow
+def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tmp_path, monkeypatch):
     """Against the same node with its mailboxes taken out."""
-    healthy.append(nominal)
 
     def bare(responder, table: tuple[Mailbox, ...] | None, counter, task_period_ns: int) -> Receiver:
         return Receiver(responder, None, counter, task_period_ns)
@@ -169,9 +169,10 @@ def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tm
     monkeypatch.setattr(node_module, "Receiver", bare)
     without = local_run(lvshun, tmp_path, seed=1)
     assert "no_mailbox" not in without.counters["controller"]
-    assert without.frames_sha256 == healthy[0].frames_sha256
+    assert without.frames_sha256 == nominal.frames_sha256
 
 
+@pytest.mark.faults
 def test_task_of_50_ms_holds_now_and_then_and_still_arrives(at_50_ms):
     modes = at_50_ms.trace.raw(NotchCmd.PORT, "CtlMode").tolist()
     assert at_50_ms.ended is Event.ENDED_COMPLETE
@@ -184,6 +185,7 @@ def test_task_of_50_ms_holds_now_and_then_and_still_arrives(at_50_ms):
     assert "controller.lost_messages" in at_50_ms.refused
 
 
+@pytest.mark.faults
 def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     run = local_run(lvshun, tmp_path, seed=1, task_period_ms=400)
     modes = run.trace.raw(NotchCmd.PORT, "CtlMode").tolist()
@@ -194,6 +196,7 @@ def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel").tolist()) <= {0, 1, 2, 3}
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_processes_give_the_record_of_the_loop_without_sockets(at_50_ms, tmp_path):
     words = ("--task-period-ms", "50", "--quiet", "--no-report", "--out", tmp_path / "run")

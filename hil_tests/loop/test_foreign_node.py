@@ -62,6 +62,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 # -- the same answers ---------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> None:
     """Short runs in one process, drawn parameters; by distance as well where the law has it."""
@@ -93,6 +94,7 @@ def torn_off(at_poll: int, silent: range) -> Callable[[Frame], list[Frame]]:
     return wire
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", ["ipfc", "ipfc_plus"])
 def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, tmp_path: Path) -> None:
     """Whatever is left of the run before: a run that has ended, one that was torn off in motion, in emergency, before

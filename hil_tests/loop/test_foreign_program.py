@@ -41,6 +41,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build_node(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize(
     ("name", "law", "indexing", "arguments"),
@@ -103,6 +104,7 @@ def test_export_of_something_else_is_refused(
         assert "the nodes do not agree on what to run; railhil run says in what" in run.said
 
 
+@pytest.mark.slow
 def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, socket_folder: Path) -> None:
     """The train stops by itself, the record says so, the verdict is INVALID."""
     channel, folder = socket_folder / "hub.sock", tmp_path / "run"

@@ -17,9 +17,7 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.bus.telegrams import CtlMode, Event, NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
-from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.watch import Level
-from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
 SPEED_ID = TrnSpeed.port().address
@@ -30,28 +28,8 @@ Wire = Callable[[Frame], list[Frame]]
 
 
 @pytest.fixture(scope="module")
-def short() -> Scenario:
-    """A short run between two stations."""
-    return load("yizhuang_04_jiugong_yizhuang_qiao")
-
-
-@pytest.fixture(scope="module")
 def clean(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     return local_run(short, tmp_path_factory.mktemp("clean"))
-
-
-@pytest.fixture
-def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Level, float]]:
-    """Level of the train's own watch and traction force at every tick of every run of the test."""
-    seen: list[tuple[Level, float]] = []
-    advance = Plant.advance
-
-    def recorded(plant: Plant) -> None:
-        advance(plant)
-        seen.append((plant.watch_level, plant.traction_n))
-
-    monkeypatch.setattr(Plant, "advance", recorded)
-    return seen
 
 
 def notch_table(run: BenchRun) -> tuple[Any, Any, Any]:
@@ -95,6 +73,8 @@ def lose(count: int) -> Callable[[int, Frame], list[Frame]]:
 # -- loss -------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
+@pytest.mark.faults
 @pytest.mark.parametrize(
     ("count", "first", "worst"),
     [
@@ -143,6 +123,7 @@ def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
     assert run.trace.raw(SimTruth.PORT, "TrueSpeed")[-1] == 0
 
 
+@pytest.mark.faults
 def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list[tuple[Level, float]]) -> None:
     """The last telegram again and again: nothing of it refreshes anything."""
     held: list[Frame] = []
@@ -165,6 +146,7 @@ def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list
 # -- frames that are repeated, exchanged, damaged or not ours ---------------------------------------------------------
 
 
+@pytest.mark.faults
 def test_duplicates_change_nothing(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
     wire = SpeedFault(lambda since, frame: [frame] * (1 + since % 3), first=0)
     run = local_run(short, tmp_path, wire=wire)
@@ -172,6 +154,7 @@ def test_duplicates_change_nothing(short: Scenario, clean: BenchRun, tmp_path: P
     assert run.refused == {"controller.duplicate": wire.passed - wire.sent}
 
 
+@pytest.mark.faults
 def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     short: Scenario, clean: BenchRun, tmp_path: Path
 ) -> None:
@@ -193,6 +176,7 @@ def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     assert run.score.stop_error_m == pytest.approx(clean.score.stop_error_m, abs=0.05)
 
 
+@pytest.mark.faults
 def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
     """One to three bits in 1 % of all frames to the controller, polls excepted (without its poll nobody answers)."""
     draw = random.Random(11)
@@ -224,6 +208,7 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
     assert run.score.stop_error_m == pytest.approx(clean.score.stop_error_m, abs=0.05)
 
 
+@pytest.mark.faults
 def test_a_right_telegram_under_a_wrong_identifier_is_not_used(
     short: Scenario, clean: BenchRun, tmp_path: Path
 ) -> None:
@@ -249,6 +234,7 @@ def random_frame(draw: random.Random, ids: list[int]) -> Frame:
     return Frame(draw.choice(ids) if draw.random() < 0.7 else draw.randrange(0x800), draw.randbytes(size), flags)
 
 
+@pytest.mark.faults
 def test_a_hundred_thousand_random_frames_change_nothing(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
     """Every kind of frame on every identifier of the bench, between the right ones, except inside a telegram."""
     draw = random.Random(5)

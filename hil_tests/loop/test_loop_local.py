@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
@@ -11,22 +12,8 @@ from railhil.controller_node.node import MAILBOXES, ControllerNode, ControllerOp
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 
-#: 72 m in 24 s. The record goes on for 1 s after the stop: longer than the overtime.
-SHORT_TOML = """\
-extends = "lvshun_tieshan"
-name = "short"
-title = "72 m in 24 s"
-[target]
-nodes_s_mps2 = [[0, 0.5], [11.9, 0.5], [12.1, -0.5], [24, -0.5]]
-[plan]
-distance_m = 71.9983
-running_time_s = 24
-overtime_max_s = 0.9
-"""
 
-
-def test_nominal_run_is_healthy_and_complete(nominal, healthy):
-    healthy.append(nominal)
+def test_nominal_run_is_healthy_and_complete(nominal):
     assert nominal.ended is Event.ENDED_COMPLETE
     assert nominal.trace.count(TrnSpeed.PORT) == round(nominal.trace.times_s(TrnSpeed.PORT)[-1] * 100) + 1
     assert nominal.counters["gate"]["accepted"] == nominal.trace.count(NotchCmd.PORT)
@@ -42,6 +29,7 @@ def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     assert found.overspeed_mps == 0
 
 
+@pytest.mark.slow
 def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
@@ -52,14 +40,14 @@ def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
     assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(nominal.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
 
 
-def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path, healthy):
+def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
     fd = local_run(lvshun, tmp_path, seed=1, fd=True)
-    healthy.append(fd)
     assert fd.notches == nominal.notches
     assert fd.score == nominal.score
     assert fd.frames_sha256 != nominal.frames_sha256
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 @pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
 def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic, seed, drawn):
@@ -91,7 +79,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic,
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
     path = tmp_path / "timing.toml"
-    path.write_text(f"{SHORT_TOML}[timing]\n{timing}\n")
+    path.write_text(f"{RUN_72M_TOML}[timing]\n{timing}\n")
     scenario = load(str(path))
     through_telegrams = local_run(scenario, tmp_path, seed=1, indexing=indexing)
     direct = direct_run(scenario, seed=1, indexing=indexing)

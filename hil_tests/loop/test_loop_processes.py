@@ -16,8 +16,8 @@ import numpy as np
 import psutil
 import pytest
 
-from hil_tests.loop.test_loop_local import SHORT_TOML
 from hil_tests.support.cli import Started, railhil, wait_for
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.load import load
@@ -44,7 +44,7 @@ def hub_run(tmp_path_factory) -> Path:
 def short(tmp_path) -> Path:
     """A scenario of 24 s, 13 000 frames."""
     path = tmp_path / "short.toml"
-    path.write_text(SHORT_TOML)
+    path.write_text(RUN_72M_TOML)
     return path
 
 
@@ -89,6 +89,7 @@ def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, nominal):
     assert nominal.frames_sha256 == certificate(hub_run)["frames_sha256"]
 
 
+@pytest.mark.slow
 def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
@@ -106,6 +107,7 @@ def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
         assert hub.wait(5) == 0
 
 
+@pytest.mark.slow
 def test_score_of_the_log_is_the_live_score_to_the_last_digit(hub_run, tmp_path):
     live = json.loads((hub_run / "score.json").read_text(encoding="utf-8"))
     done = railhil("score", hub_run / "frames.log", "--json")
@@ -139,6 +141,7 @@ def test_signals_table_matches_the_log(hub_run):
     assert np.nanmax(table["notch_command"]) == pytest.approx(trace.values(NotchCmd.PORT, "NotchCmd").max())
 
 
+@pytest.mark.slow
 def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     words = certificate(hub_run)["command"].split()
     assert words[0] == "railhil"
@@ -147,6 +150,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     assert certificate(folder)["frames_sha256"] == certificate(hub_run)["frames_sha256"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "role"),
     [("railhil.plant_sim", "plant"), ("railhil.controller_node", "controller"), ("railhil.bus.hub", "hub")],
@@ -172,6 +176,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
     assert f"{role} lost at simulation time" in scored.out
 
 
+@pytest.mark.slow
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     folder = tmp_path / "run"
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
@@ -260,6 +265,7 @@ def test_realtime_pace_keeps_time(tmp_path):
     assert document["jitter"]["cycles"] > 19_000
 
 
+@pytest.mark.slow
 def test_other_tools_attach_to_the_hub(short, tmp_path, socket_folder):
     """python-can's logger, unmodified, sees what the supervisor records."""
     channel = str(socket_folder / "hub.sock")

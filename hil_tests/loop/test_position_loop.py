@@ -114,6 +114,7 @@ def test_silent_position_is_reckoned_for_a_second_and_then_braked(tmp_path: Path
     assert run.refused == {}
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize(
     ("begin_s", "fault", "cause"),
     [
@@ -137,6 +138,7 @@ def test_lost_half_a_second_before_the_stop(tmp_path: Path) -> None:
     assert run.score.stop_error_m < 0.1
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("fault", [silent(60, 60.6), changed(60, 60.8, off_mm=-20_000)], ids=["silent", "jump"])
 def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
     run = run_with(tmp_path, TrnPos, fault)
@@ -146,6 +148,7 @@ def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
     assert run.score.stop_error_m < 0.05
 
 
+@pytest.mark.faults
 def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
     run = run_with(tmp_path, TrnPos, silent(60, 65))
     times_s, modes = run.trace.times_s(NotchCmd.PORT), run.trace.raw(NotchCmd.PORT, "CtlMode")
@@ -164,6 +167,7 @@ def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
     assert set(run.trace.raw(CtlStat.PORT, "LadderLevel")[-10:]) == {3}
 
 
+@pytest.mark.slow
 def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> None:
     by_distance = run_with(tmp_path / "d", TrnPos, silent(60), controller="tdmc", indexing="distance")
     assert_braked(by_distance, 60)
@@ -175,6 +179,8 @@ def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> Non
 # -- balises ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
+@pytest.mark.faults
 def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     """9 km with few balises: there a reading wrong by 65.536 m is inside of what a worn wheel explains."""
     slope = load(ROOT / "docs/examples/desiro_slope.toml")
@@ -187,6 +193,7 @@ def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     assert run.score.stop_error_m < 0.05
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])
 def test_balise_telegrams_that_say_nothing_are_not_used(tmp_path: Path, wrong: dict[str, int]) -> None:
     """Those of the last balises, with a place that would send the train 5 m on."""

@@ -15,7 +15,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
-from hil_tests.unit.common.test_realtime import SHORT_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
 from railhil.supervisor.framelog import read_log
@@ -46,7 +46,7 @@ def scenarios(tmp_path_factory) -> Path:
     """Folder with scenarios of 8, 4 and 10 s."""
     folder = tmp_path_factory.mktemp("scenarios")
     (folder / "quick.toml").write_text(QUICK_TOML, encoding="utf-8")
-    (folder / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
+    (folder / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     (folder / "long.toml").write_text(LONG_TOML, encoding="utf-8")
     return folder
 

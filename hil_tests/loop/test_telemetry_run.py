@@ -59,6 +59,7 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
         return local_run(lvshun, folder, seed=1, controller="squared")
 
 
+@pytest.mark.faults
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
     slow = local_run(lvshun, tmp_path, seed=1, task_period_ms=50)
     for run, lost in ((nominal, False), (slow, True)):
@@ -170,6 +171,7 @@ def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Be
     assert other.sentence().endswith(", wrap, as CTL_STAT tells it")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path: Path) -> None:
     folder = tmp_path / "run"
@@ -196,6 +198,7 @@ def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path:
     assert not list(folder.glob(".part-*"))
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_attached_run_takes_the_telemetry_from_the_record(
     nominal: BenchRun, tmp_path: Path, socket_folder: Path
@@ -235,6 +238,7 @@ def test_whoever_starts_the_nodes_says_how_it_is_done_again() -> None:
     assert "board" in str(rerun_needs(foreign))
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_telemetry_survives_the_end_of_the_plant(tmp_path: Path) -> None:
     folder = tmp_path / "run"

@@ -11,7 +11,7 @@ from can.interfaces.slcan import slcanBus
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hil_tests.unit.bus.test_bus_link import frames
+from hil_tests.support.frames import frames
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
 from railhil.bus.link.slcanline import FRAME_LETTERS, from_line, to_line
 from railhil.machines.adapter.device import BIT_RATES, Build, Device

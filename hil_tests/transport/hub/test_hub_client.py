@@ -14,7 +14,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, HubProcess, running_hub
+from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.link import SendTimeout

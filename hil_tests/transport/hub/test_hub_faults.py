@@ -8,7 +8,7 @@ import socket
 
 import pytest
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
 from railhil.bus.hub.link import HubLost
 from railhil.bus.hub.wire import encode_hello, pack_frame

@@ -2,69 +2,33 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import can
 import pytest
 
 from hil_tests.support.cli import wait_for
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, HubProcess, running_hub
+from hil_tests.support.hub import (
+    PATIENCE_S,
+    PLAIN,
+    HubProcess,
+    gateway,
+    opened_port,
+    taken,
+    two_hubs_and_a_gateway,
+)
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub import backlog
 from railhil.bus.hub.client import HubBus
-from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.portspec import parse_port, parse_ports
-from railhil.bus.hub.wire import pack_frame, unpack_frames
+from railhil.bus.hub.wire import pack_frame
 from railhil.machines.adapter.terminal import Terminal
-
-PLAIN = Frame(0x123, b"plain")
-
-
-@contextlib.contextmanager
-def gateway(*ports: str, options: tuple[str, ...] = ()) -> Iterator[HubProcess]:
-    """A hub with these buses as ports."""
-    with running_hub(*(word for port in ports for word in ("--port", port)), *options) as hub:
-        yield hub
-
-
-@contextlib.contextmanager
-def two_hubs_and_a_gateway(
-    *, options: tuple[str, ...] = (), settings: str = ""
-) -> Iterator[tuple[HubProcess, HubProcess, HubProcess]]:
-    """Hub A, hub B, and the gateway between them."""
-    with (
-        running_hub() as a,
-        running_hub() as b,
-        gateway(f"railhil:{a.channel}{settings}", f"railhil:{b.channel}{settings}", options=options) as between,
-    ):
-        yield a, b, between
-
-
-def opened_port(text: str, *, lossless: bool = False) -> tuple[BusPort, list[str]]:
-    """A port in this process, and the lines that it reports."""
-    lines: list[str] = []
-    return BusPort(parse_port(text), lossless=lossless, report=lines.append), lines
-
-
-def taken(port: BusPort, enough: Callable[[list[Frame]], bool]) -> list[Frame]:
-    """Frames that the port hands to the switch, until they are enough."""
-    frames: list[Frame] = []
-
-    def look() -> bool:
-        frames.extend(frame for packet in port.receive() for frame in unpack_frames(packet))
-        return enough(frames)
-
-    wait_for(look, PATIENCE_S)
-    return frames
-
 
 # -- the command line ---------------------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ import pytest
 from can.interfaces.virtual import VirtualBus
 
 from hil_tests.support.cli import wait_for
-from hil_tests.transport.hub.test_hub_gateway import PLAIN, opened_port, taken, two_hubs_and_a_gateway
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, HubProcess, running_hub
+from hil_tests.support.hub import PATIENCE_S, PLAIN, HubProcess, opened_port, running_hub, taken, two_hubs_and_a_gateway
 from railhil.bus.frame import Frame
 from railhil.bus.hub import portspec
 from railhil.bus.hub.client import HubBus

@@ -11,11 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.loop.test_loop_local import SHORT_TOML
 from hil_tests.support.cli import TIMEOUT_S, command, railhil, wait_for
+from hil_tests.support.hub import PATIENCE_S, gateway, running_hub, two_hubs_and_a_gateway
 from hil_tests.support.published import PUBLISHED_SHA256
-from hil_tests.transport.hub.test_hub_gateway import gateway, two_hubs_and_a_gateway
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
@@ -42,7 +41,7 @@ def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterat
 def short(tmp_path: Path) -> Path:
     """A scenario of 24 s."""
     path = tmp_path / "short.toml"
-    path.write_text(SHORT_TOML)
+    path.write_text(RUN_72M_TOML)
     return path
 
 
@@ -53,6 +52,7 @@ def _recorded(scenario: str | Path, folder: Path, channel: str, *options: str) -
     return done.exit_code
 
 
+@pytest.mark.slow
 def test_the_published_run_through_the_gateway_has_the_bytes_of_every_other_transport(tmp_path: Path) -> None:
     """Plant on one bus, controller on the other, supervisor at the gateway itself."""
     with (
@@ -67,6 +67,7 @@ def test_the_published_run_through_the_gateway_has_the_bytes_of_every_other_tran
     assert sha256_of(tmp_path / "run/frames.log") == PUBLISHED_SHA256
 
 
+@pytest.mark.slow
 def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can_fd(
     tmp_path: Path, short: Path
 ) -> None:
@@ -131,6 +132,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
     assert trace.values("SIM_TRUTH", "TractionForce")[meanwhile].max() == 0, "traction is cut within 0.15 s"
 
 
+@pytest.mark.slow
 def test_when_the_controller_s_bus_dies_the_train_stops_by_itself(tmp_path: Path, short: Path) -> None:
     with (
         two_hubs_and_a_gateway(options=("--lossless",)) as (a, b, between),

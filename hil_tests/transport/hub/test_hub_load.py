@@ -9,7 +9,7 @@ import sys
 
 import pytest
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
 
 _FRAMES_PER_CLIENT = 4000

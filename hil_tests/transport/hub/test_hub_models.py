@@ -9,7 +9,7 @@ import time
 import can
 import pytest
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
+from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
 from railhil.bus.hub.bitlength import frame_bits
 from railhil.bus.hub.link import SendTimeout
@@ -62,7 +62,7 @@ def test_the_model_takes_no_more_than_its_transmit_queue_holds() -> None:
 def test_back_pressure_of_the_model_loses_nothing() -> None:
     with running_hub("--bitrate-model", "-b", "1000000", "--arbitration") as hub, hub.bus() as other:
         script = (
-            "import sys\nfrom bus.frame import Frame\nfrom bus.hub.client import HubBus\n"
+            "import sys\nfrom railhil.bus.frame import Frame\nfrom railhil.bus.hub.client import HubBus\n"
             "with HubBus(sys.argv[1]) as bus:\n"
             "    for k in range(3000):\n"
             "        bus.send_frames([Frame(0x100, k.to_bytes(2, 'big'))])\n"

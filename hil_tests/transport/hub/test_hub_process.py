@@ -2,96 +2,26 @@
 
 from __future__ import annotations
 
-import contextlib
 import select
 import signal
 import socket
 import stat
 import subprocess
 import sys
-import tempfile
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
 import can
 import pytest
 
+from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub, socket_folder
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.hub import client
 from railhil.bus.hub.address import HUB_START_S
 from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.link import HubLost
-
-#: Long enough for any machine: reaching it is a failure, not a measurement.
-PATIENCE_S = 20.0
-
-
-class HubProcess:
-    """A hub in a process of its own; its standard error goes to a file."""
-
-    def __init__(self, channel: str, *options: str) -> None:
-        self._stderr_file = tempfile.TemporaryFile("w+")  # noqa: SIM115 - closed with the process
-        command = [sys.executable, "-m", "railhil.bus.hub", "-c", channel, *options]
-        self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self._stderr_file, text=True)
-        assert self.process.stdout is not None
-        self.ready_line = self.process.stdout.readline()
-        #: The channel to connect to (TCP port 0 has become a real one).
-        self.channel = channel
-        if self.ready_line:
-            self.channel = self.ready_line.removeprefix("railhil hub ready at ").split(": ")[0]
-
-    def bus(self, **options: object) -> HubBus:
-        """A new client."""
-        return HubBus(self.channel, **options)  # type: ignore[arg-type]
-
-    def end(self, number: int | None = signal.SIGTERM) -> int:
-        """Send a signal (None: just wait) and return the exit code."""
-        if number is not None and self.process.poll() is None:
-            self.process.send_signal(number)
-        return self.process.wait(PATIENCE_S)
-
-    def stderr(self) -> str:
-        """What the hub has complained about so far."""
-        self._stderr_file.seek(0)
-        return self._stderr_file.read()
-
-    def wait_for_stderr(self, words: str) -> None:
-        """Wait until the hub has complained with these words."""
-        deadline_s = time.monotonic() + PATIENCE_S
-        while words not in self.stderr():
-            assert time.monotonic() < deadline_s, f"no {words!r} in {self.stderr()!r}"
-            time.sleep(0.01)
-
-    def close(self) -> None:
-        """End the process and the files."""
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait(PATIENCE_S)
-        assert self.process.stdout is not None
-        self.process.stdout.close()
-        self._stderr_file.close()
-
-
-@contextlib.contextmanager
-def socket_folder() -> Iterator[Path]:
-    """A folder with a short path: pytest's own can be too long for a socket."""
-    with tempfile.TemporaryDirectory(prefix="rh-") as folder:
-        yield Path(folder)
-
-
-@contextlib.contextmanager
-def running_hub(*options: str, channel: str | None = None) -> Iterator[HubProcess]:
-    """A hub that accepts clients."""
-    with socket_folder() as folder:
-        hub = HubProcess(channel or str(folder / "hub.sock"), *options)
-        try:
-            assert hub.ready_line, hub.stderr()
-            yield hub
-        finally:
-            hub.close()
 
 
 def refused(channel: str) -> str:
@@ -106,6 +36,7 @@ def refused(channel: str) -> str:
 
 _ECHO = """
 import sys
+import time
 from railhil.bus.frame import Frame
 from railhil.bus.hub.client import HubBus
 bus = HubBus(sys.argv[1], connect_timeout=20.0)

@@ -9,7 +9,7 @@ import sys
 import can
 import pytest
 
-from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub, socket_folder
+from hil_tests.support.hub import PATIENCE_S, running_hub, socket_folder
 from railhil.bus.frame import Frame
 from railhil.bus.hub.client import HubBus
 

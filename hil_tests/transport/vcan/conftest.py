@@ -1,14 +1,18 @@
-"""Fixtures of the tests on kernel SocketCAN: short runs, the bytes that they give everywhere else, and can-utils."""
+"""Fixtures of the tests on kernel SocketCAN: short runs, the bytes that they give everywhere else, can-utils,
+and the health of the bus after every test."""
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import os
 import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from hil_tests.transport.vcan.bench import disturbed
 from railhil.bench import BenchRun, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.target import Target
@@ -69,3 +73,12 @@ def folder(tmp_path: Path) -> Path:
     path = tmp_path / "run"
     path.mkdir()
     return path
+
+
+@pytest.fixture(autouse=True)
+def healthy(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[None]:
+    """After every test: no node has lost, refused or repeated anything, but for a test of such faults."""
+    yield
+    if request.node.get_closest_marker("faults") is None:
+        for file in sorted(tmp_path.rglob("*_counters.json")):
+            assert disturbed(json.loads(file.read_text())) == {}, file.name

@@ -67,6 +67,7 @@ def test_candump_sees_the_record_frame_for_frame(hop, hop_reference, folder):
     assert record_of(dump.frames()) == frames_of(folder / "frames.log")
 
 
+@pytest.mark.faults
 def test_cansend_is_heard_and_error_frames_are_no_telegrams(hop, hop_reference, folder):
     """20000100# (restarted) has the number of TIME_SYNC, 20000040# is bus-off until then."""
     sent = ["7F3#DEADBEEF", "20000004#0010000000000000", "20000040#", "20000100#"]
@@ -88,6 +89,7 @@ def test_cansend_is_heard_and_error_frames_are_no_telegrams(hop, hop_reference, 
         assert (counters["error_frames"], counters["bus_off"], counters["outages"]) == (3, 1, 1)
 
 
+@pytest.mark.faults
 def test_load_of_foreign_frames_changes_no_command(hop, hop_reference, folder):
     """Random data under foreign identifiers, and our own ones without a check sequence."""
     fixed = ("-L", "8", "-D", _NO_TELEGRAM.hex())

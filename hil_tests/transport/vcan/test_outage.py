@@ -60,6 +60,7 @@ def up_again():
     switch(up=True)
 
 
+@pytest.mark.faults
 def test_lockstep_waits_for_the_bus_and_the_record_is_the_same(hop, hop_reference, folder):
     disturb, started = down_at(3.0, 1.0)
     result, exit_codes = run_on(socketcan(), hop, folder, on_progress=disturb)
@@ -74,6 +75,7 @@ def test_lockstep_waits_for_the_bus_and_the_record_is_the_same(hop, hop_referenc
         ]
 
 
+@pytest.mark.faults
 def test_realtime_goes_on_and_says_that_the_record_has_a_hole(hop, folder):
     """With patient polls: the machine is slow."""
     disturb, started = down_at(3.0, 0.5)

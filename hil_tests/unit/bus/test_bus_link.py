@@ -10,11 +10,11 @@ from typing import Any
 import can
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from hil_tests.support.clock import SetClock
+from hil_tests.support.frames import frames
 from railhil.bus.errors import BusLost, BusUnavailable
-from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame, from_message, to_message
+from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame, from_message, to_message
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.single import SingleLink
@@ -22,18 +22,6 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import TrkInfo, TrnSpeed
 
 # -- frames and messages ----------------------------------------------------------------------------------------------
-
-
-@st.composite
-def frames(draw: st.DrawFn) -> Frame:
-    """Every kind of frame that can stand on a CAN bus."""
-    extended = draw(st.sampled_from([0, EXTENDED]))
-    can_id = draw(st.integers(0, 0x1FFFFFFF if extended else 0x7FF))
-    kind = draw(st.sampled_from([0, 0, REMOTE, ERROR, FD, FD | BRS]))
-    if kind == REMOTE:
-        return Frame(can_id, bytes(draw(st.integers(0, 8))), extended | kind)
-    length = draw(st.sampled_from([*range(9), 12, 16, 20, 24, 32, 48, 64])) if kind & FD else draw(st.integers(0, 8))
-    return Frame(can_id, draw(st.binary(min_size=length, max_size=length)), extended | kind)
 
 
 @given(frames())

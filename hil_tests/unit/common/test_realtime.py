@@ -24,23 +24,12 @@ from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.plant_sim.node import PlantNode, PlantOptions
-from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.session import Session
 
 ROOT = Path(realtime.__file__).resolve().parent.parent
 PERMITTED = permitted_priority()[0] == NODE_PRIORITY
 GET_TIMERSLACK = 30
-SHORT_TOML = """\
-extends = "lvshun_tieshan"
-name = "short"
-[target]
-nodes_s_mps2 = [[0, 0.5], [1.9, 0.5], [2.1, -0.5], [4, -0.5]]
-[plan]
-distance_m = 1.9983
-running_time_s = 4
-overtime_max_s = 1
-"""
 
 
 def slack_ns() -> int:
@@ -50,14 +39,6 @@ def slack_ns() -> int:
 def policy() -> int:
     """Of this process; the flag that stays when SCHED_FIFO was given back is of no account."""
     return os.sched_getscheduler(0) & ~os.SCHED_RESET_ON_FORK
-
-
-@pytest.fixture
-def short(tmp_path: Path) -> Scenario:
-    """2 m in 4 s."""
-    path = tmp_path / "short.toml"
-    path.write_text(SHORT_TOML, encoding="utf-8")
-    return load(str(path))
 
 
 @dataclass
@@ -294,11 +275,12 @@ def realtime_record(scenario: Scenario) -> list[str]:
     return lines
 
 
-def test_a_step_of_the_wall_clock_changes_nothing(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.wall_clock
+def test_a_step_of_the_wall_clock_changes_nothing(run_2m: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     """The wall clock jumps by two hours at each look."""
-    steady = realtime_record(short)
+    steady = realtime_record(run_2m)
     looks = itertools.count()
     monkeypatch.setattr(time, "time", lambda: 1e9 + (-1) ** next(looks) * 3600.0)
     monkeypatch.setattr(time, "time_ns", lambda: int(time.time() * 1e9))
-    assert realtime_record(short) == steady
+    assert realtime_record(run_2m) == steady
     assert len(steady) > 1500

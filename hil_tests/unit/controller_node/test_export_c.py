@@ -147,6 +147,7 @@ def programs(exported: tuple[str, Path, Bundle]) -> dict[str, Path]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_million_periods_are_equal_word_for_word(
     exported: tuple[str, Path, Bundle], programs: dict[str, Path], kind: str
@@ -182,6 +183,7 @@ def test_inputs_reach_every_output(kind: str) -> None:
     assert len(np.unique(softening)) > (100 if kind == "settled" else 0)
 
 
+@pytest.mark.slow
 def test_compiled_controller_drives_the_train_like_the_python_node(
     exported: tuple[str, Path, Bundle], tmp_path: Path
 ) -> None:
@@ -268,6 +270,7 @@ def _changed_texts(text: str) -> Iterator[tuple[str, str]]:
 _HARDLY_SEEN = ("IPFC_ONE_SPEED", "IPFC_RISE_NEVER_NARROW", "IPFC_SPEED_WIDTHS_1", "IPFC_STEP_RESPONSE", "IPFC_FREE")
 
 
+@pytest.mark.slow
 def test_comparison_notices_a_changed_law(tmp_path: Path) -> None:
     """Mutants of the C: the comparison with Python refuses each one, most of them also the log shipped with it."""
     written(SCENARIO, tmp_path)

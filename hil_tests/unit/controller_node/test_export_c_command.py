@@ -46,6 +46,7 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
         assert str(tmp_path).encode() not in data
 
 
+@pytest.mark.slow
 def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path) -> None:
     full = tmp_path / "full"
     full.mkdir()

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from hil_tests.unit.controller_node.test_ipfc_controller import SCENARIO, closed_loop
-from hil_tests.unit.controller_node.test_ipfc_vectors import BASIS, STEPS
+from hil_tests.support.closed_loop import SCENARIO, closed_loop
+from hil_tests.support.ipfc_steps import BASIS, STEPS
 from railhil.bench import local_run
 from railhil.bus.telegrams import Event
 from railhil.controller_node.arithmetic import make

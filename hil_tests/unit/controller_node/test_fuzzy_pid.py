@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hil_tests.support.exported import SANITIZED, checked, compiled, written
-from hil_tests.support.laws import bounds_hold_at_the_corners, same_for_many_and_for_one, shadowed
+from railhil.audit.shadow import compare_codes, shadow_run
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Counters
-from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import LawInputs
 from railhil.controller_node.laws.fuzzy_pid import FuzzyPid, FuzzyPidState
 from railhil.controller_node.laws.fuzzy_pid_constants import FuzzyPidParameters, rules
+from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
@@ -166,33 +165,11 @@ def test_rules_help_the_train() -> None:
     assert fuzzy.itae < 0.9 * plain.itae
 
 
-@pytest.mark.parametrize("indexing", ["time", "distance"])
-def test_fixed_point_follows_float64(indexing: str) -> None:
-    found = shadowed(SCENARIO, "fuzzy_pid", indexing)
-    assert found.notch_raw_error < 2e-4
-    assert found.codes.equal_share >= 0.99
-    assert found.codes.largest <= 1
-
-
 def test_the_stop_ahead_is_the_same_in_float64_and_fixed_point() -> None:
     """Seed 1011 is driven up to the stopping point, where float64's set-point was -5.6e-14 km/h: 85/256 notch apart."""
-    assert shadowed(perturbed(SCENARIO, 1011), "fuzzy_pid").codes.largest <= 1
-
-
-@pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
-def test_many_trains_equal_each_alone(arithmetic: str) -> None:
-    same_for_many_and_for_one(SCENARIO, "fuzzy_pid", arithmetic)
-
-
-@pytest.mark.needs_compiler
-def test_export_computes_the_same(tmp_path: Path) -> None:
-    written(SCENARIO, tmp_path, "time", "fuzzy_pid")
-    done = checked(compiled(tmp_path, "gcc", SANITIZED, "run", "fuzzy_pid"), tmp_path / "fuzzy_pid_log.txt")
-    assert done.returncode == 0, done.stdout
-
-
-def test_nothing_wraps_in_the_whole_search_space() -> None:
-    bounds_hold_at_the_corners(SCENARIO, load_law("fuzzy_pid"))
+    quantities = record(SCENARIO, "fuzzy_pid", "time").quantities
+    run = shadow_run(perturbed(SCENARIO, 1011), "fuzzy_pid", make("iq"), quantities)
+    assert compare_codes(run.audited, run.reference).largest <= 1
 
 
 def test_a_speed_that_falls_to_zero_saturates_and_does_not_wrap() -> None:

@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
+from hil_tests.support.closed_loop import SCENARIO, closed_loop, flat
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make, names
 from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.loop import ControlLoop
-from railhil.plant_sim.plant import Plant
-from railhil.scenarios.load import load
-from railhil.scenarios.perturb import perturbed
-
-SCENARIO = load("lvshun_tieshan")
-
-
-def flat(value: Any) -> list[Any]:
-    return [leaf for item in value for leaf in flat(item)] if isinstance(value, tuple | list) else [value]
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
@@ -72,27 +62,6 @@ def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     assert len(set(together.satisfaction_raw.tolist())) > 10
     assert together.satisfaction_raw.max() == 2**14
     assert together.softening_raw.min() == int(0.77 * 2**14)
-
-
-def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
-    """Run the plant with the first controller in charge; the others see the same inputs and are told what was sent."""
-    plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
-    answers: list[list[Any]] = []
-    code = 0
-    while plant.tick < ticks:
-        if plant.tick % 50 == 0:
-            k, speed, position = plant.tick // 50, plant.speed_01mmps, plant.odometer_mm * 10
-            answers.append([controller.step(k, speed, position) for controller in controllers])
-            code = answers[-1][0].notch_code
-            for controller in controllers[1:]:
-                controller.sent(code)
-        if plant.tick % 2 == 0:
-            plant.command(code, False)
-        plant.advance()
-        for event in plant.drain_events():
-            if event.kind == "stopped":
-                return plant, answers, event
-    return plant, answers, None
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable"])

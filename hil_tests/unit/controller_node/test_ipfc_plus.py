@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from benchmarks.ablation import LAW, Figures, without
-from hil_tests.support.exported import SANITIZED, checked, compiled, written
-from hil_tests.support.laws import bounds_hold_at_the_corners, same_for_many_and_for_one, shadowed
 from railhil.audit.standstill import standstill
 from railhil.batch import Case, run_batch
 from railhil.bench import BenchRun, coupled_run, direct_run
@@ -19,7 +16,6 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import BaliseReading
-from railhil.controller_node.laws.ipfc_plus import IpfcPlus
 from railhil.controller_node.laws.ipfc_plus_constants import IpfcPlusParameters, compute_constants
 from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
@@ -31,6 +27,7 @@ TABLE = compute_constants(IpfcPlusParameters(), WORN)
 # -- the bars ---------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_bars_over_200_runs(arithmetic: str) -> None:
     result = run_batch(Case(WORN, LAW, arithmetic), range(1000, 1200))
@@ -143,38 +140,14 @@ def test_arrives_in_spite_of(fault: str, seed: int, stop_error_m: float, punctua
 # -- fixed point, many trains, bad input ------------------------------------------------------------------------------
 
 
-def test_fixed_point_beside_float64() -> None:
-    run = shadowed(WORN, LAW)
-    assert run.notch_raw_error < 5e-5
-    assert run.codes.equal / run.codes.steps >= 0.99
-    assert run.codes.largest <= 1
-
-
 def test_fixed_point_and_float64_share_every_constant() -> None:
     assert all(constant.rounding_error == 0.0 for constant in TABLE.entries())
-
-
-@pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
-def test_many_trains_as_one(arithmetic: str) -> None:
-    same_for_many_and_for_one(WORN, LAW, arithmetic)
 
 
 def test_batch_with_balises_is_the_bench() -> None:
     batch = run_batch(Case(WORN, LAW, "iq"), [7])
     score = direct_run(WORN, seed=7, drawn=True, controller=LAW, arithmetic="iq").score
     assert batch.scores[0] == score
-
-
-def test_no_operation_can_wrap_in_the_search_space() -> None:
-    bounds_hold_at_the_corners(WORN, IpfcPlus, corners=8)
-
-
-@pytest.mark.needs_compiler
-def test_exported_c_computes_the_same(tmp_path: Path) -> None:
-    written(WORN, tmp_path, "time", LAW)
-    program = compiled(tmp_path, "gcc", SANITIZED, "plus_run", LAW)
-    done = checked(program, tmp_path / f"{LAW}_log.txt")
-    assert done.returncode == 0, done.stdout
 
 
 def test_a_long_run_fits_the_formats() -> None:

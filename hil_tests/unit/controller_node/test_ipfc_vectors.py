@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hil_tests.support.paths import TEST_DATA
+from hil_tests.support.ipfc_steps import BASIS, STEPS, VECTORS
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.float64 import Float64
@@ -22,10 +21,6 @@ from railhil.controller_node.laws.pfc_constants import GAIN_Q
 from railhil.scenarios.load import load as load_scenario
 
 SCENARIO = load_scenario("lvshun_tieshan")
-
-VECTORS = json.loads((TEST_DATA / "ipfc" / "ipfc_step_vectors.json").read_text())
-STEPS = {vector["name"]: vector for vector in VECTORS["ipfc_single_step"]}
-BASIS = {"step": 1, "wavelet": 2}
 
 
 class Noting(Float64):

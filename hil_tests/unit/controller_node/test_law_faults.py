@@ -204,6 +204,7 @@ def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugge
     assert (plugged / "run" / "certificate.json").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize("law", ["fussy", "missing"])
 @pytest.mark.parametrize(

@@ -173,6 +173,7 @@ def test_training_seeds_are_refused(tmp_path: Path) -> None:
     assert given.seen([7, 5, 0]) == [0, 7]
 
 
+@pytest.mark.slow
 def test_parameters_change_the_run_and_the_handshake_says_so(tmp_path: Path) -> None:
     text = TUNED.replace("softening_max = 0.8", "softening_max = 0.9").partition("fit_points")[0]
     given: ParameterSet = load_parameters(written(tmp_path, text))

@@ -85,8 +85,9 @@ def test_only_the_operating_point_of_the_file_is_loaded() -> None:
 
 def test_a_run_at_that_point_needs_no_scipy() -> None:
     code = (
-        "import sys, controller_node.command, controller_node.laws.ipfc as ipfc, controller_node.arithmetic as a;"
-        "from dataclasses import replace; from scenarios.load import load; s = load('lvshun_tieshan');"
+        "import sys, railhil.controller_node.command, railhil.controller_node.laws.ipfc as ipfc;"
+        "from dataclasses import replace; import railhil.controller_node.arithmetic as a;"
+        "from railhil.scenarios.load import load; s = load('lvshun_tieshan');"
         "ipfc.Ipfc(a.make('iq'), s); print('scipy' in sys.modules);"
         "other = replace(s, timing=replace(s.timing, control_period_ns=400_000_000));"
         "ipfc.Ipfc(a.make('iq'), other); print('scipy' in sys.modules)"

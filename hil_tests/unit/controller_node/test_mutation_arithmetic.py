@@ -6,11 +6,13 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.iq_vectors import FUNCTIONS, as_arrays, check, judge
-from hil_tests.unit.controller_node.test_arithmetic_vectors import ROWS
+from hil_tests.support.iq_vectors import FUNCTIONS, as_arrays, check, judge, read_rows
+from hil_tests.support.paths import TEST_DATA
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable
 from railhil.controller_node.arithmetic.iq.core import low32
+
+ROWS = read_rows(TEST_DATA / "iq")
 
 C28_DIV, C28_SQRT = C28.div, C28.sqrt
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hil_tests.unit.controller_node.test_ipfc_controller import SCENARIO, closed_loop, flat
+from hil_tests.support.closed_loop import SCENARIO, closed_loop, flat
 from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable

@@ -167,6 +167,7 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
     Controller(scenario, name, "float32")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.parametrize("command", [("run", "--controller", "tdmc", "--quiet", "--out", "out"), ("export-c", "tdmc")])
 def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Path) -> None:

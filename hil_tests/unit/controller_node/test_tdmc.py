@@ -9,12 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hil_tests.support.exported import SANITIZED, checked, compiled, written
-from hil_tests.support.laws import bounds_hold_at_the_corners, same_for_many_and_for_one, shadowed
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Counters
-from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws.base import NOTCH_RAW_Q, LawInputs
 from railhil.controller_node.laws.pfc_model import InternalModel
 from railhil.controller_node.laws.tdmc import Tdmc
@@ -169,30 +166,6 @@ def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexi
     assert done.score.stop_error_m < 0.5
     assert done.score.overspeed_mps == 0
     assert done.arithmetic == Counters()
-
-
-@pytest.mark.parametrize("indexing", ["time", "distance"])
-def test_fixed_point_follows_float64(indexing: str) -> None:
-    found = shadowed(SCENARIO, "tdmc", indexing)
-    assert found.notch_raw_error < 2e-4
-    assert found.codes.equal_share >= 0.99
-    assert found.codes.largest <= 1
-
-
-@pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
-def test_many_trains_equal_each_alone(arithmetic: str) -> None:
-    same_for_many_and_for_one(SCENARIO, "tdmc", arithmetic)
-
-
-@pytest.mark.needs_compiler
-def test_export_computes_the_same(tmp_path: Path) -> None:
-    written(SCENARIO, tmp_path, "time", "tdmc")
-    done = checked(compiled(tmp_path, "gcc", SANITIZED, "run", "tdmc"), tmp_path / "tdmc_log.txt")
-    assert done.returncode == 0, done.stdout
-
-
-def test_nothing_wraps_in_the_whole_search_space() -> None:
-    bounds_hold_at_the_corners(SCENARIO, load_law("tdmc"))
 
 
 def test_a_speed_that_falls_to_zero_saturates_and_does_not_wrap() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,8 +21,6 @@ from railhil.controller_node.laws.tpfc1 import TABLE as TABLE1
 from railhil.controller_node.laws.tpfc1 import Tpfc1Parameters
 from railhil.controller_node.laws.tpfc2 import TABLE as TABLE2
 from railhil.controller_node.loop import ControlLoop
-from railhil.controller_node.program.ranges import analyse_law
-from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.load import names as shipped
 from railhil.scenarios.parameters import ParameterSet
@@ -218,33 +215,3 @@ def test_a_softening_factor_beyond_its_range_is_one_line(name: str, softening: f
 def test_a_ramp_needs_two_fitting_points() -> None:
     with pytest.raises(ValueError, match="2 basis functions need as many different fitting points, there are 1"):
         load_law("tpfc1")(make("iq"), SCENARIO, Tpfc1Parameters(fit_points=(3, 3)))
-
-
-@pytest.mark.parametrize("name", ["ipfc", *LAWS])
-def test_no_operation_can_wrap_at_the_corners_of_the_search(name: str) -> None:
-    """Where the model is largest: highest gain, least damping or stiffness; any corner of the rest."""
-    tunable = load_law(name).tunable
-    model = {"model_gain_mps": (0.10,), "model_damping_per_s": (0.30, 0.60), "model_stiffness_per_s2": (0.025,)}
-    assert {key: tunable[key] for key in model} == {
-        "model_gain_mps": (0.05, 0.10),
-        "model_damping_per_s": (0.30, 0.60),
-        "model_stiffness_per_s2": (0.025, 0.05),
-    }
-    rest = {key: bounds for key, bounds in tunable.items() if key not in model}
-    corners = [dict(zip(model, corner, strict=True)) for corner in itertools.product(*model.values())]
-    others = [dict(zip(rest, corner, strict=True)) for corner in itertools.product(*rest.values())]
-    for k, other in enumerate(others):
-        parameters = given(name, **corners[k % len(corners)], **other)
-        bounds = ControlLoop(SCENARIO, name, make("float64"), "time", parameters).law.state_bounds()
-        assert not analyse_law(record(SCENARIO, name, parameters=parameters), bounds).may_wrap
-        for arithmetic in ("float32", "iq"):
-            ControlLoop(SCENARIO, name, make(arithmetic), "time", parameters)
-
-
-@pytest.mark.parametrize("name", ["ipfc", *LAWS])
-def test_published_parameters_lie_inside_the_search(name: str) -> None:
-    kind = load_law(name)
-    published = kind.parameters_type()
-    assert 4 <= len(kind.tunable) <= 10
-    for key, (low, high) in kind.tunable.items():
-        assert low <= getattr(published, key) <= high

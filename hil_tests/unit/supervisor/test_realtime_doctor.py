@@ -263,6 +263,7 @@ def test_every_finding_stands_in_text_and_json() -> None:
         assert not item["advice"] or f"-> {item['advice']}\n" in text
 
 
+@pytest.mark.slow
 def test_a_bus_that_cannot_be_opened_is_exit_code_2(tmp_path: Path) -> None:
     done = railhil("doctor", "--quick", "--json", "-i", "railhil", "-c", tmp_path / "no.sock")
     assert done.exit_code == 2

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hil_tests.support.recordings import recorded_folder
-from hil_tests.unit.common.test_realtime import SHORT_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import NotchCmd, SupCmd
@@ -214,7 +214,7 @@ def test_polls_without_an_answer_are_counted_from_the_record() -> None:
 @pytest.fixture(scope="module")
 def lockstep(tmp_path_factory) -> RecordedRun:
     folder = tmp_path_factory.mktemp("timing")
-    (folder / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
+    (folder / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     return recorded_folder(load(str(folder / "short.toml")), folder / "run")
 
 

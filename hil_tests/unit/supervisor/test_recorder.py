@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from hil_tests.unit.common.test_realtime import SHORT_TOML
+from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
@@ -191,6 +191,6 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
     )
     monkeypatch.setattr(plant_program, "open_link", lambda _config, _name: link)
     monkeypatch.setattr(plant_program, "run_plant", lambda *_: done.append("run"))
-    (tmp_path / "short.toml").write_text(SHORT_TOML, encoding="utf-8")
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML, encoding="utf-8")
     assert plant_program.main([str(tmp_path / "short.toml"), "-i", "socketcan", "-c", "can0"]) == 0
     assert done == ["run", "close", "tell"]

@@ -109,6 +109,7 @@ def words(text: str) -> str:
     return " ".join(read(text).text.split())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["single", "several"])
 def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.FixtureRequest) -> None:
     text = request.getfixturevalue(which)
@@ -132,6 +133,7 @@ def test_page_is_well_formed_and_needs_nothing_else(which: str, request: pytest.
     }
 
 
+@pytest.mark.slow
 def test_same_record_gives_the_same_bytes(lvshun: Scenario, run: RecordedRun, single: str, folders: Path) -> None:
     """Other folder, other wall time, other socket: the same page."""
     again = recorded_folder(lvshun, folders / "again", seed=3)

@@ -64,6 +64,7 @@ def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.needs_browser
 @pytest.mark.parametrize("name", ["one", "many"])
 @pytest.mark.parametrize("width_px", [1100, 560])

@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import pytest
 
-from hil_tests.unit.common.test_realtime import short
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
@@ -18,8 +17,6 @@ from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.session import Session
-
-__all__ = ["short"]
 
 PERIOD_NS = 160_000_000
 SUP_POLL = master_frame(SupCmd.port().f_code, SupCmd.port().address)
@@ -89,13 +86,13 @@ class Interrupted(LocalBus):
 
 
 @pytest.mark.parametrize("is_down", [False, True])
-def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(short: Scenario, is_down: bool) -> None:
+def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(run_2m: Scenario, is_down: bool) -> None:
     identity = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "pace": "realtime"}
-    session = Session(short, lambda line: None, seed=0, perturbed=False, **identity)
-    controller = ControllerNode(short, ControllerOptions())
+    session = Session(run_2m, lambda line: None, seed=0, perturbed=False, **identity)
+    controller = ControllerNode(run_2m, ControllerOptions())
     bus = Interrupted([controller.handle, session.handle], from_poll=10, polls=20, is_down=is_down)
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.
-    plant = PlantNode(short, PlantOptions(rate=20.0, reply_ns=2_000_000, silence_ns=0), bus)
+    plant = PlantNode(run_2m, PlantOptions(rate=20.0, reply_ns=2_000_000, silence_ns=0), bus)
     if is_down:
         assert plant.run().ends_run
         assert plant.administrator.counters["missed_polls"] >= 20

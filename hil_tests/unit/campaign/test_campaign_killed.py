@@ -27,7 +27,7 @@ from railhil.campaign.run import execute
 from railhil.campaign.work import OtherCode, Task, task_of
 from railhil.common.errors import InputError
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 #: Enough chunks that something can happen between two of them.
 RUNS = 60

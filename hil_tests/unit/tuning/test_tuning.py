@@ -75,6 +75,7 @@ def alone(scenario: Scenario, law: str, values: dict[str, float], seeds: tuple[i
     return run_batch(Case(scenario, law, parameters=ParameterSet(law, values, Path("point"))), seeds).scores
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_candidates_judged_together_are_judged_as_alone(law: str) -> None:
     """Bit for bit, and also where a parameter decides how many operations the law has."""
@@ -120,6 +121,7 @@ def test_constants_of_each_train() -> None:
         assert np.array_equal(alone_, row_at + row[2] + [curve.function(max(v, -row[1] / 3)) for v in x])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_box_of_every_law(law: str) -> None:
     """Defaults inside; corners give a law in both arithmetics, or one line why it cannot be."""
@@ -148,6 +150,7 @@ def test_box_of_every_law(law: str) -> None:
     assert len(refusals) <= len(corners) / 2
 
 
+@pytest.mark.slow
 def test_search_is_deterministic_and_never_worse(found: tuple[Protocol, Found]) -> None:
     protocol, first = found
     again = search(protocol)

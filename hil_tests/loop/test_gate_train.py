@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import pytest
 
-from hil_tests.loop.test_gate_loop import Wire, short, train
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
@@ -19,8 +18,8 @@ from railhil.plant_sim.watch import Level
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.session import Session
 
-__all__ = ["short", "train"]
 NOTCH_ID = NotchCmd.port().address
+Wire = Callable[[Frame], list[Frame]]
 
 
 def run_with_answers(scenario: Scenario, change: Wire) -> tuple[PlantNode, Event]:

@@ -1,6 +1,6 @@
 """Dense sweeps of what stands before the gates, life sign and traffic store, against the drawings of the mapping.
 
-As in :mod:`hil_tests.properties.test_gate_sweeps` each sweep takes the module to judge.
+As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module to judge.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import pytest
 from railhil.bus import lifesign, store
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import TrnSpeed
 from railhil.dbc import Port, wire_contract
 
 MS = 1_000_000
@@ -199,17 +199,3 @@ STORE_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     lifesign: (sweep_lifesign,),
     store: (sweep_store_accepts, sweep_store_assembly, sweep_store_forms, sweep_store_bits),
 }
-
-
-@pytest.mark.parametrize(
-    ("module", "sweep"),
-    [(module, sweep) for module, sweeps in STORE_SWEEPS.items() for sweep in sweeps],
-    ids=lambda item: item.__name__,
-)
-def test_sweep(module: ModuleType, sweep: Any) -> None:
-    sweep(module)
-
-
-def test_sweeps_use_every_size_of_telegram() -> None:
-    assert [port.f_code for port in PORTS] == [0, 1, 2, 3, 4]
-    assert {TrnPos.PORT, TrkInfo.PORT} <= {port.name for port in PORTS}

@@ -75,6 +75,7 @@ def same_as_the_bench(case: Case, seeds: tuple[int, ...]) -> list[Any]:
     return list(batch.scores)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("arithmetic", "indexing", "seeds"), WAYS)
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_a_batch_is_what_single_runs_are(name, arithmetic, indexing, seeds):
@@ -175,6 +176,7 @@ def test_speed_that_is_sent_less_often_than_notches_are_asked_for_is_refused():
             run()
 
 
+@pytest.mark.slow
 def test_a_damaged_cache_is_no_harm(short, tmp_path):
     """A process was killed while it wrote machine code: the next one compiles anew and says nothing."""
     here = run_batch(Case(short), [3])

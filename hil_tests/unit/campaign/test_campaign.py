@@ -49,6 +49,7 @@ def same_results(folder: Path, finished: Path) -> bool:
     )
 
 
+@pytest.mark.slow
 def test_results_are_those_of_the_bench(finished, short):
     rows = pq.read_table(finished / "results.parquet").to_pylist()
     assert [(row["law"], row["seed"]) for row in rows] == [("ipfc", seed) for seed in range(50, 74)]
@@ -182,6 +183,7 @@ def test_parameters_have_rows_of_their_own(campaign, short, tmp_path):
     assert "campaign.laws: found " in campaign("--resume", "mine").one_line()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_the_bench_verifies(campaign, finished):
     done = campaign("--verify", finished, "--runs", "1")
@@ -189,6 +191,7 @@ def test_the_bench_verifies(campaign, finished):
     assert done.out.rstrip().endswith("1 of 1 runs are the same on the bench")
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_the_bench_finds_a_forged_figure(campaign, short):
     assert campaign(short, "--runs", "1", "--out", "mine").exit_code == 0

@@ -1,16 +1,18 @@
-"""Is the safety gate tested to its last comparison? Each mutant of it must be noticed by the sweeps."""
+"""The safety gate under dense sweeps, and the sweeps themselves: each mutant of the gate must be noticed by them."""
 
 from __future__ import annotations
 
 import inspect
 from types import ModuleType
+from typing import Any
 
 import pytest
 
-from hil_tests.properties.test_gate_sweeps import SWEEPS
+from hil_tests.support.gate_sweeps import SWEEPS
 from hil_tests.support.mutation import mutants, survivors
-from hil_tests.unit.bus.test_gate_store import STORE_SWEEPS
+from hil_tests.support.store_sweeps import PORTS, STORE_SWEEPS
 from railhil.bus import lifesign, store
+from railhil.bus.telegrams import TrkInfo, TrnPos
 from railhil.controller_node import guard
 from railhil.plant_sim import gate
 
@@ -32,6 +34,20 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     gate: {},
     guard: {},
 }
+
+
+@pytest.mark.parametrize(
+    ("module", "sweep"),
+    [(module, sweep) for module, sweeps in ALL_SWEEPS.items() for sweep in sweeps],
+    ids=lambda item: item.__name__,
+)
+def test_sweep(module: ModuleType, sweep: Any) -> None:
+    sweep(module)
+
+
+def test_sweeps_use_every_size_of_telegram() -> None:
+    assert [port.f_code for port in PORTS] == [0, 1, 2, 3, 4]
+    assert {TrnPos.PORT, TrkInfo.PORT} <= {port.name for port in PORTS}
 
 
 @pytest.mark.parametrize("module", ALL_SWEEPS, ids=lambda module: module.__name__)

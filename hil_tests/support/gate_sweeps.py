@@ -9,8 +9,6 @@ import random
 from types import ModuleType
 from typing import Any
 
-import pytest
-
 from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
 from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
@@ -204,12 +202,3 @@ SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     gate: (sweep_gate,),
     guard: (sweep_guard_boundaries, sweep_guard_position, sweep_guard_random),
 }
-
-
-@pytest.mark.parametrize(
-    ("module", "sweep"),
-    [(module, sweep) for module, sweeps in SWEEPS.items() for sweep in sweeps],
-    ids=lambda item: item.__name__,
-)
-def test_sweep(module: ModuleType, sweep: Any) -> None:
-    sweep(module)

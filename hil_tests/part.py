@@ -1,0 +1,115 @@
+"""One part of ``make test``: a command whose last line is pytest's, with the tools that it needs installed before.
+
+A capability that cannot be had (a tool; a machine that ends with 77) is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it
+is a failure, so that continuous integration never skips silently.
+
+Exit code: 0 when all that could run has passed, else 1. With ``--counts FILE`` the counts go there, the exit code is 0
+and the next part is run in any case: ``--total N`` prints the sum of the N parts, and judges.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from railhil.machines import debian
+
+TOOLS = {
+    "compilers": debian.install_compilers,
+    "browser": debian.install_browser,
+    "can-utils": debian.install_can_tools,
+}
+_CLOSING_LINE = re.compile(r"\d+ (?:passed|failed|skipped|error|deselected).* in \d+\.\d+s\b")
+_COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")
+
+
+def _counted(text: str) -> Counter[str]:
+    """The counts of all closing lines in a text; an error is a failure."""
+    counts: Counter[str] = Counter()
+    for number, word in _COUNT.findall(text):
+        counts["failed" if word == "error" else word] += int(number)
+    return counts
+
+
+def _missing(what: str) -> Counter[str]:
+    print(f"MISSING CAPABILITY: {what}: its tests did NOT run on this machine", flush=True)
+    return Counter({"failed" if os.environ.get("RAILHIL_REQUIRE_ALL") else "skipped": 1})
+
+
+def _install(tools: Sequence[str]) -> Counter[str]:
+    counts: Counter[str] = Counter()
+    for tool in tools:
+        try:
+            TOOLS[tool]()
+        except (debian.CapabilityError, debian.MachineError) as error:
+            counts += _missing(f"{tool}: {error}")
+    return counts
+
+
+def _run(name: str, command: Sequence[str]) -> Counter[str]:
+    """Run the command and pass on what it prints; the counts of its closing line."""
+    closing = ""
+    running: list[subprocess.Popen[str]] = []
+
+    def end(*_: object) -> None:
+        """Machines are taken down by the command that has brought them up."""
+        for one in running:
+            one.terminate()
+        if not running:
+            sys.exit(1)
+
+    signal.signal(signal.SIGTERM, end)
+    # Ctrl-C reaches the command without our help.
+    signal.signal(signal.SIGINT, lambda *_: None)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
+        running.append(process)
+        assert process.stdout is not None
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            closing = line if _CLOSING_LINE.search(line) else closing
+    if process.returncode == debian.EXIT_NO_CAPABILITY:
+        return _missing(name)
+    counts = _counted(closing)
+    if process.returncode != 0:
+        print(f"FAILED: {name}: exit code {process.returncode}", flush=True)
+        counts["failed"] = max(1, counts["failed"])
+    return counts
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Command line; see the module's docstring."""
+    parser = argparse.ArgumentParser(prog="python -m hil_tests.part")
+    parser.add_argument("--tool", action="append", choices=TOOLS, default=[])
+    parser.add_argument("--counts", type=Path)
+    parser.add_argument("--total", type=int)
+    parser.add_argument("command", nargs=argparse.REMAINDER, metavar="NAME COMMAND")
+    options = parser.parse_args(words)
+    if options.total is not None:
+        lines = options.counts.read_text().splitlines() if options.counts.exists() else []
+        counts = _counted("\n".join(lines))
+        # One that was killed has counted nothing.
+        counts["failed"] += options.total - len(lines)
+        print("\n=== all parts ===", *lines, sep="\n", flush=True)
+    else:
+        name, *command = options.command
+        print(f"\n=== {name} ===", flush=True)
+        counts = _install(options.tool) + _run(name, command)
+    closing = ", ".join(f"{counts[word]} {word}" for word in ("passed", "failed", "skipped"))
+    if options.counts is None or options.total is not None:
+        print(closing, flush=True)
+        return 1 if counts["failed"] else 0
+    options.counts.parent.mkdir(exist_ok=True)
+    with options.counts.open("a") as file:
+        print(f"{name}: {closing}", file=file)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,173 @@
+"""What holds for every control law, as a class: a law inherits its tests by a subclass (``test_laws.py``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from hil_tests.support.exported import SANITIZED, checked, compiled, written
+from railhil.audit.shadow import compare_codes, errors, shadow_run
+from railhil.batch import Case, run_batch, trace_digest
+from railhil.bench import direct_run, local_run
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.controller import BatchController, Controller
+from railhil.controller_node.laws import load as load_law
+from railhil.controller_node.laws.base import Law
+from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.program.ranges import analyse_law
+from railhil.controller_node.program.record import record
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Perturbations, Scenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.perturb import perturbed
+
+YIZHUANG = (
+    "yizhuang_01_songjiazhuang_xiaocun",
+    "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
+    "yizhuang_11_jinghai_lu_ciqu_nan",
+)
+#: Of the perturbed runs; the train of each differs in mass, resistance, brakes, wheels, delays.
+SEEDS = range(1000, 1020)
+_WORN = "lvshun_tieshan_worn_wheels"
+
+
+class LawProperties:
+    """Whatever its scores: a law stops, keeps below the limits, wraps nowhere, and is the same law in every arithmetic,
+    on one train and on many, over the bus, coupled directly, in the batch and in C."""
+
+    #: Its registered name.
+    law: ClassVar[str]
+    #: Where its single steps are looked at.
+    scenario: ClassVar[str] = "lvshun_tieshan"
+    #: Fixed point beside float64 on equal inputs: largest error of the raw notch, in notches.
+    notch_raw_error_max: ClassVar[float] = 2e-4
+    #: And the least share of equal notch codes.
+    equal_share_min: ClassVar[float] = 0.99
+
+    def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
+        """Set-points by time and distance, for a law that has both."""
+        if "indexing" in metafunc.fixturenames:
+            metafunc.parametrize("indexing", self.kind().indexings)
+
+    @classmethod
+    def kind(cls) -> type[Law[Any, Any]]:
+        """The law's class."""
+        return load_law(cls.law)
+
+    def corners(self) -> Iterator[dict[str, float]]:
+        """Parameters at which no operation may wrap: its own, and corners of the search, drawn with a fixed seed."""
+        generator = np.random.Generator(np.random.PCG64(7))
+        yield {}
+        for _ in range(12):
+            yield {name: float(generator.choice(bounds)) for name, bounds in self.kind().tunable.items()}
+
+    # -- arithmetics --------------------------------------------------------------------------------------------------
+
+    @pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
+    def test_many_trains_equal_each_alone(self, arithmetic: str) -> None:
+        """Random and wild speeds of 4 trains, stepped together and alone, other notches sent now and then."""
+        scenario = load(self.scenario)
+        generator = np.random.Generator(np.random.PCG64(20210825))
+        batch = BatchController(scenario, 4, self.law, arithmetic)
+        alone = [Controller(scenario, self.law, arithmetic) for _ in range(4)]
+        for k in range(100, 120):
+            speed = np.array([generator.integers(0, 220_000), generator.integers(0, 1_500_000), 216_667, 216_667])
+            speed[2:] += generator.integers(-20, 21, 2)
+            position = generator.integers(0, 30_000_000, 4)
+            together = batch.step(k, speed, position)
+            singles = [c.step(k, int(v), int(x)) for c, v, x in zip(alone, speed, position, strict=True)]
+            assert [single.notch_code for single in singles] == together.notch_code.tolist()
+            assert [single.error_raw for single in singles] == together.error_raw.tolist()
+            if k % 7 == 3:
+                sent = generator.integers(-1792, 1793, 4)
+                batch.sent(sent)
+                for controller, code in zip(alone, sent, strict=True):
+                    controller.sent(int(code))
+
+    def test_fixed_point_follows_float64(self, indexing: str) -> None:
+        """It drives a nominal run in fixed point, and computes along in float64."""
+        scenario = load(self.scenario)
+        quantities = record(scenario, self.law, indexing).quantities
+        run = shadow_run(scenario, self.law, make("iq"), quantities, indexing=indexing)
+        raw = next(e for e in errors(quantities, run.audited, run.reference) if e.name == "notch_raw")
+        codes = compare_codes(run.audited, run.reference)
+        assert raw.maximum is not None
+        assert raw.maximum < self.notch_raw_error_max
+        assert codes.equal_share >= self.equal_share_min
+        assert codes.largest <= 1
+
+    def test_nothing_wraps_in_the_whole_search_space(self) -> None:
+        scenario, kind = load(self.scenario), self.kind()
+        for corner in self.corners():
+            given = ParameterSet(self.law, corner, Path("corner"))
+            law = kind(make("float64"), scenario, law_parameters(self.law, kind, given))
+            program = record(scenario, self.law, kind.indexings[0], parameters=given)
+            assert analyse_law(program, law.state_bounds()).may_wrap == [], corner
+
+    def test_own_parameters_lie_inside_the_search(self) -> None:
+        own = self.kind().parameters_type()
+        assert 4 <= len(self.kind().tunable) <= 10
+        for name, (low, high) in self.kind().tunable.items():
+            assert low <= getattr(own, name) <= high, name
+
+    @pytest.mark.needs_compiler
+    def test_exported_c_computes_the_same(self, tmp_path: Path) -> None:
+        written(load(self.scenario), tmp_path, "time", self.law)
+        done = checked(compiled(tmp_path, "gcc", SANITIZED, "run", self.law), tmp_path / f"{self.law}_log.txt")
+        assert done.returncode == 0, done.stdout
+
+    # -- what it is given ---------------------------------------------------------------------------------------------
+
+    def test_nothing_drawn_is_in_the_program(self) -> None:
+        """It knows the nominal scenario only: not the sensors and loop delay of a run, not where the balises lie,
+        nor the ranges from which all is drawn."""
+        known = load("yizhuang_04_jiugong_yizhuang_qiao")
+        drawn = perturbed(load(_WORN), 1003)
+        balises = tuple(replace(balise, true_m=balise.true_m + 7.0) for balise in known.line.balises)
+        told = replace(
+            known,
+            sensors=drawn.sensors,
+            timing=replace(known.timing, loop_delay_s=drawn.timing.loop_delay_s),
+            line=replace(known.line, balises=balises),
+            perturbations=Perturbations(),
+        )
+        assert balises
+        assert told.sensors != known.sensors
+        assert told.timing != known.timing
+        assert told.perturbations != known.perturbations
+        assert record(told, self.law, "time") == record(known, self.law, "time")
+
+    # -- on the train -------------------------------------------------------------------------------------------------
+
+    @pytest.mark.parametrize("name", YIZHUANG)
+    def test_takes_a_train_from_station_to_station(self, name: str) -> None:
+        scenario = load(name)
+        nominal = run_batch(Case(scenario, self.law, "iq", perturbed=False), [0])
+        drawn = run_batch(Case(scenario, self.law, "iq"), SEEDS)
+        for runs in (nominal, drawn):
+            assert set(runs.ended) == {"ended_complete"}
+            assert not np.isnan(runs.stop_error_m).any()
+            assert runs.overspeed_mps.max() == 0.0
+            assert not any("emergency" in text for texts in runs.failures for text in texts)
+            assert runs.wraps.max() == 0
+        # A wheel that is half a percent off puts the train that trusts it some ten metres off, not more.
+        assert drawn.stop_error_m.max() < 20.0
+        assert nominal.stop_error_m[0] < 1.5
+
+    def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path) -> None:
+        """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
+        scenario: Scenario = load(_WORN)
+        over_bus = local_run(scenario, tmp_path, seed=1003, drawn=True, controller=self.law)
+        coupled = direct_run(scenario, seed=1003, drawn=True, controller=self.law)
+        batch = run_batch(Case(scenario, self.law, "iq"), [1003])
+        assert over_bus.notches == coupled.notches
+        assert over_bus.score == coupled.score
+        assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]
+        assert batch.itae[0] == over_bus.score.itae
+        assert batch.signed_stop_error_m[0] == over_bus.score.signed_stop_error_m
+        assert over_bus.refused == {}

@@ -1,0 +1,38 @@
+"""A controller and a plant coupled by their wire integers, step by step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from railhil.controller_node.controller import Controller
+from railhil.plant_sim.plant import Plant
+from railhil.scenarios.load import load
+from railhil.scenarios.perturb import perturbed
+
+#: The published scenario.
+SCENARIO = load("lvshun_tieshan")
+
+
+def flat(value: Any) -> list[Any]:
+    return [leaf for item in value for leaf in flat(item)] if isinstance(value, tuple | list) else [value]
+
+
+def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
+    """Run the plant with the first controller in charge; the others see the same inputs and are told what was sent."""
+    plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
+    answers: list[list[Any]] = []
+    code = 0
+    while plant.tick < ticks:
+        if plant.tick % 50 == 0:
+            k, speed, position = plant.tick // 50, plant.speed_01mmps, plant.odometer_mm * 10
+            answers.append([controller.step(k, speed, position) for controller in controllers])
+            code = answers[-1][0].notch_code
+            for controller in controllers[1:]:
+                controller.sent(code)
+        if plant.tick % 2 == 0:
+            plant.command(code, False)
+        plant.advance()
+        for event in plant.drain_events():
+            if event.kind == "stopped":
+                return plant, answers, event
+    return plant, answers, None

@@ -1,0 +1,72 @@
+"""The wheel and the source archive, built once."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+from hil_tests.support.venvs import MissingCapabilityError
+
+_BACKEND = "import setuptools.build_meta as build, sys; print(getattr(build, 'build_' + sys.argv[1])(sys.argv[2]))"
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """What a release uploads; and the wheel that the source archive makes."""
+
+    wheel: Path
+    sdist: Path
+    wheel_of_sdist: Path
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.slow)
+            # Libraries for other interpreters are downloaded once.
+            item.add_marker(pytest.mark.timeout(900))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item: pytest.Item) -> Iterator[None]:
+    """Skip by capability, naming it."""
+    try:
+        return (yield)
+    except MissingCapabilityError as error:
+        pytest.skip(str(error))
+
+
+def _build(source: Path, kind: str, folder: Path) -> Path:
+    folder.mkdir(exist_ok=True)
+    done = subprocess.run(
+        [sys.executable, "-c", _BACKEND, kind, str(folder)], cwd=source, capture_output=True, text=True, timeout=300,
+        check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return folder / done.stdout.splitlines()[-1]
+
+
+@pytest.fixture(scope="session")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    """From what git would check out, as after a clone: what lies about in the work tree must not matter."""
+    folder = tmp_path_factory.mktemp("build")
+    listed = subprocess.run(
+        ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    source = folder / "source"
+    for name in listed.stdout.splitlines():
+        if (ROOT / name).exists():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(ROOT / name, source / name, follow_symlinks=False)
+    wheel, sdist = _build(source, "wheel", folder / "wheel"), _build(source, "sdist", folder / "sdist")
+    shutil.unpack_archive(sdist, folder, filter="data")
+    unpacked = folder / sdist.name.removesuffix(".tar.gz")
+    return Built(wheel, sdist, _build(unpacked, "wheel", folder / "again"))

@@ -1,0 +1,123 @@
+"""The wheel in an empty folder, beside distributions of PyPI that have the names of our folders."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from importlib.metadata import PathDistribution
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.paths import ROOT
+from hil_tests.support.venvs import RUNNING, Environment, base_python, downloaded, libraries_of, project
+from hil_tests.wheel.conftest import Built
+from railhil.bench import BenchRun
+
+#: Of our top folders, supervisor, scenarios and dbc are names of other people's distributions.
+NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
+#: What a checkout has at its top and nobody may get by installing the bench.
+OURS_ALONE = ("bus", "common", "plant_sim", "controller_node", "hil_tests", "benchmarks", "docker", "docs")
+SUBCOMMANDS = ("run", "score", "report", "compare", "campaign", "tune", "audit", "doctor", "export-c", "node plant",
+               "node controller", "bus hub")  # fmt: skip
+
+
+def content(wheel: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(wheel) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+@pytest.fixture(scope="module")
+def installed(built: Built, tmp_path_factory: pytest.TempPathFactory) -> Environment:
+    """The wheel and its neighbours; the libraries are those of the running environment."""
+    folder = tmp_path_factory.mktemp("beside")
+    libraries = libraries_of(base_python(), RUNNING)
+    return Environment.make(folder, base_python(), libraries, built.wheel, *downloaded(*NEIGHBOURS))
+
+
+@pytest.fixture(scope="module")
+def run_folder(installed: Environment) -> Path:
+    """The nominal run of the installed command."""
+    installed.run("railhil", "run", "--seed", "1", "--out", "nominal", exit_code=1)
+    return installed.folder / "nominal"
+
+
+def test_wheel_holds_one_package_and_no_tests(built: Built) -> None:
+    names = content(built.wheel)
+    assert {name.split("/")[0] for name in names} == {"railhil", f"railhil-{project()['version']}.dist-info"}
+    assert {"railhil/py.typed", "railhil/bus/store.py", "railhil/dbc/railhil.dbc"} <= names.keys()
+    assert not [name for name in names if "test" in name.lower() or "__pycache__" in name or "benchmark" in name]
+
+
+def test_wheel_holds_every_tracked_file_of_the_package(built: Built) -> None:
+    """Data files too: a pattern that is missing in pyproject.toml is seen by nobody who works in a checkout."""
+    folders = ("bus", "common", "controller_node", "dbc", "plant_sim", "scenarios")
+    ours = [path for folder in folders for path in (ROOT / folder).rglob("*")]
+    ours += [path for path in (ROOT / "railhil").rglob("*") if not path.is_symlink()]
+    wanted = {
+        str(path.relative_to(ROOT / "railhil" if path.is_relative_to(ROOT / "railhil") else ROOT))
+        for path in ours
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    found = {name.removeprefix("railhil/") for name in content(built.wheel) if name.startswith("railhil/")}
+    assert found == wanted
+
+
+def test_source_archive_makes_the_same_wheel(built: Built) -> None:
+    assert content(built.wheel_of_sdist) == content(built.wheel)
+
+
+def test_page_on_the_package_index(installed: Environment) -> None:
+    (folder,) = installed.site_packages.glob("railhil-*.dist-info")
+    metadata = PathDistribution(folder).metadata
+    assert metadata["Author"]
+    assert {line.split(", ")[0] for line in metadata.get_all("Project-URL")} >= {"Homepage", "Changelog", "Issues"}
+    versions = {line.rsplit(" ", 1)[1] for line in metadata.get_all("Classifier") if "Python :: 3." in line}
+    assert versions == {"3.11", "3.12", "3.13"}
+    description = metadata.get_payload()
+    assert "](docs/" not in description
+    assert "](CONTRIBUTING" not in description
+
+
+def test_nothing_but_railhil_is_importable(installed: Environment) -> None:
+    look = "import importlib.util as u, sys; print(*(n for n in sys.argv[1:] if u.find_spec(n)))"
+    assert installed.run("python", "-c", look, *OURS_ALONE).split() == []
+    names = ("supervisor", "scenarios", "dbc", "railhil")
+    where = "import importlib, sys; print(*(importlib.import_module(name).__file__ for name in sys.argv[1:]))"
+    files = installed.run("python", "-c", where, *names).split()
+    assert [Path(file).parent for file in files] == [installed.site_packages / name for name in names]
+
+
+def test_neighbours_still_work(installed: Environment) -> None:
+    assert installed.run("supervisord", "--version").strip() == "4.3.0"
+    assert "[supervisord]" in installed.run("echo_supervisord_conf")
+
+
+def test_run_gives_the_bytes_of_the_checkout(run_folder: Path, nominal: BenchRun) -> None:
+    certificate = json.loads((run_folder / "certificate.json").read_text())
+    assert certificate["frames_sha256"] == nominal.frames_sha256
+
+
+def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: BenchRun) -> None:
+    document = json.loads(installed.run("railhil", "score", run_folder / "frames.log", "--json", exit_code=1))
+    assert document["scores"]["itae"] == nominal.score.itae
+
+
+def test_campaign_of_a_few_runs(installed: Environment) -> None:
+    said = installed.run("railhil", "campaign", "--runs", "4", "--laws", "ipfc", "--out", "campaign")
+    assert "ipfc" in said
+    assert (installed.folder / "campaign" / "campaign.json").is_file()
+
+
+@pytest.mark.parametrize("command", SUBCOMMANDS)
+def test_every_command_is_there(installed: Environment, command: str) -> None:
+    assert f"railhil {command}" in installed.run("railhil", *command.split(), "--help")
+
+
+def test_python_can_finds_the_hub(installed: Environment) -> None:
+    look = "import can.interfaces; print(can.interfaces.BACKENDS['railhil'])"
+    assert "railhil.bus.hub.client" in installed.run("python", "-c", look)
+
+
+def test_types_are_seen(installed: Environment) -> None:
+    assert (installed.site_packages / "railhil" / "py.typed").is_file()
