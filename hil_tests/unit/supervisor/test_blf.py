@@ -9,10 +9,10 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.recordings import recorded_folder
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
-from railhil.cli.record import checked_record
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
 from railhil.supervisor.framelog import log_line, log_sha256, read_log, sha256_of, write_blf
+from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import score
 
 FRAMES = [
