@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import json
 import os
-import shutil
 import signal
 import socket
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from hil_tests.support.cli import Done, Started, railhil, wait_for
-from hil_tests.support.paths import ROOT
-from railhil import cli
+from hil_tests.support.cli import Done, Started, complaint, railhil, wait_for
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
@@ -36,31 +33,6 @@ from railhil.supervisor.run import Run
 from railhil.supervisor.session import Session
 
 Railhil = Callable[..., Done]
-DBC = ROOT / "dbc" / "railhil.dbc"
-
-
-@pytest.fixture
-def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
-    """The command in this process, in an empty folder: as in a process of its own, but faster."""
-    monkeypatch.chdir(tmp_path)
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
-
-    def call(*arguments: str | Path) -> Done:
-        try:
-            code = cli.main([str(word) for word in arguments])
-        except SystemExit as end:
-            code = int(end.code or 0)
-        said = capsys.readouterr()
-        return Done(code, said.out, said.err)
-
-    yield call
-    for number, handler in handlers.items():
-        signal.signal(number, handler)
-
-
-def complaint(done: Done, exit_code: int = 2) -> str:
-    assert done.exit_code == exit_code, done.err
-    return done.one_line()
 
 
 def ident_frames(**changes: int) -> list[Frame]:
@@ -380,40 +352,3 @@ def test_score_of_a_killed_run_says_what_killed_it(here, tmp_path, named):
         (tmp_path / "certificate.json").write_text(json.dumps({**known, "line": line}))
         done = here("score", tmp_path, *named)
         assert (done.exit_code, done.out) == (3, f"INVALID: run record_incomplete{shown}")
-
-
-# -- the DBC ----------------------------------------------------------------------------------------------------------
-
-
-def test_dbc_files(here):
-    right = DBC.read_text()
-    assert here("ports", "--dbc", DBC).exit_code == 0
-    moved = "SG_ SpeedLife : 27|4@0+", "SG_ SpeedLife : 26|3@0+"
-    unit = '(0.0001,0) [-838.86080000000004|838.86070000000007] "m/s"', '(0.0001,0) [-838|838] "km/h"'
-    for change in (moved, unit):
-        assert change[0] in right
-    for text, words in (
-        ("no dbc", "file: found no DBC that can be read"),
-        ("", "file: found no DBC that can be read"),
-        ('VERSION ""\nBS_:\nBU_: A\nBO_ 256 Foo: 8 A\n SG_ x : 0|8@1+ (1,0) [0|0] "" A\n', "found no such message"),
-        (right.replace(*moved), "message TRN_SPEED (0x118): signal SpeedLife: start bit: found 26, allowed 27"),
-        (right.replace(*unit), "signal TrainSpeed: unit: found 'km/h', allowed 'm/s'"),
-        (right.replace("SpeedLife", "Speedlife"), "signal SpeedLife: found no such signal"),
-    ):
-        Path("my.dbc").write_text(text)
-        for command in ("ports", "run"):
-            line = complaint(here(command, "--dbc", "my.dbc"))
-            assert line.startswith("railhil: my.dbc: ")
-            assert words in line
-    assert "is a directory" in complaint(here("ports", "--dbc", "."))
-    assert not Path("runs").exists()
-
-
-def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
-    shutil.copytree(ROOT / "railhil", tmp_path / "railhil", ignore=shutil.ignore_patterns("__pycache__"))
-    path = tmp_path / "railhil" / "dbc" / "railhil.dbc"
-    path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
-    for name in (["run"], ["scenarios"], ["node", "plant"]):
-        done = railhil(*name, cwd=tmp_path)
-        assert "railhil.dbc: sha256: found " in complaint(done)
-    assert not (tmp_path / "runs").exists()

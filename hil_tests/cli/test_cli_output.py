@@ -5,13 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
-import pty
-import re
-import shlex
-import signal
 import subprocess
-import sys
-import xml.etree.ElementTree as ET
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -20,25 +14,16 @@ from typing import Any
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.support.cli import Done, command, railhil, wait_for
+from hil_tests.support.cli import command, railhil
 from railhil.audit import __main__ as audit
-from railhil.bus.ident import Role, make_ident
-from railhil.bus.mvb import TelegramSource
-from railhil.bus.select import BusChoice
-from railhil.bus.telegrams import SimTruth
 from railhil.campaign import command as campaign
 from railhil.cli.commands import parser
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.output import Output
 from railhil.common.plain_text import plain
-from railhil.dbc import wire_contract
 from railhil.scenarios.load import load, short_names
-from railhil.supervisor.folder import RecordFailed, write_folder
-from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
-from railhil.supervisor.options import RunOptions
-from railhil.supervisor.run import Run
+from railhil.supervisor.framelog import sha256_of
 from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Trace
 from railhil.tuning import command as tune
 
 _SCORE = Score("FAIL", 50652.7, 107441.0, 12.0718, 10.1449, 31.143, -12.0718, 10.1449, 0.0, ("late",), "complete")
@@ -315,172 +300,6 @@ def test_help_names_the_exit_codes(arguments):
     assert done.exit_code == 0
     for words in ("1    FAIL", "2    usage or bad input", "3    INVALID", "4    TOOL ERROR", "130  stopped by Ctrl-C"):
         assert words in done.out
-
-
-# -- a run that does not come to its end ------------------------------------------------------------------------------
-
-
-def interruptible() -> None:
-    """A job that was started in the background ignores Ctrl-C, and so would what it starts."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@pytest.mark.slow
-@pytest.mark.loop
-@pytest.mark.parametrize(
-    ("number", "whole_group"),
-    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True), (signal.SIGHUP, False)],
-)
-def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number, whole_group):
-    """Ctrl-C and a terminal that is gone reach every process of it at once, SIGTERM only the one it is sent to."""
-    sockets = tmp_path / "sockets"
-    sockets.mkdir()
-    monkeypatch.setenv("TMPDIR", str(sockets))
-    folder = tmp_path / "run"
-    process = subprocess.Popen(
-        command("run", "--pace", "realtime", "--rate", "20", "--out", folder),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=interruptible,
-    )
-    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
-    (os.killpg if whole_group else os.kill)(process.pid, number)
-    out, err = process.communicate(timeout=20)
-    assert (process.returncode, err) == (128 + number, "")
-    assert f"INVALID: stopped by {number.name} at simulation time " in out
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)
-    score, certificate = (json.loads((folder / name).read_text()) for name in ("score.json", "certificate.json"))
-    assert score["verdict"] == certificate["verdict"] == "INVALID"
-    assert set(score["scores"].values()) == {None}
-    assert set(score["signed"]) == {"time_error_s", "stop_error_m"}
-    suite = ET.parse(folder / "junit.xml").getroot()
-    assert "stopped by" in suite.find("testcase/error").get("message")
-    assert (suite.get("failures"), suite.get("errors"), suite.find(".//failure")) == ("0", "1", None)
-    properties = {found.get("name"): found.get("value") for found in suite.findall("properties/property")}
-    assert (properties["verdict"], properties["frames_sha256"]) == ("INVALID", certificate["frames_sha256"])
-    assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
-    assert not list(sockets.iterdir())
-    assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]
-    assert railhil("score", folder).exit_code == 3
-
-
-#: Sends Ctrl-C twice from within the writing of the results.
-INTERRUPTED = """
-import os, signal, sys
-import railhil.supervisor.folder
-from railhil.cli import main
-written = railhil.supervisor.folder.write_blf
-def interrupted(log, out):
-    os.kill(os.getpid(), signal.SIGINT)
-    written(log, out)
-    os.kill(os.getpid(), signal.SIGINT)
-railhil.supervisor.folder.write_blf = interrupted
-sys.exit(main())
-"""
-
-
-@pytest.mark.loop
-def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
-    (tmp_path / "short.toml").write_text(QUICK_TOML)
-    done = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED, "run", "short.toml", "--no-report", "--out", "run"],
-        capture_output=True, text=True, timeout=60, check=False, cwd=tmp_path,
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (130, "")
-    assert {path.name for path in (tmp_path / "run").iterdir()} == {
-        "frames.log", "frames.blf", "signals.csv", "score.json", "junit.xml", "certificate.json",
-        "telemetry.json", "hub.txt", "plant.txt", "controller.txt",
-    }  # fmt: skip
-    assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
-
-
-@pytest.mark.loop
-def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
-    """The progress bar and the verdict find no terminal any more."""
-    folder = tmp_path / "run"
-    child, terminal = pty.fork()
-    if child == 0:
-        os.execv(sys.executable, command("run", "--pace", "realtime", "--rate", "20", "--out", folder))
-    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
-    os.close(terminal)
-    _, status = os.waitpid(child, 0)
-    assert os.waitstatus_to_exitcode(status) == 129
-    assert "stopped by SIGHUP" in json.loads((folder / "certificate.json").read_text())["line"]
-
-
-def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:
-    """A command with so much room in a folder: on a disk of its own where a user may mount one, else by a limit on the
-    size of each file. What the folder holds is copied into ``kept`` beside it."""
-    disk.mkdir()
-    keep = f"cp -r {shlex.quote(str(disk))} {shlex.quote(str(disk.with_name('kept')))}"
-    mounted = ["unshare", "--mount", "bash", "-c"]
-    kept = f"code=$?; {keep}; exit $code"
-    tmpfs = f"mount -t tmpfs -o size={size_kib}k none {shlex.quote(str(disk))}"
-    if subprocess.run([*mounted, tmpfs], capture_output=True, check=False).returncode == 0:
-        done = subprocess.run(
-            [*mounted, f"{tmpfs}; {shlex.join(map(str, words))}; {kept}"],
-            capture_output=True,
-            text=True,
-            timeout=90,
-            check=False,
-        )
-    else:
-        limited = f"(ulimit -f {size_kib}; {shlex.join(map(str, words))}); {kept}"
-        done = subprocess.run(["bash", "-c", limited], capture_output=True, text=True, timeout=90, check=False)
-    return Done(done.returncode, done.stdout, done.stderr)
-
-
-@pytest.mark.loop
-def test_disk_that_is_full_in_the_run(tmp_path):
-    """The log is kept up to its last whole line, and nothing looks like a result."""
-    folder = tmp_path / "disk" / "run"
-    done = on_small_disk(tmp_path / "disk", 512, *command("run", "--out", folder))
-    line = done.one_line()
-    assert done.exit_code == 4
-    assert line.startswith(f"railhil: run folder {folder} cannot be written: ")
-    assert re.search(r": (file too large|no space left on device); frames.log is kept as far as it got$", line)
-    kept = tmp_path / "kept" / "run"
-    assert len(list(read_log(kept / "frames.log"))) > 1000
-    assert {path.suffix for path in kept.iterdir()} <= {".log", ".txt", ".json"}
-    assert not {"certificate.json", "score.json"} & {path.name for path in kept.iterdir()}
-
-
-@pytest.mark.parametrize("size_kib", [4, 100])
-def test_disk_without_room_for_a_run(tmp_path, size_kib):
-    folder = tmp_path / "disk" / "run"
-    done = on_small_disk(tmp_path / "disk", size_kib, *command("run", "--out", folder))
-    assert done.exit_code == 4
-    said = rf"railhil: {folder} cannot be written: (file too large|no space left on device)"
-    assert re.fullmatch(said, done.one_line())
-    assert not list((tmp_path / "kept").iterdir())
-
-
-def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
-    choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
-    run = Run(lvshun, RunOptions("lvshun_tieshan"), choice, tmp_path)
-    log = FrameLog(tmp_path)
-    ident = make_ident(Role.PLANT, lvshun.sha256)
-    for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
-        log.write(log_line(0, frame))
-    result = run._result(0, log.close(), {}, "a reason", False)
-    trace = Trace()
-    trace.add(SimTruth.PORT, 0, SimTruth().encode())
-    write_folder(tmp_path, lvshun, run.options, result, trace, [])
-    kept = sorted(path.name for path in tmp_path.iterdir())
-    assert kept == ["certificate.json", "frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    (tmp_path / "telemetry.json").touch()
-    monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
-    with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
-        write_folder(tmp_path, lvshun, run.options, result, trace, [])
-    assert caught.value.exit_code == 4
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]
 
 
 def test_every_command_with_a_result_has_the_same_json_option():

@@ -20,6 +20,8 @@ from railhil.supervisor.framelog import read_log
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.trace import Trace, trace_of
 
+pytestmark = pytest.mark.faults
+
 Record = list[tuple[int, Frame]]
 
 BLOCKS_AND_TRAILER = RunEvent.port().can_ids

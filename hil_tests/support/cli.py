@@ -57,6 +57,12 @@ def railhil(*arguments: str | Path, cwd: Path | None = None, text: str | None = 
     return Done(done.returncode, done.stdout, done.stderr)
 
 
+def complaint(done: Done, exit_code: int = 2) -> str:
+    """The one line with which a command refused its input."""
+    assert done.exit_code == exit_code, done.err
+    return done.one_line()
+
+
 class Started:
     """A command that goes on while the test does something to it."""
 

@@ -21,16 +21,7 @@ _BROKEN = 5
 def rerun_words(plan: Plan, entry: Entry, seed: int) -> list[str]:
     """Arguments of ``railhil`` that make one run of a campaign on the full bench."""
     request = plan.request
-    words = [
-        "run",
-        request.scenario,
-        *set_words(request.settings),
-        "--perturbed",
-        "--seed",
-        str(seed),
-        "--controller",
-        entry.law,
-    ]
+    words = ["run", request.scenario, *set_words(request.settings), "--perturbed", "--seed", str(seed)]
     words += ["--controller", entry.law, "--arithmetic", request.arithmetic, "--indexing", request.indexing]
     return words + ([] if entry.parameters is None else ["--parameters", str(entry.parameters.source)])
 

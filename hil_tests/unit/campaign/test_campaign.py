@@ -14,6 +14,7 @@ from hil_tests.support.cli import railhil
 from railhil.batch.perturbed_runs import SCORES
 from railhil.bench import direct_run
 from railhil.campaign.plan import bench_sha256
+from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
 
 #: Of every campaign here that is to give the same results.
@@ -62,7 +63,7 @@ def test_results_are_those_of_the_bench(finished, short):
 def test_manifest_and_summary(finished, short):
     manifest = json.loads((finished / "campaign.json").read_text())
     scenario = load(short)
-    assert manifest["campaign"]["scenario_sha256"] == scenario.sha256
+    assert manifest["campaign"]["scenario_sha256"] == judged_sha256(scenario)
     assert manifest["scenario"]["plan"]["distance_m"] == scenario.plan.distance_m
     assert (manifest["campaign"]["runs"], manifest["campaign"]["first_seed"]) == (24, 50)
     summary = json.loads((finished / "summary.json").read_text())

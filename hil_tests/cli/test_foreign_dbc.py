@@ -1,0 +1,45 @@
+"""A DBC that is not that of the port table, of a user's or of the installation."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+from hil_tests.support.cli import complaint, railhil
+from hil_tests.support.paths import ROOT
+
+DBC = ROOT / "dbc" / "railhil.dbc"
+
+
+def test_dbc_files(here):
+    right = DBC.read_text()
+    assert here("ports", "--dbc", DBC).exit_code == 0
+    moved = "SG_ SpeedLife : 27|4@0+", "SG_ SpeedLife : 26|3@0+"
+    unit = '(0.0001,0) [-838.86080000000004|838.86070000000007] "m/s"', '(0.0001,0) [-838|838] "km/h"'
+    for change in (moved, unit):
+        assert change[0] in right
+    for text, words in (
+        ("no dbc", "file: found no DBC that can be read"),
+        ("", "file: found no DBC that can be read"),
+        ('VERSION ""\nBS_:\nBU_: A\nBO_ 256 Foo: 8 A\n SG_ x : 0|8@1+ (1,0) [0|0] "" A\n', "found no such message"),
+        (right.replace(*moved), "message TRN_SPEED (0x118): signal SpeedLife: start bit: found 26, allowed 27"),
+        (right.replace(*unit), "signal TrainSpeed: unit: found 'km/h', allowed 'm/s'"),
+        (right.replace("SpeedLife", "Speedlife"), "signal SpeedLife: found no such signal"),
+    ):
+        Path("my.dbc").write_text(text)
+        for command in ("ports", "run"):
+            line = complaint(here(command, "--dbc", "my.dbc"))
+            assert line.startswith("railhil: my.dbc: ")
+            assert words in line
+    assert "is a directory" in complaint(here("ports", "--dbc", "."))
+    assert not Path("runs").exists()
+
+
+def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
+    shutil.copytree(ROOT / "railhil", tmp_path / "railhil", ignore=shutil.ignore_patterns("__pycache__"))
+    path = tmp_path / "railhil" / "dbc" / "railhil.dbc"
+    path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
+    for name in (["run"], ["scenarios"], ["node", "plant"]):
+        done = railhil(*name, cwd=tmp_path)
+        assert "railhil.dbc: sha256: found " in complaint(done)
+    assert not (tmp_path / "runs").exists()
