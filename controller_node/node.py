@@ -35,17 +35,17 @@ from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, ma
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
 from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 
 _MODES = {
-    Level.NORMAL: CtlMode.RUNNING,
-    Level.HOLD: CtlMode.HOLD,
-    Level.TRACTION_CUT: CtlMode.TRACTION_CUT,
-    Level.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
-    Level.EMERGENCY: CtlMode.EMERGENCY,
+    SpeedWatchLevel.NORMAL: CtlMode.RUNNING,
+    SpeedWatchLevel.HOLD: CtlMode.HOLD,
+    SpeedWatchLevel.TRACTION_CUT: CtlMode.TRACTION_CUT,
+    SpeedWatchLevel.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
+    SpeedWatchLevel.EMERGENCY: CtlMode.EMERGENCY,
 }
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
