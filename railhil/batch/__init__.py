@@ -19,7 +19,7 @@ from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 
 if TYPE_CHECKING:
-    from railhil.batch.engine import Chunk
+    from railhil.batch.engine import BatchRuns
 
 __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", "trace_digest"]
 
@@ -66,7 +66,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
     return _result(case, seeds, chunks, keep_notches)
 
 
-def _result(case: Case, seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> BatchResult:
+def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> BatchResult:
     scores = [score for chunk in chunks for score in chunk.scores]
     codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
     counts = {

@@ -20,7 +20,7 @@ from railhil.scenarios.model import Scenario
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
-    Timing,
+    RunTiming,
     arrivals_of,
     kept_pace,
     lockstep_timing,
@@ -295,7 +295,7 @@ class Run:
             timing=timing,
         )
 
-    def _timing(self) -> Timing:
+    def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""
         session, options = self.session, self.options
         if options.pace == "lockstep":

@@ -20,7 +20,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.bus.telegrams import TrnSpeed
 from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.plant_sim.node import PlantNode, PlantOptions
 
 _TICK_NS = 10_000_000
@@ -262,9 +262,9 @@ def test_error_frames_in_words():
 
 def clock_at(tick: int, rate_10th: int) -> BusClock:
     clock = BusClock(_TICK_NS)
-    clock.feed(speeds(tick % 16)[0])
+    clock.feed(speeds(tick % 16)[0].data)
     clock.synchronise(to_time_sync(tick, _TICK_NS, rate_10th=rate_10th))
-    clock.feed(speeds((tick + 1) % 16)[0])
+    clock.feed(speeds((tick + 1) % 16)[0].data)
     return clock
 
 
@@ -276,7 +276,7 @@ def test_after_an_outage_the_clock_is_right_at_once(ticks_out, error_ticks):
     before = clock.tick
     clock.silence((ticks_out + error_ticks) * _TICK_NS)
     for later in range(ticks_out, ticks_out + 20):
-        clock.feed(speeds((before + later) % 16)[0])
+        clock.feed(speeds((before + later) % 16)[0].data)
     assert clock.tick == before + ticks_out + 19
 
 
@@ -307,7 +307,12 @@ def test_an_outage_beyond_the_ends_of_the_telegram_is_reckoned_by_the_end(rate, 
 
 @pytest.mark.parametrize(
     ("out_s", "level"),
-    [(0.03, Level.HOLD), (0.1, Level.TRACTION_CUT), (0.5, Level.SERVICE_BRAKE), (2.0, Level.EMERGENCY)],
+    [
+        (0.03, SpeedWatchLevel.HOLD),
+        (0.1, SpeedWatchLevel.TRACTION_CUT),
+        (0.5, SpeedWatchLevel.SERVICE_BRAKE),
+        (2.0, SpeedWatchLevel.EMERGENCY),
+    ],
 )
 def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, level):
     node = ControllerNode(lvshun, ControllerOptions())
@@ -316,7 +321,7 @@ def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, le
     node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=10))
     for frame in telegrams[1:]:
         node.handle(frame)
-    assert node.guard.level is Level.NORMAL
+    assert node.guard.level is SpeedWatchLevel.NORMAL
     node.was_out(round(out_s * 1e9))
     assert node.guard.level is level
 
