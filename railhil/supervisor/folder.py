@@ -8,6 +8,7 @@ import shlex
 import tempfile
 import time
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
+from railhil.supervisor.notes import ToldNote, note_values, notes_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
@@ -36,7 +38,7 @@ from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
-#: Columns of ``signals.csv``: header and the signal behind it.
+#: Columns of ``signals.csv``: header and the signal behind it; then come the law's notes and the ladder.
 _COLUMNS = (
     ("true_position_m", SimTruth.PORT, "TruePos"),
     ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
@@ -48,10 +50,6 @@ _COLUMNS = (
     ("odometer_m", TrnPos.PORT, "TrainPos"),
     ("notch_command", NotchCmd.PORT, "NotchCmd"),
     ("controller_mode", NotchCmd.PORT, "CtlMode"),
-    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
-    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
-    ("satisfaction", CtlStat.PORT, "Satisfaction"),
-    ("ladder_level", CtlStat.PORT, "LadderLevel"),
 )
 
 
@@ -202,6 +200,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "arithmetic": options.arithmetic,
         "parameters": None if options.parameters is None else options.parameters.as_json(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
+        # What the law has told of itself in CTL_STAT; None: the controller has not said.
+        "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
@@ -222,6 +222,10 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         # Limits of the watches above the usual ones; empty: none.
         "watch_weakened": scenario.watch.weakened,
     }
+
+
+def _notes(result: RunResult) -> list[dict[str, Any]] | None:
+    return None if result.origin is None else [note.as_json() for note in result.origin.notes]
 
 
 def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
@@ -274,23 +278,28 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values."""
+def signal_table(trace: Trace, notes: Sequence[ToldNote]) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values.
+
+    :param notes: what the law has told of itself, a column each.
+    """
     time_s = trace.times_s(SimTruth.PORT)
+    found = [(header, port, trace.values(port, signal)) for header, port, signal in _COLUMNS]
+    found += [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes]
+    found.append(("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel")))
     columns = [time_s]
-    for _, port, signal in _COLUMNS:
+    for _, port, values in found:
         if port == SimTruth.PORT:
-            columns.append(trace.values(port, signal))
+            columns.append(values)
             continue
         at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
-        values = np.append(trace.values(port, signal), np.nan)
-        columns.append(np.where(at >= 0, values[at], np.nan))
-    return ["time_s", *(header for header, _, _ in _COLUMNS)], np.column_stack(columns)
+        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
+    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
-def write_signals(trace: Trace, path: Path) -> None:
+def write_signals(trace: Trace, path: Path, notes: Sequence[ToldNote]) -> None:
     """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
-    header, rows = signal_table(trace)
+    header, rows = signal_table(trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
@@ -305,7 +314,7 @@ def write_folder(
     try:
         if trace.count(SimTruth.PORT):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(trace, draft)
+                write_signals(trace, draft, notes_of(trace, _notes(result)))
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))
