@@ -5,9 +5,10 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 from typing import Any
 
-from railhil.common.errors import InputError, did_you_mean
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws.base import Law
+from railhil.controller_node.laws.note import slots
 
 GROUP = "railhil.laws"
 
@@ -35,4 +36,8 @@ def load(name: str) -> type[Law[Any, Any]]:
         raise InputError("controller", name, found[name].value, "an entry point that can be imported", cause) from error
     if not (isinstance(law, type) and issubclass(law, Law)):
         raise InputError("controller", name, found[name].value, f"an entry point in {GROUP} naming a subclass of Law")
+    try:
+        slots(law.notes)
+    except ValueError as error:
+        raise InputError("controller", f"{name}.notes", Words(f"{len(law.notes)} notes"), str(error)) from error
     return law

@@ -91,6 +91,11 @@ def _recorded(tracer: Tracer, loop: ControlLoop[Value], law: str) -> LawProgram:
     step = tracer.begin("step")
     state = like(first_state, state_input, "state")
     new_state, outputs = loop.law.step(state, like(given, fresh, "in"))
+    if len(outputs.notes) != len(loop.law.notes):
+        raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(loop.law.notes)}")
+    for note, value in zip(loop.law.notes, outputs.notes, strict=True):
+        if not wide and value.q is not None and value.q != note.q:
+            raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
     step.outputs = [*leaves(new_state, "state"), *leaves(outputs, "out")]
     sent = tracer.begin("sent")
     told = loop.law.with_sent(like(first_state, state_input, "state"), tracer.input("notch", NOTCH_Q))

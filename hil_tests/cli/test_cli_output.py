@@ -15,6 +15,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import command, railhil
+from hil_tests.support.scores import made_score, with_values
 from railhil.audit import __main__ as audit
 from railhil.campaign import command as campaign
 from railhil.cli.commands import parser
@@ -23,10 +24,9 @@ from railhil.common.output import Output
 from railhil.common.plain_text import plain
 from railhil.scenarios.load import load, short_names
 from railhil.supervisor.framelog import sha256_of
-from railhil.supervisor.score import Score
 from railhil.tuning import command as tune
 
-_SCORE = Score("FAIL", 50652.7, 107441.0, 12.0718, 10.1449, 31.143, -12.0718, 10.1449, 0.0, ("late",), "complete")
+_SCORE = made_score("FAIL", 50652.7, 107441.0, -12.0718, 10.1449, 31.143, ("late",))
 
 
 @pytest.fixture(scope="module")
@@ -181,7 +181,7 @@ def test_timing_that_python_can_prints_does_not_spoil_json():
 def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     monkeypatch.setenv("COLUMNS", str(columns))
     label = "ipfc float64 (measured)" if columns > 60 else "from the log"
-    other = replace(_SCORE, energy_kj=107442.0)
+    other = with_values(_SCORE, energy_kj=107442.0)
     long = "ipfc_plus+1a2b3c4d tuned (on this seed) (measured)"
     with redirect_stdout(io.StringIO()) as text:
         print_scores(Output(), lvshun, [(label, _SCORE), (long, other)])

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from railhil.bench import BenchRun
+from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.watch import Level
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
@@ -20,9 +20,9 @@ def short() -> Scenario:
 
 
 @pytest.fixture
-def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Level, float]]:
+def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[CommandWatchLevel, float]]:
     """Level of the train's own watch and traction force at every tick of every run of the test."""
-    seen: list[tuple[Level, float]] = []
+    seen: list[tuple[CommandWatchLevel, float]] = []
     advance = Plant.advance
 
     def recorded(plant: Plant) -> None:

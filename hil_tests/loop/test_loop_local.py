@@ -22,10 +22,10 @@ def test_nominal_run_is_healthy_and_complete(nominal):
 
 def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     found = nominal.score
-    assert found.itae == pytest.approx(2120, rel=0.10)
-    assert found.punctuality_s == pytest.approx(0.078, abs=0.02)
-    assert found.stop_error_m == pytest.approx(0.26, abs=0.05)
-    assert found.comfort == pytest.approx(1.8, abs=0.15)
+    assert found.values["itae"] == pytest.approx(2120, rel=0.10)
+    assert found.values["punctuality_s"] == pytest.approx(0.078, abs=0.02)
+    assert found.values["stop_error_m"] == pytest.approx(0.26, abs=0.05)
+    assert found.values["comfort"] == pytest.approx(1.8, abs=0.15)
     assert found.overspeed_mps == 0
 
 
@@ -109,9 +109,9 @@ def test_scrambled_truth_changes_nothing_for_the_controller(nominal, lvshun, tmp
 
 
 def test_control_status_follows_the_law(nominal):
-    basis = set(nominal.trace.raw(CtlStat.PORT, "BasisInUse").tolist())
+    basis = set(nominal.trace.raw(CtlStat.PORT, "Note1").tolist())
     assert {1, 2} <= basis
-    softening = nominal.trace.values(CtlStat.PORT, "SofteningFactor")
+    softening = nominal.trace.values(CtlStat.PORT, "Note2")
     assert softening[5:].min() >= 0.76
     assert softening.max() <= 0.851
 

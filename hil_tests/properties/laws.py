@@ -151,13 +151,13 @@ class LawProperties:
         drawn = run_batch(Case(scenario, self.law, "iq"), SEEDS)
         for runs in (nominal, drawn):
             assert set(runs.ended) == {"ended_complete"}
-            assert not np.isnan(runs.stop_error_m).any()
+            assert not np.isnan(runs.values["stop_error_m"]).any()
             assert runs.overspeed_mps.max() == 0.0
             assert not any("emergency" in text for texts in runs.failures for text in texts)
             assert runs.wraps.max() == 0
         # A wheel that is half a percent off puts the train that trusts it some ten metres off, not more.
-        assert drawn.stop_error_m.max() < 20.0
-        assert nominal.stop_error_m[0] < 1.5
+        assert drawn.values["stop_error_m"].max() < 20.0
+        assert nominal.values["stop_error_m"][0] < 1.5
 
     def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path) -> None:
         """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
@@ -168,6 +168,6 @@ class LawProperties:
         assert over_bus.notches == coupled.notches
         assert over_bus.score == coupled.score
         assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]
-        assert batch.itae[0] == over_bus.score.itae
-        assert batch.signed_stop_error_m[0] == over_bus.score.signed_stop_error_m
+        assert batch.values["itae"][0] == over_bus.score.values["itae"]
+        assert batch.signed["stop_error_m"][0] == over_bus.score.signed["stop_error_m"]
         assert over_bus.refused == {}

@@ -100,7 +100,7 @@ def test_run_gives_the_bytes_of_the_checkout(run_folder: Path, nominal: BenchRun
 
 def test_its_log_is_scored(installed: Environment, run_folder: Path, nominal: BenchRun) -> None:
     document = json.loads(installed.run("railhil", "score", run_folder / "frames.log", "--json"))
-    assert document["scores"]["itae"] == nominal.score.itae
+    assert document["scores"]["itae"] == nominal.score.values["itae"]
 
 
 def test_campaign_of_a_few_runs(installed: Environment) -> None:

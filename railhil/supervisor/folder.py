@@ -8,6 +8,7 @@ import shlex
 import tempfile
 import time
 import xml.etree.ElementTree as ET
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -24,10 +25,12 @@ from railhil.common.whole_file import whole_file
 from railhil.dbc import wire_contract
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
+from railhil.supervisor.notes import ToldNote, note_values, notes_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
@@ -35,7 +38,7 @@ from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
-#: Columns of ``signals.csv``: header and the signal behind it.
+#: Columns of ``signals.csv``: header and the signal behind it; then come the law's notes and the ladder.
 _COLUMNS = (
     ("true_position_m", SimTruth.PORT, "TruePos"),
     ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
@@ -47,10 +50,6 @@ _COLUMNS = (
     ("odometer_m", TrnPos.PORT, "TrainPos"),
     ("notch_command", NotchCmd.PORT, "NotchCmd"),
     ("controller_mode", NotchCmd.PORT, "CtlMode"),
-    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
-    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
-    ("satisfaction", CtlStat.PORT, "Satisfaction"),
-    ("ladder_level", CtlStat.PORT, "LadderLevel"),
 )
 
 
@@ -201,6 +200,8 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "arithmetic": options.arithmetic,
         "parameters": None if options.parameters is None else options.parameters.as_json(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
+        # What the law has told of itself in CTL_STAT; None: the controller has not said.
+        "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
@@ -223,19 +224,22 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
     }
 
 
+def _notes(result: RunResult) -> list[dict[str, Any]] | None:
+    return None if result.origin is None else [note.as_json() for note in result.origin.notes]
+
+
 def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
-    plan, found = scenario.plan, result.score
+    found = result.score
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
-            ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
-            ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
-            ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
+            ("stops", "" if found.stops else "did not stop"),
+            *((criterion.name, criterion.missed(scenario, found.with_sign(criterion))) for criterion in limited()),
             ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
             ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
             ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
@@ -274,29 +278,28 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def _beyond(value: float | None, limit: float, unit: str) -> str:
-    if value is None or abs(value) <= limit:
-        return ""
-    return f"{value:+.3f} {unit}, allowed +-{limit:g} {unit}"
+def signal_table(trace: Trace, notes: Sequence[ToldNote]) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values.
 
-
-def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values."""
+    :param notes: what the law has told of itself, a column each.
+    """
     time_s = trace.times_s(SimTruth.PORT)
+    found = [(header, port, trace.values(port, signal)) for header, port, signal in _COLUMNS]
+    found += [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes]
+    found.append(("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel")))
     columns = [time_s]
-    for _, port, signal in _COLUMNS:
+    for _, port, values in found:
         if port == SimTruth.PORT:
-            columns.append(trace.values(port, signal))
+            columns.append(values)
             continue
         at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
-        values = np.append(trace.values(port, signal), np.nan)
-        columns.append(np.where(at >= 0, values[at], np.nan))
-    return ["time_s", *(header for header, _, _ in _COLUMNS)], np.column_stack(columns)
+        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
+    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
-def write_signals(trace: Trace, path: Path) -> None:
+def write_signals(trace: Trace, path: Path, notes: Sequence[ToldNote]) -> None:
     """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
-    header, rows = signal_table(trace)
+    header, rows = signal_table(trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
@@ -311,7 +314,7 @@ def write_folder(
     try:
         if trace.count(SimTruth.PORT):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(trace, draft)
+                write_signals(trace, draft, notes_of(trace, _notes(result)))
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))

@@ -15,18 +15,19 @@ from matplotlib.ticker import MultipleLocator
 
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
+from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
 from railhil.supervisor.measures import KMH, limits_under_train
+from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.report.recorded import Curves
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.score import Score
+from railhil.supervisor.trace import FloatArray
 
 _POINTS = 800
 #: Half height of the picture of the stop, m: what it shows at least and at most.
 _STOP_MIN_M, _STOP_MAX_M = 0.4, 3.0
 #: Half width of a close view, as a share of the distance.
 _NEAR_SHARE = 0.02
-#: What the bits of BasisInUse stand for, from bit 0.
-_BASES = ("step", "wavelet", "ramp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,42 +147,49 @@ def force(axes: Axes, run: Drawn) -> None:
     axes.axhline(0, color="0.6", linewidth=0.6)
 
 
-def bases(runs: Sequence[Drawn]) -> list[int]:
-    """Every set of basis functions that some run has used, as bit fields."""
-    return sorted({int(value) for run in runs for value in np.unique(run.curves.basis)})
+def flag_sets(runs: Sequence[Drawn], name: str) -> list[int]:
+    """Every set of flags that some run has told in the note of that name, as bit fields."""
+    return sorted({int(value) for run in runs for value in np.unique(_told(run, name)[1])})
 
 
-def basis(axes: Axes, run: Drawn, used: Sequence[int]) -> None:
-    """Basis functions in use over time.
+def flags(axes: Axes, run: Drawn, name: str, used: Sequence[int]) -> None:
+    """A bit field of a law over time.
 
-    :param used: the rows of the picture, as :func:`bases` finds them.
+    :param name: of the note.
+    :param used: the rows of the picture, as :func:`flag_sets` finds them.
     """
-    row = np.searchsorted(np.asarray(used), run.curves.basis)
+    note, values = _told(run, name)
+    row = np.searchsorted(np.asarray(used), values)
     axes.step(run.curves.status_s, row, where="post", **run.style.alone)
-    axes.set_yticks(range(len(used)), [_basis_name(bits) for bits in used], fontsize=8)
+    axes.set_yticks(range(len(used)), [_flag_names(bits, note.bits) for bits in used], fontsize=8)
     axes.set_ylim(-0.5, len(used) - 0.5)
 
 
-def _basis_name(bits: int) -> str:
-    names = [name for place, name in enumerate(_BASES) if bits >> place & 1]
-    if unknown := bits >> len(_BASES):
-        names.append(f"bits {unknown << len(_BASES):#x}")
+def _told(run: Drawn, name: str) -> tuple[ToldNote, FloatArray]:
+    return next((note, values) for note, values in run.curves.notes if note.name == name)
+
+
+def _flag_names(value: int, known: Sequence[str]) -> str:
+    names = [name for place, name in enumerate(known) if value >> place & 1]
+    if unknown := value >> len(known):
+        names.append(f"bits {unknown << len(known):#x}")
     return "+".join(names) or "none"
 
 
-def softening(axes: Axes, run: Drawn) -> None:
-    """Softening factor and fuzzy satisfaction over time."""
-    axes.step(run.curves.status_s, run.curves.softening, where="post", label="softening factor α", **run.style.alone)
-    axes.step(
-        run.curves.status_s,
-        run.curves.satisfaction,
-        where="post",
-        color="0.45",
-        linestyle=":",
-        linewidth=1.2,
-        label="satisfaction μ",
-    )
-    axes.set_ylim(-0.05, 1.05)
+#: How the figures of one law are told from each other.
+_FIGURE_LINES: tuple[dict[str, Any], ...] = ({}, {"color": "0.45", "linestyle": ":", "linewidth": 1.2})
+
+
+def figures(axes: Axes, run: Drawn, names: Sequence[str]) -> None:
+    """Figures that a law tells of itself, over time.
+
+    :param names: of the notes of all laws in the picture.
+    """
+    told = [(note, values) for note, values in run.curves.notes if note.name in names]
+    for (note, values), line in zip(told, _FIGURE_LINES, strict=False):
+        axes.step(run.curves.status_s, values, where="post", label=note.label, **{**run.style.alone, **line})
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -0.05), max(high, 1.05))
 
 
 def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
@@ -198,8 +206,8 @@ def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) ->
 def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float]:
     """Half width in s and half height in m of the picture of the stop: all stops, as far as that stays readable."""
     plan = scenario.plan
-    errors_m = [run.score.stop_error_m for run in runs if run.score.stop_error_m is not None]
-    errors_s = [run.score.punctuality_s for run in runs if run.score.punctuality_s is not None]
+    errors_m = [error for run in runs if (error := run.score.values[STOP_ERROR.key]) is not None]
+    errors_s = [error for run in runs if (error := run.score.values[TIME_ERROR.key]) is not None]
     half_m = max([1.4 * plan.stop_error_max_m, *(1.3 * error for error in errors_m)])
     half_s = max([1.4 * plan.time_error_max_s, *(1.3 * error for error in errors_s)])
     return max(0.5, min(half_s, 6.0)), min(max(half_m, _STOP_MIN_M), _STOP_MAX_M)
@@ -208,14 +216,12 @@ def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float
 def outside_window(scenario: Scenario, runs: Sequence[Drawn]) -> list[str]:
     """Labels of the runs whose stop the picture of the stop does not show."""
     half_s, half_m = stop_window(scenario, runs)
-    return [
-        run.label
-        for run in runs
-        if run.score.stop_error_m is None
-        or run.score.punctuality_s is None
-        or run.score.stop_error_m > half_m
-        or run.score.punctuality_s > half_s
-    ]
+    windows = {STOP_ERROR.key: half_m, TIME_ERROR.key: half_s}
+
+    def outside(score: Score) -> bool:
+        return any((error := score.values[key]) is None or error > half for key, half in windows.items())
+
+    return [run.label for run in runs if outside(run.score)]
 
 
 def stop(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
@@ -236,7 +242,7 @@ def stop(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
     for run in runs:
         near = np.abs(run.curves.time_s - plan.running_time_s) < 2 * half_s
         axes.plot(run.curves.time_s[near], run.curves.position_m[near], **run.style.line)
-        late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
+        late_s, past_m = (run.score.with_sign(criterion) for criterion in (TIME_ERROR, STOP_ERROR))
         if late_s is not None and past_m is not None:
             point = (plan.running_time_s + late_s, plan.distance_m + past_m)
             axes.plot(*point, zorder=4, **run.style.marker)
