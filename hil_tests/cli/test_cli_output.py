@@ -33,11 +33,12 @@ from railhil.common.output import Output
 from railhil.common.plain_text import plain
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load, short_names
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import Trace
 from railhil.tuning import command as tune
 
@@ -457,7 +458,7 @@ def test_disk_without_room_for_a_run(tmp_path, size_kib):
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
     choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
-    run = Run(lvshun, RunOptions("lvshun_tieshan"), choice, tmp_path)
+    run = Run(lvshun, RunSpec(), StartUp(), choice, tmp_path)
     log = FrameLog(tmp_path)
     ident = make_ident(Role.PLANT, lvshun.sha256)
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
@@ -465,7 +466,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     result = run._result(0, log.close(), {}, "a reason", False)
     trace = Trace()
     trace.add(SimTruth.PORT, 0, SimTruth().encode())
-    write_folder(tmp_path, lvshun, run.options, result, trace, [])
+    write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     kept = sorted(path.name for path in tmp_path.iterdir())
     assert kept == ["certificate.json", "frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
 
@@ -475,7 +476,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     (tmp_path / "telemetry.json").touch()
     monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
-        write_folder(tmp_path, lvshun, run.options, result, trace, [])
+        write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     assert caught.value.exit_code == 4
     assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]
 

@@ -13,6 +13,7 @@ from railhil.bench import direct_run, local_run
 from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 YIZHUANG = (
     "yizhuang_01_songjiazhuang_xiaocun",
@@ -27,8 +28,8 @@ SEEDS = range(1000, 1020)
 @pytest.mark.parametrize("law", names())
 def test_law_takes_a_train_from_station_to_station(law: str, scenario_name: str) -> None:
     scenario = load(scenario_name)
-    nominal = run_batch(Case(scenario, law, "iq", perturbed=False), [0])
-    perturbed = run_batch(Case(scenario, law, "iq"), SEEDS)
+    nominal = run_batch(Case(scenario, LawSpec(law, "iq"), perturbed=False), [0])
+    perturbed = run_batch(Case(scenario, LawSpec(law, "iq")), SEEDS)
     for runs in (nominal, perturbed):
         assert set(runs.ended) == {"ended_complete"}
         assert not np.isnan(runs.stop_error_m).any()
@@ -44,9 +45,9 @@ def test_law_takes_a_train_from_station_to_station(law: str, scenario_name: str)
 def test_bus_direct_coupling_and_batch_give_the_same_notches(law: str, tmp_path: Path) -> None:
     """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
     scenario = load("lvshun_tieshan_worn_wheels")
-    over_bus = local_run(scenario, tmp_path, seed=1003, drawn=True, controller=law)
-    coupled = direct_run(scenario, seed=1003, drawn=True, controller=law)
-    batch = run_batch(Case(scenario, law, "iq"), [1003])
+    over_bus = local_run(scenario, tmp_path, RunSpec(law=LawSpec(law), seed=1003, perturbed=True))
+    coupled = direct_run(scenario, RunSpec(law=LawSpec(law), seed=1003, perturbed=True))
+    batch = run_batch(Case(scenario, LawSpec(law, "iq")), [1003])
     assert over_bus.notches == coupled.notches
     assert over_bus.score == coupled.score
     assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]
@@ -58,6 +59,8 @@ def test_bus_direct_coupling_and_batch_give_the_same_notches(law: str, tmp_path:
 def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
     """The inputs of track laws arrive: with worn wheels nothing else can know where the train is."""
     scenario = load("lvshun_tieshan_worn_wheels")
-    worst = {law: run_batch(Case(scenario, law, "iq"), SEEDS).stop_error_m.max() for law in ("ipfc", "ipfc_plus")}
+    worst = {
+        law: run_batch(Case(scenario, LawSpec(law, "iq")), SEEDS).stop_error_m.max() for law in ("ipfc", "ipfc_plus")
+    }
     assert load_law("ipfc_plus").track
     assert worst["ipfc_plus"] < 0.1 < 5.0 < worst["ipfc"]

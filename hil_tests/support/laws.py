@@ -17,6 +17,7 @@ from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.record import record
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +31,7 @@ class Shadowed:
 def shadowed(scenario: Scenario, law: str, indexing: str = "time") -> Shadowed:
     """Let a law drive in fixed point and compute along in float64."""
     quantities = record(scenario, law, indexing).quantities
-    run = shadow_run(scenario, law, make("iq"), quantities, indexing=indexing)
+    run = shadow_run(scenario, LawSpec(law, indexing=indexing), make("iq"), quantities)
     raw = next(e for e in errors(quantities, run.audited, run.reference) if e.name == "notch_raw")
     assert raw.maximum is not None
     return Shadowed(raw.maximum, compare_codes(run.audited, run.reference))
