@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -74,8 +75,9 @@ class LocalRun:
             except (KeyboardInterrupt, SystemExit):
                 if not self.session.recording:
                     raise
-                self.stopped_exit_code = 128 + self.stop.number
-                line, code = f"stopped at simulation time {self.session.sim_time_s:.2f} s", INVALID
+                number = signal.Signals(self.stop.number)
+                self.stopped_exit_code = 128 + number
+                line, code = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s", INVALID
             finally:
                 sha256 = self.log.close()
             return self._result(sha256, line, code)
