@@ -23,6 +23,7 @@ from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 LAW = "ipfc_plus"
 #: What is switched off, or put in the place of something, and the parameters that do it.
@@ -72,7 +73,7 @@ class Figures:
 def without(scenario: Scenario, element: str, runs: int, first_seed: int, arithmetic: str = "float64") -> Figures:
     """Perturbed runs with one of :data:`ELEMENTS`."""
     changed = ParameterSet(LAW, ELEMENTS[element], Path(element)) if ELEMENTS[element] else None
-    case = Case(scenario, LAW, arithmetic, parameters=changed)
+    case = Case(scenario, LawSpec(LAW, arithmetic, parameters=changed))
     return Figures.of(run_batch(case, range(first_seed, first_seed + runs)))
 
 

@@ -16,6 +16,7 @@ from railhil.batch.kernel import run_period
 from railhil.batch.noise import standard_noise
 from railhil.batch.setup import trains
 from railhil.bench import direct_run
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TITLE = "batch"
 METHOD = (
@@ -92,12 +93,12 @@ def measure(setting: Setting) -> list[Figure]:
     passes = range(setting.count(3, 1))
     run_batch(Case(scenario), [0])
     start_s = process_time()
-    direct_run(scenario, seed=1, drawn=True, arithmetic="float64")
+    direct_run(scenario, RunSpec(law=LawSpec(arithmetic="float64"), seed=1, perturbed=True))
     single_s = process_time() - start_s
     figures = []
     per_run_s = {}
     for arithmetic in ("float64", "iq", "float32"):
-        case = Case(scenario, arithmetic=arithmetic)
+        case = Case(scenario, LawSpec(arithmetic=arithmetic))
         # Other seeds in every pass: the numbers of known ones are kept.
         first = len(per_run_s) * 1_000_000
 

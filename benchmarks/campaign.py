@@ -51,7 +51,7 @@ def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | Non
 def _frame(plan: Plan, task: Task, folder: Path) -> list[Figure]:
     """CPU time of a part around its runs, and of the end of a campaign, per run."""
     chunk = task.chunk
-    case = Case(plan.scenario, chunk.entry.law, task.arithmetic, task.indexing)
+    case = Case(plan.scenario, chunk.entry.law)
     start_s = process_time()
     result = run_batch(case, list(chunk.seeds))
     runs_s, start_s = process_time() - start_s, process_time()

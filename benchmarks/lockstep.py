@@ -12,6 +12,7 @@ from benchmarks.processes import RunCommand
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TITLE = "lockstep run"
 METHOD = (
@@ -40,7 +41,7 @@ def _in_one_process(scenario: Scenario, arithmetic: str, folder: Path) -> _Timed
         first_ns = first_ns or last_ns
         return [frame]
 
-    run = local_run(scenario, folder, arithmetic=arithmetic, wire=wire)
+    run = local_run(scenario, folder, RunSpec(law=LawSpec(arithmetic=arithmetic)), wire=wire)
     sim_time_s = float(run.trace.times_s("TRN_SPEED")[-1])
     return _Timed(sim_time_s / ((last_ns - first_ns) / 1e9), run.frames_sha256)
 

@@ -9,6 +9,7 @@ from benchmarks.recording import Recording, record
 from railhil.bench import direct_run
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TITLE = "plant"
 METHOD = (
@@ -53,7 +54,7 @@ def _readings(plant: Plant) -> tuple[float, ...]:
 def _run_s(scenario: Scenario, arithmetic: str) -> float:
     """CPU time of a direct run with its score."""
     start_s = process_time()
-    direct_run(scenario, arithmetic=arithmetic)
+    direct_run(scenario, RunSpec(law=LawSpec(arithmetic=arithmetic)))
     return process_time() - start_s
 
 

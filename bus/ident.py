@@ -9,6 +9,7 @@ from importlib.metadata import entry_points
 from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
+from railhil.common import choices
 from railhil.dbc import wire_contract
 from railhil.dbc.contract import WIRE_VERSION
 
@@ -22,7 +23,7 @@ class Role(IntEnum):
 
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
-ARITHMETICS = ("none", "float64", "float32", "iq", "iq-portable", "float32-truncated")
+ARITHMETICS = ("none", *choices.ARITHMETICS)
 #: What each arithmetic is faithful to: the IQmath library, or the rounding of the floating-point unit.
 PROFILES = {
     "float64": "ieee754",
@@ -31,9 +32,9 @@ PROFILES = {
     "iq-portable": "portable",
     "float32-truncated": "truncated",
 }
-INDEXINGS = ("none", "time", "distance")
+INDEXINGS = ("none", *choices.INDEXINGS)
 _LAW_MAX = 0xFFF
-PACES = ("none", "lockstep", "realtime")
+PACES = ("none", *choices.PACES)
 
 
 @dataclass(slots=True)

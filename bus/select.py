@@ -15,10 +15,13 @@ from typing import Any
 import can
 
 from railhil.bus.hub.address import OWN_HUB_START_S, default_channel
+from railhil.common.errors import InputError, Words
 
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
 _DEFAULT_VCAN = "vcan0"
+#: In the place of an interface: all nodes are in one process, nothing is opened.
+LOCAL = "local"
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +35,9 @@ class BusChoice:
 
     @property
     def transport(self) -> str:
-        """``interface:channel`` as it stands in reports."""
+        """``interface:channel`` as it stands in reports; ``local`` without a bus."""
+        if self.config.get("interface") == LOCAL:
+            return LOCAL
         return f"{self.config.get('interface')}:{self.config.get('channel', '')}"
 
     @property
@@ -107,6 +112,19 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
         return _own_hub(private_hub, reason, {})
     config = {"interface": HUB_INTERFACE, "channel": default_channel()}
     return BusChoice(config, reason, arguments=arguments_from_config(config))
+
+
+def no_bus(namespace: argparse.Namespace) -> BusChoice:
+    """What a run without a bus has in its place.
+
+    :raises InputError: the command line names a bus too, or keeps the pace of the wall clock.
+    """
+    if given := config_from_namespace(namespace):
+        found = Words(" ".join(arguments_from_config(given)) or "a timing")
+        raise InputError("command line", "--bus local", found, "no other option of a bus beside it")
+    if namespace.pace != "lockstep":
+        raise InputError("command line", "--bus local", namespace.pace, "--pace lockstep beside it")
+    return BusChoice({"interface": LOCAL}, "all nodes in this process, as given on the command line")
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:

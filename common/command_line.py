@@ -11,7 +11,8 @@ import sys
 from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
-from railhil.common.patience import PATIENCE_S
+from railhil.common.choices import ARITHMETICS, INDEXINGS, PACES
+from railhil.common.patience import APPEAR_S, PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.scheduling import PRIORITY_MAX
 
@@ -144,8 +145,10 @@ def _lifeline(text: str) -> tuple[str, int]:
     return node, int(descriptor)
 
 
-def add_task_argument(parser: argparse.ArgumentParser) -> None:
-    """Option of the controller that the run command hands on to it."""
+def add_law_arguments(parser: argparse.ArgumentParser) -> None:
+    """Options that say how a law is run: the same for the controller node and for who starts it."""
+    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS), default="iq")
+    add_indexing_argument(parser)
     parser.add_argument(
         "--task-period-ms",
         type=whole_number(0, TASK_PERIOD_MAX_MS),
@@ -153,6 +156,11 @@ def add_task_argument(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="the controller reads its mailboxes every N ms of simulation time only (default 0: each frame at once)",
     )
+
+
+def add_indexing_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of every command that makes a law."""
+    parser.add_argument("--indexing", choices=INDEXINGS, default="time", help="set-point indexing (default time)")
 
 
 def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
@@ -174,13 +182,13 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
     parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
-    parser.add_argument("--pace", choices=("lockstep", "realtime"), default="lockstep")
+    parser.add_argument("--pace", choices=PACES, default="lockstep")
     parser.add_argument(
         "--appear-timeout",
         type=seconds,
-        default=25.0,
+        default=APPEAR_S,
         metavar="S",
-        help="wall time for the other nodes to appear (default 25 s)",
+        help=f"wall time for the other nodes to appear (default {APPEAR_S:g} s)",
     )
     add_patience_argument(parser, "an answer")
     parser.add_argument("--rate", type=_rate, help=f"realtime: simulated seconds per second (default {RATE:g})")

@@ -18,6 +18,8 @@ from collections.abc import Mapping
 #: Wall time that an answer may take when nobody says that its owner has ended: on a machine with a load of 9 a process
 #: was seen to stand still for 2 to 10 s.
 PATIENCE_S = 60.0
+#: Wall time for all nodes of a run to appear.
+APPEAR_S = 25.0
 #: Who waits for the bus administrator waits longer than it does itself, which knows better who is missing.
 LATER_S = 2.0
 

@@ -10,14 +10,13 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
-from railhil.bus.ident import ARITHMETICS
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import (
     OneLineParser,
+    add_law_arguments,
     add_patience_argument,
     add_priority_argument,
-    add_task_argument,
     parse,
     seconds,
 )
@@ -25,11 +24,12 @@ from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import names
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
 
 
@@ -38,8 +38,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
-    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
-    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    add_law_arguments(parser)
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
     parser.add_argument(
@@ -54,7 +53,6 @@ def arguments() -> argparse.ArgumentParser:
         help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
     )
     add_patience_argument(parser, "the bus administrator, which may wait for another node,")
-    add_task_argument(parser)
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
     return parser
@@ -65,25 +63,17 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     scenario = load(namespace.scenario, namespace.set)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
+    law = LawSpec.from_namespace(namespace, namespace.controller, parameters)
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.
-        print(json.dumps(law_document(namespace.controller)), flush=True)
-        Controller(scenario, namespace.controller, namespace.arithmetic, namespace.indexing, parameters)
+        print(json.dumps(law_document(law.controller)), flush=True)
+        Controller(scenario, law.controller, law.arithmetic, law.indexing, law.parameters)
         return 0
     if namespace.telemetry is not None:
         check_writable(namespace.telemetry)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
-    options = ControllerOptions(
-        namespace.controller,
-        namespace.arithmetic,
-        namespace.indexing,
-        choice.fd,
-        task_period_ms=namespace.task_period_ms,
-        bit_rate=getattr(namespace, "bitrate", None),
-        parameters=parameters,
-    )
-    node = ControllerNode(scenario, options)
+    node = ControllerNode(scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None))
     link = open_link(choice.config, "controller")
     try:
         with cycle("controller", namespace.realtime_priority):

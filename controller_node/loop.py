@@ -6,13 +6,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any, Generic
 
+from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
 from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.parameters import law_parameters
-from railhil.controller_node.setpoint import INDEXINGS, SetPoints
+from railhil.controller_node.setpoint import SetPoints
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 

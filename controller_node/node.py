@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.responder import Reading, Responder
@@ -35,7 +33,7 @@ from railhil.controller_node.odometer import Odometer
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 _MODES = {
     SpeedWatchLevel.NORMAL: CtlMode.RUNNING,
@@ -52,24 +50,6 @@ _NS_PER_MS = 1_000_000
 _UINT16_MAX = 0xFFFF
 
 
-@dataclass(frozen=True, slots=True)
-class ControllerOptions:
-    """What the command line says about the controller.
-
-    ``task_period_ms``: the mailboxes are read by a task with this period of simulation time; 0: each at once, by
-    interrupt. ``bit_rate``: of the bus in bit/s, clocks the time stamps; None: that of the port table. ``parameters``:
-    of the law; None: its own.
-    """
-
-    controller: str = "ipfc"
-    arithmetic: str = "iq"
-    indexing: str = "time"
-    fd: bool = False
-    task_period_ms: int = 0
-    bit_rate: int | None = None
-    parameters: ParameterSet | None = None
-
-
 def mailboxes() -> tuple[Mailbox, ...]:
     """The controller's eCAN mailboxes, made from the port table.
 
@@ -83,36 +63,40 @@ def mailboxes() -> tuple[Mailbox, ...]:
 class ControllerNode:
     """Reacts to frames; holds no socket, so it runs in a process or in memory alike.
 
-    :param controller: what computes the notch; None: the law of the options.
+    :param law: with a task period, the mailboxes are read by a task of that period; else each at once, by interrupt.
+    :param controller: what computes the notch; None: the law.
+    :param bit_rate: of the bus in bit/s, clocks the time stamps; None: that of the port table.
     :raises InputError: an option that the chip cannot have.
     """
 
-    def __init__(self, scenario: Scenario, options: ControllerOptions, controller: Controller | None = None) -> None:
+    def __init__(
+        self,
+        scenario: Scenario,
+        law: LawSpec,
+        controller: Controller | None = None,
+        *,
+        fd: bool = False,
+        bit_rate: int | None = None,
+    ) -> None:
         contract = wire_contract()
         self.controller = controller or Controller(
-            scenario, options.controller, options.arithmetic, options.indexing, options.parameters
+            scenario, law.controller, law.arithmetic, law.indexing, law.parameters
         )
-        self.options = options
+        self.law = law
         self.ended: Event | None = None
-        bit_rate = contract.bit_rate if options.bit_rate is None else options.bit_rate
+        bit_rate = contract.bit_rate if bit_rate is None else bit_rate
         if bit_rate <= 0:
             raise InputError("command line", "--bitrate", bit_rate, "above 0")
-        if options.fd and options.task_period_ms:
-            raise InputError("command line", "--task-period-ms", options.task_period_ms, "0 with CAN FD")
+        if fd and law.task_period_ms:
+            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
         counter = BitCounter(bit_rate)
-        needed = load(options.controller).track or options.indexing == "distance"
-        self._odometer = Odometer(scenario, options.task_period_ms * _NS_PER_MS, needed=needed)
+        needed = load(law.controller).track or law.over_distance
+        self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer)
         self._balises = Balises()
         self._control_ns = scenario.timing.control_period_ns
-        self._ident = make_ident(
-            Role.CONTROLLER,
-            scenario.sha256,
-            controller=options.controller if options.parameters is None else options.parameters.controller,
-            arithmetic=options.arithmetic,
-            indexing=options.indexing,
-        )
         self._note_slots = slots(self.controller.notes)
+        self._ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity)
         self._output: ControlOutput | None = None
         self._last_k = -1
         self._steps = 0
@@ -124,15 +108,15 @@ class ControllerNode:
         mailboxes_read = None
         #: The CAN module with its mailboxes; None with CAN FD, which the chip does not know.
         self.ecan: Ecan | None = None
-        if not options.fd:
-            mailboxes_read = Receiver(mailboxes(), counter, options.task_period_ms * _NS_PER_MS)
+        if not fd:
+            mailboxes_read = Receiver(mailboxes(), counter, law.task_period_ms * _NS_PER_MS)
             self.ecan = mailboxes_read.ecan
         responder = self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             [contract.port(telegram.PORT) for telegram in MAILBOXES],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status, CtlIdent.PORT: self._own_ident},
-            fd=options.fd,
+            fd=fd,
             module=mailboxes_read,
         )
         responder.on(TrnSpeed, self._speed)

@@ -20,13 +20,12 @@ from typing import Any, Generic
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.common.choices import INDEXINGS
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
-
-INDEXINGS = ("time", "distance")
 
 #: Position from which on the distance indexing uses the distance.
 DISTANCE_FROM_M = 5.0

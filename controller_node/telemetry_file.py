@@ -50,13 +50,13 @@ def telemetry_document(node: ControllerNode) -> dict[str, Any]:
     ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is that of
     the control period with the program in flash, where every step costs twice as much as in RAM.
     """
-    controller, options = node.controller, node.options
+    controller, law = node.controller, node.law
     counters, cost = controller.counters, controller.cost
     return {
-        **law_document(options.controller),
-        "arithmetic": options.arithmetic,
-        "profile": PROFILES[options.arithmetic],
-        "indexing": options.indexing,
+        **law_document(law.controller),
+        "arithmetic": law.arithmetic,
+        "profile": PROFILES[law.arithmetic],
+        "indexing": law.indexing,
         "steps": controller.telemetry.steps,
         "totals": {
             "wraps": counters.wraps,

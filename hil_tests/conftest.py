@@ -16,6 +16,7 @@ from railhil.bench import BenchRun, local_run
 from railhil.bus.select import vcan_available
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -61,7 +62,7 @@ def lvshun() -> Scenario:
 @pytest.fixture(scope="session")
 def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """The published scenario without sockets, seed 1; only to be looked at."""
-    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), seed=1)
+    return local_run(lvshun, tmp_path_factory.mktemp("nominal"), RunSpec(seed=1))
 
 
 @pytest.fixture

@@ -12,7 +12,6 @@ from can.cli import add_bus_arguments
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.command_line import (
-    RATE,
     OneLineParser,
     add_lifeline_argument,
     add_priority_argument,
@@ -24,9 +23,8 @@ from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
-from railhil.plant_sim.node import PlantNode, PlantOptions
-from railhil.scenarios.load import load
-from railhil.scenarios.perturb import require_perturbations
+from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_set_argument
 
 
@@ -74,26 +72,19 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
-    scenario = load(namespace.scenario, namespace.set)
-    if namespace.perturbed:
-        require_perturbations(scenario, "--perturbed")
+    # Which law answers is nothing to the plant.
+    run = RunSpec.from_namespace(namespace, LawSpec())
+    scenario = run.load()
     choice = choose_bus(namespace)
     print(f"plant: {choice.transport} ({choice.reason})", file=sys.stderr)
-    options = PlantOptions(
-        seed=namespace.seed,
-        perturbed=namespace.perturbed,
-        rate=(namespace.rate or RATE) if namespace.pace == "realtime" else 0.0,
-        fd=choice.fd,
-        appear_s=namespace.appear_timeout,
-        patience_s=namespace.patience,
-    )
     priority = namespace.realtime_priority
     if priority is None:
-        priority = NODE_PRIORITY if options.rate else 0
+        priority = NODE_PRIORITY if run.is_realtime else 0
     link = open_link(choice.config, "plant")
     link.lifelines = Lifelines(dict(namespace.lifeline))
     try:
-        run_plant(PlantNode(scenario, options, link), priority, namespace.timing_file)
+        node = PlantNode(scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout)
+        run_plant(node, priority, namespace.timing_file)
     finally:
         link.close()
         link.tell_trouble()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
@@ -13,7 +12,7 @@ from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
-from railhil.common.patience import PATIENCE_S
+from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port, wire_contract
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
@@ -25,6 +24,7 @@ from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWat
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import RunSpec
 
 #: Polls of the last CTL_STAT until one is answered, in realtime or on a disturbed bus.
 LAST_STATUS_POLLS = 3
@@ -36,46 +36,38 @@ class Refused(BusError):
     exit_code = 2
 
 
-@dataclass(frozen=True, slots=True)
-class PlantOptions:
-    """What the command line says about a run."""
-
-    seed: int = 0
-    perturbed: bool = False
-    #: Simulated seconds per wall second, 0 = lockstep.
-    rate: float = 0.0
-    fd: bool = False
-    #: How long the other nodes may take to appear, on the wall clock.
-    appear_s: float = 25.0
-    #: Realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
-    reply_ns: int = REPLY_NS
-    #: Realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it has longer.
-    silence_ns: int = SILENCE_NS
-    #: Lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
-    patience_s: float = PATIENCE_S
-
-
 class PlantNode:
-    """One run of the plant on one endpoint."""
+    """One run of the plant on one endpoint.
 
-    def __init__(self, scenario: Scenario, options: PlantOptions, endpoint: RunEndpoint) -> None:
+    :param run: its law is nothing to the plant.
+    :param appear_s: how long the other nodes may take to appear, on the wall clock.
+    :param reply_ns: realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
+    :param silence_ns: realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it
+        has longer.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        run: RunSpec,
+        endpoint: RunEndpoint,
+        *,
+        fd: bool = False,
+        appear_s: float = APPEAR_S,
+        reply_ns: int = REPLY_NS,
+        silence_ns: int = SILENCE_NS,
+    ) -> None:
         contract = wire_contract()
-        self.scenario = perturbed(scenario, options.seed) if options.perturbed else scenario
-        self.plant = Plant(self.scenario, options.seed)
+        self.scenario = perturbed(scenario, run.seed) if run.perturbed else scenario
+        self.plant = Plant(self.scenario, run.seed)
         self.gate = CommandGate(round(self.scenario.train.notch_max * 256))
-        self._telegrams = TrainTelegrams(self.scenario, self.plant, options.rate)
-        self._ident = make_ident(
-            Role.PLANT,
-            scenario.sha256,
-            seed=options.seed,
-            perturbed=options.perturbed,
-            pace="realtime" if options.rate else "lockstep",
-        )
+        self._telegrams = TrainTelegrams(self.scenario, self.plant, run.wall_rate)
+        self._ident = make_ident(Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace)
         self._tick_ns = self.scenario.timing.base_tick_ns
-        self._pacer = Pacer(options.rate)
+        self._pacer = Pacer(run.wall_rate)
         #: None in lockstep, which has no deadlines.
-        self.timing = PlantTiming() if options.rate else None
-        endpoint.lossless = not options.rate
+        self.timing = PlantTiming() if run.is_realtime else None
+        endpoint.lossless = not run.is_realtime
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -84,9 +76,9 @@ class PlantNode:
             lambda: self.plant.tick * self._tick_ns,
             self._pacer,
             [port for port in contract.ports if port.source == "plant"],
-            fd=options.fd,
-            reply_ns=options.reply_ns,
-            patience_s=options.patience_s,
+            fd=fd,
+            reply_ns=reply_ns,
+            patience_s=run.patience_s,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
@@ -101,10 +93,10 @@ class PlantNode:
         self._silence = ""
         # Of the newest CTL_STAT in the record.
         self._status_tick = -1
-        self._appear_s = options.appear_s
+        self._appear_s = appear_s
         supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
         self._supervisor = SupervisorWatch(
-            endpoint, supervisor_period_ns, options.rate, silence_ns=options.silence_ns, patience_s=options.patience_s
+            endpoint, supervisor_period_ns, run.wall_rate, silence_ns=silence_ns, patience_s=run.patience_s
         )
         # Of the current tick: a plant that has failed has no position any more.
         self._position_01mm = 0

@@ -1,1 +1,55 @@
-"""railhil: a hardware-in-the-loop bench for train controllers."""
+"""railhil: a hardware-in-the-loop bench for train controllers.
+
+As a library: docs/library.md. What is named here is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from railhil.common.errors import InputError
+    from railhil.library import CampaignOutcome, Outcome, RecordedEvent, Signals, campaign, open_run, run
+    from railhil.scenarios.load import load as load_scenario
+    from railhil.scenarios.run_spec import LawSpec, RunSpec
+
+#: Name -> module and name there. ``campaign`` is the package of that name, which can be called.
+_PLACES = {
+    "CampaignOutcome": ("railhil.library", "CampaignOutcome"),
+    "InputError": ("railhil.common.errors", "InputError"),
+    "LawSpec": ("railhil.scenarios.run_spec", "LawSpec"),
+    "Outcome": ("railhil.library", "Outcome"),
+    "RecordedEvent": ("railhil.library", "RecordedEvent"),
+    "RunSpec": ("railhil.scenarios.run_spec", "RunSpec"),
+    "Signals": ("railhil.library", "Signals"),
+    "load_scenario": ("railhil.scenarios.load", "load"),
+    "open_run": ("railhil.library", "open_run"),
+    "run": ("railhil.library", "run"),
+}
+__all__ = [
+    "CampaignOutcome",
+    "InputError",
+    "LawSpec",
+    "Outcome",
+    "RecordedEvent",
+    "RunSpec",
+    "Signals",
+    "campaign",
+    "load_scenario",
+    "open_run",
+    "run",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "campaign":
+        return import_module("railhil.campaign")
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module, there = _PLACES[name]
+    return getattr(import_module(module), there)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

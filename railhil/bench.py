@@ -1,7 +1,8 @@
-"""The bench without sockets, for tests and benchmarks: the same plant, controller and supervisor code in one process.
+"""The bench without sockets: the same plant, controller and supervisor code in one process.
 
-``local_run`` sends every telegram through the codec and the stores; ``direct_run`` couples plant and controller by
-their raw wire integers, for statistics over hundreds of runs. Both give the notch sequence of the real bench.
+``local_run`` sends every telegram through the codec and the stores, as ``railhil run --bus local`` does
+(:mod:`railhil.local_run`); ``direct_run`` couples plant and controller by their raw wire integers, for statistics over
+hundreds of runs. Both give the notch sequence of the real bench.
 """
 
 from __future__ import annotations
@@ -22,18 +23,18 @@ from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.session import Session
@@ -74,46 +75,23 @@ class BenchRun:
 def local_run(
     scenario: Scenario,
     folder: Path,
+    spec: RunSpec | None = None,
     *,
-    seed: int = 0,
-    drawn: bool = False,
-    controller: str = "ipfc",
-    arithmetic: str = "iq",
-    indexing: str = "time",
-    parameters: ParameterSet | None = None,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
-    task_period_ms: int = 0,
-    law: Controller | None = None,
+    controller: Controller | None = None,
 ) -> BenchRun:
     """One run through codec and stores.
 
-    :param law: what computes the notch in the place of the law that the other options name.
-    :param task_period_ms: as the controller's option.
-    :param drawn: draw the scenario's perturbations with the seed.
+    :param spec: None: the usual law in lockstep, seed 0.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
+    :param controller: what computes the notch in the place of the law of the run.
     """
+    spec = spec or RunSpec()
     log = FrameLog(folder)
-    session = Session(
-        scenario,
-        log.write,
-        seed=seed,
-        perturbed=drawn,
-        controller=controller if parameters is None else parameters.controller,
-        arithmetic=arithmetic,
-        indexing=indexing,
-        fd=fd,
-    )
-    options = ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms, parameters=parameters)
-    node = ControllerNode(scenario, options, law)
-
-    def to_controller(frame: Frame) -> list[Frame]:
-        frames = [frame] if wire is None else wire(frame)
-        return [answer for item in frames for answer in node.handle(item)]
-
-    plant = PlantNode(
-        scenario, PlantOptions(seed=seed, perturbed=drawn, fd=fd), LocalBus([to_controller, session.handle])
-    )
+    session = Session(scenario, log.write, spec, fd=fd)
+    node = ControllerNode(scenario, spec.law, controller, fd=fd)
+    plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire)
     ended = plant.run()
     sha256 = log.close()
     trace = trace_of(read_log(log.path))
@@ -133,19 +111,31 @@ def local_run(
     )
 
 
-def direct_run(
+def plant_beside(
     scenario: Scenario,
+    spec: RunSpec,
+    node: ControllerNode,
+    session: Session,
     *,
-    seed: int = 0,
-    drawn: bool = False,
-    controller: str = "ipfc",
-    arithmetic: str = "iq",
-    indexing: str = "time",
-    parameters: ParameterSet | None = None,
-) -> BenchRun:
+    fd: bool = False,
+    wire: Callable[[Frame], list[Frame]] | None = None,
+) -> PlantNode:
+    """The plant of a run in this process: its :meth:`~railhil.plant_sim.node.PlantNode.run` is the run.
+
+    :param wire: as :func:`local_run`.
+    """
+
+    def to_controller(frame: Frame) -> list[Frame]:
+        return [answer for item in wire(frame) for answer in node.handle(item)] if wire else node.handle(frame)
+
+    return PlantNode(scenario, spec, LocalBus([to_controller, session.handle]), fd=fd)
+
+
+def direct_run(scenario: Scenario, spec: RunSpec | None = None) -> BenchRun:
     """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
-    law = Controller(scenario, controller, arithmetic, indexing, parameters)
-    run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, seed=seed, drawn=drawn, indexing=indexing)
+    spec = spec or RunSpec()
+    law = Controller(scenario, spec.law.controller, spec.law.arithmetic, spec.law.indexing, spec.law.parameters)
+    run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, spec)
     run.arithmetic = law.counters
     return run
 
@@ -168,10 +158,7 @@ def coupled_schedule(scenario: Scenario) -> Schedule:
 def coupled_run(
     scenario: Scenario,
     law: Callable[[int, int, int, BaliseReading[int]], int],
-    *,
-    seed: int = 0,
-    drawn: bool = False,
-    indexing: str = "time",
+    spec: RunSpec | None = None,
 ) -> BenchRun:
     """One run of the plant under any law.
 
@@ -179,14 +166,17 @@ def coupled_run(
     TRN_POS last gave it. There is no reaction ladder in the controller.
 
     :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
-    :param indexing: what the law follows, for the score.
+    :param spec: of its law only the set-points that it follows, for the score.
     :raises InputError: as :func:`coupled_schedule`.
     """
-    actual = perturbed(scenario, seed) if drawn else scenario
-    plant = Plant(actual, seed)
+    spec = spec or RunSpec()
+    actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
+    plant = Plant(actual, spec.seed)
     coupled = _Coupled(scenario, plant, law)
-    ident = make_ident(Role.CONTROLLER, scenario.sha256, seed=seed, perturbed=drawn, indexing=indexing)
-    coupled.publish(ident)
+    indexing = spec.law.indexing
+    coupled.publish(
+        make_ident(Role.CONTROLLER, scenario.sha256, seed=spec.seed, perturbed=spec.perturbed, indexing=indexing)
+    )
     truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
     makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
     TickLoop(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()

@@ -48,6 +48,16 @@ class _File(BaseModel):
     training: _Training | None = None
 
 
+class _Stored(BaseModel):
+    """:meth:`ParameterSet.as_json`."""
+
+    model_config = ConfigDict(defer_build=True, extra="forbid", strict=True)
+    law: str = Field(min_length=1)
+    sha256: str
+    values: dict[str, Any]
+    training: _Training | None = None
+
+
 @dataclass(frozen=True)
 class ParameterSet:
     """Parameters of one law, as a file gives them.
@@ -109,13 +119,57 @@ class ParameterSet:
             )
 
 
+def parameters_from_json(document: Mapping[str, Any], source: Path) -> ParameterSet:
+    """The parameters of a document as :meth:`ParameterSet.as_json` makes it.
+
+    :param source: the file it is from.
+    :raises InputError: it is none, or not with the values that it has the hash of.
+    """
+    file = validated(_Stored, dict(document), lambda keys: source)
+    training = file.training
+    found = _finite(
+        ParameterSet(
+            file.law,
+            file.values,
+            source,
+            training.scenario if training else "",
+            frozenset(training.seeds) if training else frozenset(),
+        )
+    )
+    if file.sha256 != found.sha256:
+        raise InputError(source, "parameters.sha256", file.sha256, f"{found.sha256}: values that nobody changed")
+    return found
+
+
+def _finite(given: ParameterSet) -> ParameterSet:
+    for key, value in given.values.items():
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(given.source, f"parameters.{key}", value, "a finite number")
+    return given
+
+
+def _stored(path: Path, text: str) -> ParameterSet:
+    try:
+        document = json.loads(text)
+    except RecursionError:
+        document = None
+    # A certificate holds the same document beside much else.
+    document = document.get("parameters", document) if isinstance(document, dict) else None
+    if not isinstance(document, dict):
+        raise ValueError("no JSON object with parameters")
+    return parameters_from_json(document, path)
+
+
 def load_parameters(path: Path) -> ParameterSet:
-    """Read a parameter file.
+    """Read a parameter file, or ``parameters.json`` or ``certificate.json`` of a run folder.
 
     :raises InputError: it cannot be read, or is not what stands in the head of this module.
     """
     try:
-        content = parsed_toml(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if path.suffix == ".json":
+            return _stored(path, text)
+        content = parsed_toml(text)
     except OSError as error:
         found = Words(error.strerror or str(error))
         raise InputError(path, "", found, "a parameter file (TOML)", near_file(path)) from error
@@ -123,14 +177,13 @@ def load_parameters(path: Path) -> ParameterSet:
         # No text, or no TOML that can be worked with.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
-    for key, value in file.parameters.items():
-        if isinstance(value, float) and not math.isfinite(value):
-            raise InputError(path, f"parameters.{key}", value, "a finite number")
     training = file.training
-    return ParameterSet(
-        file.law,
-        file.parameters,
-        path,
-        training.scenario if training else "",
-        frozenset(training.seeds) if training else frozenset(),
+    return _finite(
+        ParameterSet(
+            file.law,
+            file.parameters,
+            path,
+            training.scenario if training else "",
+            frozenset(training.seeds) if training else frozenset(),
+        )
     )

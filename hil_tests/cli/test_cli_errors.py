@@ -22,15 +22,16 @@ from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import Event
 from railhil.cli import programs as outside
 from railhil.common.errors import InputError
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
-from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
+from railhil.plant_sim.node import PlantNode, Refused
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import run_folder
 from railhil.supervisor.framelog import log_line, sha256_of
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
 from railhil.supervisor.session import Session
+from railhil.supervisor.start_up import StartUp
 
 Railhil = Callable[..., Done]
 
@@ -200,7 +201,7 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
 def test_interface_without_its_driver(tmp_path):
     """python-can's plugins raise anything when the vendor's library is missing; kvaser a NameError."""
     choice = BusChoice({"interface": "kvaser", "channel": "0"}, "test")
-    run = Run(load("lvshun_tieshan"), RunOptions("lvshun_tieshan", attach=True), choice, tmp_path)
+    run = Run(load("lvshun_tieshan"), RunSpec(), StartUp(attach=True), choice, tmp_path)
     with pytest.raises(BusUnavailable, match=r"^bus kvaser:0 cannot be opened: ."):
         run.execute()
 
@@ -217,8 +218,8 @@ def test_attach_with_nobody_there(tmp_path):
             return [Frame(0x7FF, b"\0")]
 
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    options = RunOptions("lvshun_tieshan", attach=True, appear_s=0.3)
-    run = Run(load("lvshun_tieshan"), options, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
+    how = StartUp(attach=True, appear_s=0.3)
+    run = Run(load("lvshun_tieshan"), RunSpec(), how, choice, tmp_path, open_bus=lambda _config, _name: Chatter())
     result = run.execute()
     assert (result.exit_code, result.frames) == (3, 0)
     assert result.line == "no plant on socketcan:can0 within 0.3 s"
@@ -252,11 +253,9 @@ def test_nodes_that_do_not_agree(tmp_path, socket_folder):
 def test_controller_that_is_not_the_one_asked_for(lvshun):
     """Only the supervisor knows what was asked for: the plant has no opinion on the controller's arithmetic."""
     lines: list[str] = []
-    session = Session(
-        lvshun, lines.append, seed=0, perturbed=False, controller="ipfc", arithmetic="iq", indexing="time"
-    )
-    node = ControllerNode(lvshun, ControllerOptions("ipfc", "float64"))
-    plant = PlantNode(lvshun, PlantOptions(), LocalBus([node.handle, session.handle]))
+    session = Session(lvshun, lines.append, RunSpec())
+    node = ControllerNode(lvshun, LawSpec("ipfc", "float64"))
+    plant = PlantNode(lvshun, RunSpec(), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused):
         plant.run()
     assert session.disagreements == ["arithmetic differs: controller float64, supervisor iq"]
@@ -265,10 +264,9 @@ def test_controller_that_is_not_the_one_asked_for(lvshun):
 
 def test_a_supervisor_that_takes_the_plant_for_another_pace(lvshun):
     """A realtime run recorded as lockstep would be judged without its jitter."""
-    asked = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time"}
-    session = Session(lvshun, lambda line: None, seed=0, perturbed=False, **asked)
-    node = ControllerNode(lvshun, ControllerOptions())
-    plant = PlantNode(lvshun, PlantOptions(rate=100.0), LocalBus([node.handle, session.handle]))
+    session = Session(lvshun, lambda line: None, RunSpec())
+    node = ControllerNode(lvshun, LawSpec())
+    plant = PlantNode(lvshun, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     with pytest.raises(Refused, match="pace differs: plant realtime, supervisor lockstep"):
         plant.run()
 

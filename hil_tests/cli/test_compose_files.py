@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from hil_tests.support.paths import ROOT
-from railhil.supervisor.options import RunOptions
+from railhil.scenarios.run_spec import RunSpec
 
 _FILES = sorted(path.name for path in ROOT.glob("docker-compose*.yml"))
 
@@ -42,15 +42,15 @@ def test_one_service_alone_has_a_capability_and_goes_without_no_new_privileges()
 def test_defaults_are_those_of_the_command() -> None:
     """Who starts the same scenario with and without containers expects the same bytes."""
     said = compose_file("docker-compose.yml")["x-bench"]["environment"]
-    options = RunOptions("lvshun_tieshan")
+    run = RunSpec()
     assert said == said | {
-        "SCENARIO": f"${{SCENARIO:-{options.scenario}}}",
-        "CONTROLLER": f"${{CONTROLLER:-{options.controller}}}",
-        "ARITHMETIC": f"${{ARITHMETIC:-{options.arithmetic}}}",
-        "SEED": f"${{SEED:-{options.seed}}}",
-        "PACE": f"${{PACE:-{options.pace}}}",
-        "PATIENCE": f"${{PATIENCE:-{options.patience_s:g}}}",
-        "RATE": f"${{RATE:-{options.rate:g}}}",
+        "SCENARIO": f"${{SCENARIO:-{run.scenario}}}",
+        "CONTROLLER": f"${{CONTROLLER:-{run.law.controller}}}",
+        "ARITHMETIC": f"${{ARITHMETIC:-{run.law.arithmetic}}}",
+        "SEED": f"${{SEED:-{run.seed}}}",
+        "PACE": f"${{PACE:-{run.pace}}}",
+        "PATIENCE": f"${{PATIENCE:-{run.patience_s:g}}}",
+        "RATE": f"${{RATE:-{run.rate:g}}}",
     }
 
 

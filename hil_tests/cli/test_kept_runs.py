@@ -22,10 +22,11 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
 from railhil.bus.telegrams import SimTruth
 from railhil.dbc import wire_contract
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import Trace
 
 
@@ -169,7 +170,7 @@ def test_disk_without_room_for_a_run(tmp_path, size_kib):
 
 def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_path, lvshun):
     choice = BusChoice({"interface": "railhil", "channel": "c"}, "test")
-    run = Run(lvshun, RunOptions("lvshun_tieshan"), choice, tmp_path)
+    run = Run(lvshun, RunSpec(), StartUp(), choice, tmp_path)
     log = FrameLog(tmp_path)
     ident = make_ident(Role.PLANT, lvshun.sha256)
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
@@ -177,7 +178,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     result = run._result(0, log.close(), {}, "a reason", False)
     trace = Trace()
     trace.add(SimTruth.PORT, 0, SimTruth().encode())
-    write_folder(tmp_path, lvshun, run.options, result, trace, [])
+    write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     kept = sorted(path.name for path in tmp_path.iterdir())
     assert kept == ["certificate.json", "frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
 
@@ -187,6 +188,6 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     (tmp_path / "telemetry.json").touch()
     monkeypatch.setattr("railhil.supervisor.folder.certificate", full)
     with pytest.raises(RecordFailed, match="cannot be written: no space left on device") as caught:
-        write_folder(tmp_path, lvshun, run.options, result, trace, [])
+        write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     assert caught.value.exit_code == 4
     assert sorted(path.name for path in tmp_path.iterdir()) == ["frames.log", "telemetry.json"]

@@ -16,7 +16,8 @@ from railhil.bus.responder import Responder
 from railhil.bus.telegrams import CtlMode, CtlStat, Event, NotchCmd, RunEvent, TimeSync, TrkInfo, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node import node as node_module
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 MS = 1_000_000
 NOTCH_POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
@@ -35,7 +36,7 @@ class Feeder:
     """A node under a task, driven by hand: one TRN_SPEED per tick of 10 ms opens it."""
 
     def __init__(self, lvshun, task_period_ms: int) -> None:
-        self.node = ControllerNode(lvshun, ControllerOptions(task_period_ms=task_period_ms))
+        self.node = ControllerNode(lvshun, LawSpec(task_period_ms=task_period_ms))
         self.ticks = 0
 
     def tick(self, *telegrams: Telegram, count: int = 1, speed: bool = True) -> None:
@@ -156,7 +157,7 @@ def test_poll_that_opens_the_tick_lets_the_task_run(lvshun):
 
 @pytest.fixture(scope="module")
 def at_50_ms(lvshun, tmp_path_factory):
-    return local_run(lvshun, tmp_path_factory.mktemp("task"), seed=1, task_period_ms=50)
+    return local_run(lvshun, tmp_path_factory.mktemp("task"), RunSpec(law=LawSpec(task_period_ms=50), seed=1))
 
 
 @pytest.mark.slow
@@ -167,7 +168,7 @@ def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tm
         return Responder(*arguments, **options)
 
     monkeypatch.setattr(node_module, "Responder", bare)
-    without = local_run(lvshun, tmp_path, seed=1)
+    without = local_run(lvshun, tmp_path, RunSpec(seed=1))
     assert "no_mailbox" not in without.counters["controller"]
     assert without.frames_sha256 == nominal.frames_sha256
 
@@ -187,7 +188,7 @@ def test_task_of_50_ms_holds_now_and_then_and_still_arrives(at_50_ms):
 
 @pytest.mark.faults
 def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
-    run = local_run(lvshun, tmp_path, seed=1, task_period_ms=400)
+    run = local_run(lvshun, tmp_path, RunSpec(law=LawSpec(task_period_ms=400), seed=1))
     modes = run.trace.raw(NotchCmd.PORT, "CtlMode").tolist()
     assert run.ended is Event.ENDED_NOT_STOPPED
     assert {CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE} <= set(modes)
@@ -208,7 +209,7 @@ def test_processes_give_the_record_of_the_loop_without_sockets(at_50_ms, tmp_pat
 
 
 def test_can_fd_has_no_mailboxes(lvshun):
-    node = ControllerNode(lvshun, ControllerOptions(fd=True))
+    node = ControllerNode(lvshun, LawSpec(), fd=True)
     for telegram in (TrnSpeed(50_000, life=1), track(3)):
         for frame in TelegramSource(type(telegram).port(), fd=True).frames(telegram.encode()):
             node.handle(frame)
@@ -216,8 +217,8 @@ def test_can_fd_has_no_mailboxes(lvshun):
     assert node.lost_messages == 0
     assert node.lost_by_mailbox == {}
     with pytest.raises(InputError, match=r"--task-period-ms: found 50, allowed 0 with CAN FD"):
-        ControllerNode(lvshun, ControllerOptions(fd=True, task_period_ms=50))
-    classic = ControllerNode(lvshun, ControllerOptions())
+        ControllerNode(lvshun, LawSpec(task_period_ms=50), fd=True)
+    classic = ControllerNode(lvshun, LawSpec())
     classic.handle(Frame(TrnSpeed.port().fd_id, bytes(8), FD))
     assert classic.counters == {"no_mailbox": 1}
 

@@ -20,11 +20,12 @@ from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.target import Target
 
 pytestmark = pytest.mark.needs_compiler
@@ -282,7 +283,7 @@ def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()
     :returns: the level after each tick, and the second block of the last CTL_STAT.
     """
     scenario = short()
-    node, c = ControllerNode(scenario, ControllerOptions()), CNode(exported(scenario), "ipfc")
+    node, c = ControllerNode(scenario, LawSpec()), CNode(exported(scenario), "ipfc")
     source, contract = TelegramSource(TrnSpeed.port()), wire_contract()
     polls = [master_frame(port.f_code, port.address) for port in map(contract.port, (NotchCmd.PORT, CtlStat.PORT))]
     levels, status = [], b""

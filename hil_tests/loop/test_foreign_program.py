@@ -24,6 +24,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, master_frame
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of
 
@@ -72,7 +73,9 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert "parameters: not known: the controller was not ours" in run.done.out
     (tmp_path / "python").mkdir()
     seed, drawn = int(arguments[1]), "--perturbed" in arguments
-    expected = local_run(scenario, tmp_path / "python", seed=seed, drawn=drawn, controller=law, indexing=indexing)
+    expected = local_run(
+        scenario, tmp_path / "python", RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
+    )
     assert expected.log is not None
     found = trace_of(read_log(tmp_path / "c/frames.log"))
     assert [int(code) for code in found.raw(NotchCmd.PORT, "NotchCmd")] == expected.notches

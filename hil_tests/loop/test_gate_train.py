@@ -12,10 +12,11 @@ from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import Event, NotchCmd
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 NOTCH_ID = NotchCmd.port().address
@@ -24,10 +25,8 @@ Wire = Callable[[Frame], list[Frame]]
 
 def run_with_answers(scenario: Scenario, change: Wire) -> tuple[PlantNode, Event]:
     """A run in which ``change`` does something to the controller's NOTCH_CMD answers."""
-    session = Session(
-        scenario, lambda line: None, seed=0, perturbed=False, controller="ipfc", arithmetic="iq", indexing="time"
-    )
-    node = ControllerNode(scenario, ControllerOptions())
+    session = Session(scenario, lambda line: None, RunSpec())
+    node = ControllerNode(scenario, LawSpec())
 
     def controller(frame: Frame) -> list[Frame]:
         return [
@@ -36,7 +35,7 @@ def run_with_answers(scenario: Scenario, change: Wire) -> tuple[PlantNode, Event
             for item in (change(answer) if answer.can_id == NOTCH_ID else [answer])
         ]
 
-    plant = PlantNode(scenario, PlantOptions(), LocalBus([controller, session.handle]))
+    plant = PlantNode(scenario, RunSpec(), LocalBus([controller, session.handle]))
     return plant, plant.run()
 
 

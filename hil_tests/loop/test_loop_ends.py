@@ -13,10 +13,11 @@ from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import EVENT_COPIES, CtlStat, Event, NotchCmd, RunEvent, SimTruth
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim import dynamics
-from railhil.plant_sim.node import PlantNode, PlantOptions, Refused
+from railhil.plant_sim.node import PlantNode, Refused
 from railhil.plant_sim.plant import PlantError
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.score import score
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import Trace
@@ -27,18 +28,16 @@ STATUS_POLL = master_frame(CtlStat.port().f_code, CtlStat.port().address)
 
 @pytest.fixture
 def session(lvshun):
-    return Session(
-        lvshun, lambda line: None, seed=0, perturbed=False, controller="ipfc", arithmetic="iq", indexing="time"
-    )
+    return Session(lvshun, lambda line: None, RunSpec())
 
 
-def plant_with(lvshun, session, controller, **options) -> PlantNode:
-    return PlantNode(lvshun, PlantOptions(**options), LocalBus([controller, session.handle]))
+def plant_with(lvshun, session, controller) -> PlantNode:
+    return PlantNode(lvshun, RunSpec(), LocalBus([controller, session.handle]))
 
 
 def test_controller_that_never_answers_a_notch_ends_the_run_at_once(lvshun, session):
     """It passes the handshake and then is silent: the train never moves, so no stop is to be waited for."""
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
 
     def half_finished(frame: Frame) -> list[Frame]:
         return [] if frame in (NOTCH_POLL, STATUS_POLL) else node.handle(frame)
@@ -55,7 +54,7 @@ def test_a_handshake_telegram_with_a_strange_role_is_counted_and_nothing_else(lv
     """A stray one in the middle of a run, with every check sequence right."""
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    node = ControllerNode(scenario, ControllerOptions())
+    node = ControllerNode(scenario, LawSpec())
     strays = iter([TelegramSource(telegram.port()).frames(telegram(role=role).encode()) for role in (3, 15)])
 
     def with_strays(frame: Frame) -> list[Frame]:
@@ -70,7 +69,7 @@ def test_a_handshake_telegram_with_a_strange_role_is_counted_and_nothing_else(lv
 
 
 def test_a_controller_with_a_strange_role_is_refused(lvshun, session):
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     node._ident.role = 9
     with pytest.raises(Refused, match=r"^CTL_IDENT has role 9, allowed 1$"):
         plant_with(lvshun, session, node.handle).run()
@@ -81,7 +80,7 @@ def test_a_controller_with_a_strange_role_is_refused(lvshun, session):
 def test_the_end_of_the_run_is_heard_when_one_repetition_arrives(lvshun, session, kept):
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    node = ControllerNode(scenario, ControllerOptions())
+    node = ControllerNode(scenario, LawSpec())
     ends = iter(range(EVENT_COPIES))
 
     def disturbed(frame: Frame) -> list[Frame]:
@@ -96,9 +95,8 @@ def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controlle
         if sim_time_s > 0.3:
             session.disagreements.append("the supervisor has changed its mind")
 
-    given = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "on_progress": changes_its_mind}
-    session = Session(lvshun, lambda line: None, seed=0, perturbed=False, **given)
-    node = ControllerNode(lvshun, ControllerOptions())
+    session = Session(lvshun, lambda line: None, RunSpec(), on_progress=changes_its_mind)
+    node = ControllerNode(lvshun, LawSpec())
     assert plant_with(lvshun, session, node.handle).run() is Event.ENDED_BY_SUPERVISOR
     assert session.ended is Event.ENDED_BY_SUPERVISOR
     assert node.ended is Event.ENDED_BY_SUPERVISOR
@@ -109,11 +107,10 @@ def test_stop_order_of_the_supervisor_ends_the_run_without_blaming_the_controlle
 def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s, ticks, rate):
     """CTL_STAT is due every 16 ticks; the run ends one tick after its time."""
     plan = dataclasses.replace(lvshun.plan, running_time_s=running_time_s, overtime_max_s=0.0)
-    pace = "realtime" if rate else "lockstep"
-    given = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "pace": pace}
+    run = RunSpec(pace="realtime" if rate else "lockstep", rate=rate)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    session = Session(scenario, lambda line: None, seed=0, perturbed=False, **given)
-    node = ControllerNode(scenario, ControllerOptions())
+    session = Session(scenario, lambda line: None, run)
+    node = ControllerNode(scenario, LawSpec())
     asked, heard = [], []
 
     def listening(frame: Frame) -> list[Frame]:
@@ -122,8 +119,7 @@ def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s
             asked.append(plant.plant.tick)
         return node.handle(frame)
 
-    options = PlantOptions(rate=rate, reply_ns=10**10)
-    plant = PlantNode(scenario, options, LocalBus([listening, session.handle]))
+    plant = PlantNode(scenario, run, LocalBus([listening, session.handle]), reply_ns=10**10)
     assert plant.run() is session.ended is Event.ENDED_NOT_STOPPED
     assert asked == ticks
     last_event = max(i for i, frame in enumerate(heard) if frame.can_id == RunEvent.port().can_ids[0])
@@ -134,7 +130,7 @@ def test_status_of_the_last_tick_is_always_asked_for_once(lvshun, running_time_s
 def test_last_status_is_asked_for_again_when_its_answer_is_damaged(lvshun, session, damaged, polls):
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    node = ControllerNode(scenario, ControllerOptions())
+    node = ControllerNode(scenario, LawSpec())
     asked = []
 
     def disturbed(frame: Frame) -> list[Frame]:
@@ -154,7 +150,7 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
     """The train has run to its end, but nobody knows what the controller would have said."""
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.16, overtime_max_s=0.0)
     scenario = dataclasses.replace(lvshun, plan=plan)
-    node = ControllerNode(scenario, ControllerOptions())
+    node = ControllerNode(scenario, LawSpec())
 
     def dying(frame: Frame) -> list[Frame]:
         return [] if frame == STATUS_POLL and plant.plant.tick == 17 else node.handle(frame)
@@ -166,7 +162,7 @@ def test_controller_that_dies_before_its_last_status_is_lost(lvshun, session):
 
 
 def test_plant_that_fails_says_so_on_the_bus(lvshun, session, monkeypatch):
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     plant = plant_with(lvshun, session, node.handle)
     whole = dynamics.step
     calls = {"steps": 0}

@@ -8,9 +8,10 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
-from railhil.controller_node.node import MAILBOXES, ControllerNode, ControllerOptions
+from railhil.controller_node.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 
 def test_nominal_run_is_healthy_and_complete(nominal):
@@ -33,15 +34,15 @@ def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
 def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    assert local_run(lvshun, tmp_path / "a", seed=1).frames_sha256 == nominal.frames_sha256
-    other = local_run(lvshun, tmp_path / "b", seed=2)
+    assert local_run(lvshun, tmp_path / "a", RunSpec(seed=1)).frames_sha256 == nominal.frames_sha256
+    other = local_run(lvshun, tmp_path / "b", RunSpec(seed=2))
     assert other.frames_sha256 != nominal.frames_sha256
     # Not only the handshake differs: the sensor noise does.
     assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(nominal.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
 
 
 def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
-    fd = local_run(lvshun, tmp_path, seed=1, fd=True)
+    fd = local_run(lvshun, tmp_path, RunSpec(seed=1), fd=True)
     assert fd.notches == nominal.notches
     assert fd.score == nominal.score
     assert fd.frames_sha256 != nominal.frames_sha256
@@ -52,10 +53,9 @@ def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
 @pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
 def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic, seed, drawn):
     is_nominal = (seed, drawn, arithmetic) == (1, False, "iq")
-    through_telegrams = (
-        nominal if is_nominal else local_run(lvshun, tmp_path, seed=seed, drawn=drawn, arithmetic=arithmetic)
-    )
-    direct = direct_run(lvshun, seed=seed, drawn=drawn, arithmetic=arithmetic)
+    run = RunSpec(law=LawSpec(arithmetic=arithmetic), seed=seed, perturbed=drawn)
+    through_telegrams = nominal if is_nominal else local_run(lvshun, tmp_path, run)
+    direct = direct_run(lvshun, run)
     assert direct.notches == through_telegrams.notches
     assert direct.score == through_telegrams.score
 
@@ -81,8 +81,8 @@ def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexi
     path = tmp_path / "timing.toml"
     path.write_text(f"{RUN_72M_TOML}[timing]\n{timing}\n")
     scenario = load(str(path))
-    through_telegrams = local_run(scenario, tmp_path, seed=1, indexing=indexing)
-    direct = direct_run(scenario, seed=1, indexing=indexing)
+    through_telegrams = local_run(scenario, tmp_path, RunSpec(law=LawSpec(indexing=indexing), seed=1))
+    direct = direct_run(scenario, RunSpec(law=LawSpec(indexing=indexing), seed=1))
     for port in (NotchCmd.PORT, SimTruth.PORT):
         assert direct.trace.times_s(port).tolist() == through_telegrams.trace.times_s(port).tolist(), port
     assert direct.notches == through_telegrams.notches
@@ -90,7 +90,7 @@ def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexi
 
 
 def test_controller_has_no_mailbox_for_the_truth(lvshun):
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     assert SimTruth not in MAILBOXES
     assert SimTruth.PORT not in node.responder.store.ports
     truth_ids = set(SimTruth.port().can_ids)
@@ -105,7 +105,7 @@ def test_scrambled_truth_changes_nothing_for_the_controller(nominal, lvshun, tmp
     def wire(frame: Frame) -> list[Frame]:
         return [frame._replace(data=b"\xa5" * 8)] if frame.can_id in truth_ids else [frame]
 
-    assert local_run(lvshun, tmp_path, seed=1, wire=wire).notches == nominal.notches
+    assert local_run(lvshun, tmp_path, RunSpec(seed=1), wire=wire).notches == nominal.notches
 
 
 def test_control_status_follows_the_law(nominal):

@@ -21,6 +21,7 @@ from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log, sha256_of
 from railhil.supervisor.trace import trace_of
 
@@ -101,7 +102,7 @@ def test_tcp_hub_gives_the_same_bytes(short, tmp_path):
         bus = ("-i", "railhil", "-c", channel, "--bus-kwargs", "connect_timeout=10")
         done = railhil("run", short, "--seed", "1", "--out", folder, "--quiet", "--no-report", *bus)
         assert done.exit_code in (0, 1), done.err
-        assert certificate(folder)["frames_sha256"] == local_run(load(short), tmp_path, seed=1).frames_sha256
+        assert certificate(folder)["frames_sha256"] == local_run(load(short), tmp_path, RunSpec(seed=1)).frames_sha256
     finally:
         hub.terminate()
         assert hub.wait(5) == 0

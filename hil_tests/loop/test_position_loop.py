@@ -22,6 +22,7 @@ from railhil.bus.telegrams import BalisePassed, CtlMode, CtlStat, Event, NotchCm
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 WORN = load("lvshun_tieshan_worn_wheels")
 #: 146 s.
@@ -81,8 +82,9 @@ def late(by_s: float) -> Fault:
 
 def run_with(folder: Path, kind: type[Telegram], fault: Fault, scenario: Scenario = SHORT, **options: Any) -> BenchRun:
     folder.mkdir(exist_ok=True)
-    given = {"controller": "ipfc_plus", "seed": SEED, "drawn": True, **options}
-    return local_run(scenario, folder, wire=Wire(kind, fault), **given)
+    seed, drawn = options.pop("seed", SEED), options.pop("drawn", True)
+    law = LawSpec(**{"controller": "ipfc_plus", **options})
+    return local_run(scenario, folder, RunSpec(law=law, seed=seed, perturbed=drawn), wire=Wire(kind, fault))
 
 
 def assert_braked(run: BenchRun, begin_s: float) -> None:
@@ -172,7 +174,7 @@ def test_a_law_by_distance_brakes_and_one_by_time_runs_on(tmp_path: Path) -> Non
     by_distance = run_with(tmp_path / "d", TrnPos, silent(60), controller="tdmc", indexing="distance")
     assert_braked(by_distance, 60)
     by_time = run_with(tmp_path / "t", TrnPos, silent(60), controller="tdmc")
-    healthy = direct_run(SHORT, seed=SEED, drawn=True, controller="tdmc")
+    healthy = direct_run(SHORT, RunSpec(law=LawSpec("tdmc"), seed=SEED, perturbed=True))
     assert by_time.notches == healthy.notches
 
 

@@ -22,14 +22,15 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.laws.base import SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import Score
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace
 
@@ -56,12 +57,12 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
     with pytest.MonkeyPatch.context() as patch:
         folder = tmp_path_factory.mktemp("wrapped")
         plug_in(folder, patch, squared=Squared)
-        return local_run(lvshun, folder, seed=1, controller="squared")
+        return local_run(lvshun, folder, RunSpec(law=LawSpec("squared"), seed=1))
 
 
 @pytest.mark.faults
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
-    slow = local_run(lvshun, tmp_path, seed=1, task_period_ms=50)
+    slow = local_run(lvshun, tmp_path, RunSpec(law=LawSpec(task_period_ms=50), seed=1))
     for run, lost in ((nominal, False), (slow, True)):
         flags = run.trace.raw(CtlStat.PORT, "OverflowFlags")
         assert bool(np.any(flags & ControllerFlag.MESSAGE_LOST)) is lost
@@ -118,7 +119,7 @@ def test_a_wrap_in_the_last_step_fails_the_run(
     """Control periods begin in ticks 0 and 50, CTL_STAT is due in tick 48, and the run ends in tick 53."""
     plug_in(tmp_path, monkeypatch, late=Late)
     plan = dataclasses.replace(lvshun.plan, running_time_s=0.52, overtime_max_s=0.0)
-    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path, controller="late")
+    run = local_run(dataclasses.replace(lvshun, plan=plan), tmp_path, RunSpec(law=LawSpec("late")))
     assert run.telemetry["steps"] == 2
     assert run.trace.times_s(CtlStat.PORT).tolist() == [0.0, 0.16, 0.32, 0.48, 0.53]
     assert "fixed-point wrap in the controller, reported at 0.53 s" in run.score.failures
@@ -138,7 +139,7 @@ def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: Ben
     assert done.exit_code == FAIL
     assert done.json["failures"] == list(wrapped.score.failures)
     for run, fails in ((wrapped, True), (nominal, False)):
-        root = junit(lvshun, RunOptions("lvshun_tieshan"), result_of(run.score)).getroot()
+        root = junit(lvshun, RunSpec(), result_of(run.score)).getroot()
         case = next(case for case in root.iter("testcase") if case.get("name") == "no_wrap")
         failure = case.find("failure")
         assert (failure is not None) is fails
@@ -151,7 +152,7 @@ def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) ->
     trace = Trace()
     trace.add(CtlStat.PORT, 0, CtlStat().encode())
     assert shown_telemetry(trace) is None
-    document = score_json(lvshun, result_of(nominal.score), RunOptions("lvshun_tieshan", attach=True, perturbed=True))
+    document = score_json(lvshun, result_of(nominal.score), RunSpec(perturbed=True))
     assert document["telemetry"] is None
     # Nor on which runs its own parameters were chosen.
     assert document["run"]["seed_was_trained"] is None
@@ -231,10 +232,12 @@ def test_attached_run_takes_the_telemetry_from_the_record(
 
 
 def test_whoever_starts_the_nodes_says_how_it_is_done_again() -> None:
-    attached = RunOptions("lvshun_tieshan", attach=True, rerun_command="SEED=0 docker compose up")
-    assert (run_command(attached, []), rerun_needs(attached)) == ("SEED=0 docker compose up", None)
-    foreign = RunOptions("lvshun_tieshan", foreign=True)
-    assert run_command(foreign, ["-i", "socketcan", "-c", "can0"]).endswith("--no-controller -i socketcan -c can0")
+    attached = StartUp(attach=True, rerun_command="SEED=0 docker compose up")
+    assert (run_command(RunSpec(), attached, []), rerun_needs(attached)) == ("SEED=0 docker compose up", None)
+    foreign = StartUp(foreign=True)
+    assert run_command(RunSpec(), foreign, ["-i", "socketcan", "-c", "can0"]).endswith(
+        "--no-controller -i socketcan -c can0"
+    )
     assert "board" in str(rerun_needs(foreign))
 
 
@@ -280,7 +283,7 @@ def test_a_broken_file_counts_as_missing(nominal: BenchRun, tmp_path: Path, chan
 
 
 def test_infinite_extremes_are_null(lvshun: Scenario, tmp_path: Path) -> None:
-    node = ControllerNode(lvshun, ControllerOptions(arithmetic="float64"))
+    node = ControllerNode(lvshun, LawSpec(arithmetic="float64"))
     number = make("float64")
     number.noted = [math.inf] * len(node.controller.telemetry.quantities)
     node.controller.telemetry.take(number)
@@ -297,7 +300,7 @@ def test_infinite_extremes_are_null(lvshun: Scenario, tmp_path: Path) -> None:
 def test_a_full_disk_costs_the_file_and_nothing_else(
     lvshun: Scenario, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     write_telemetry(node, tmp_path / "gone" / "telemetry.json")
     assert "is lost: no such file or directory" in capsys.readouterr().err
     assert node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))

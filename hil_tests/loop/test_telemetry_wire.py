@@ -17,10 +17,11 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, CtlStat
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.telemetry import shown_telemetry
 from railhil.supervisor.trace import Trace
@@ -36,7 +37,7 @@ def answer(node: ControllerNode, telegram: type[Any]) -> Any:
 
 def running_node(scenario: Scenario, run: BenchRun, arithmetic: str = "iq") -> ControllerNode:
     """A controller that has heard the first seconds of a recorded run."""
-    node = ControllerNode(scenario, ControllerOptions(arithmetic=arithmetic))
+    node = ControllerNode(scenario, LawSpec(arithmetic=arithmetic))
     assert run.log is not None
     for time_ns, frame in read_log(run.log):
         if time_ns > 5e9:
@@ -106,7 +107,7 @@ def test_floats_have_no_headroom_on_the_wire(lvshun: Scenario, nominal: BenchRun
         status = answer(node, CtlStat)
         assert (status.telemetry_headroom_bits, status.telemetry_extreme) == (HEADROOM_UNUSED, 0)
         assert status.step_cycles == 0
-    fresh = answer(ControllerNode(lvshun, ControllerOptions()), CtlStat)
+    fresh = answer(ControllerNode(lvshun, LawSpec()), CtlStat)
     assert (fresh.telemetry_index, fresh.telemetry_headroom_bits) == (NO_QUANTITY, HEADROOM_UNUSED)
 
 
@@ -138,7 +139,7 @@ def test_extremes_of_every_size_and_the_first_127_quantities(lvshun: Scenario, n
 
 @pytest.mark.parametrize(("cycles", "sent"), [(65_534, 65_534), (65_535, 65_535), (65_536, 65_535), (9**9, 65_535)])
 def test_cycles_saturate_on_the_wire_only(lvshun: Scenario, nominal: BenchRun, cycles: int, sent: int) -> None:
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     node.controller.cost = dataclasses.replace(node.controller.cost, cycles=cycles)
     assert nominal.log is not None
     for time_ns, frame in read_log(nominal.log):

@@ -25,6 +25,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Perturbations, Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 YIZHUANG = (
     "yizhuang_01_songjiazhuang_xiaocun",
@@ -93,7 +94,7 @@ class LawProperties:
         """It drives a nominal run in fixed point, and computes along in float64."""
         scenario = load(self.scenario)
         quantities = record(scenario, self.law, indexing).quantities
-        run = shadow_run(scenario, self.law, make("iq"), quantities, indexing=indexing)
+        run = shadow_run(scenario, LawSpec(self.law, indexing=indexing), make("iq"), quantities)
         raw = next(e for e in errors(quantities, run.audited, run.reference) if e.name == "notch_raw")
         codes = compare_codes(run.audited, run.reference)
         assert raw.maximum is not None
@@ -147,8 +148,8 @@ class LawProperties:
     @pytest.mark.parametrize("name", YIZHUANG)
     def test_takes_a_train_from_station_to_station(self, name: str) -> None:
         scenario = load(name)
-        nominal = run_batch(Case(scenario, self.law, "iq", perturbed=False), [0])
-        drawn = run_batch(Case(scenario, self.law, "iq"), SEEDS)
+        nominal = run_batch(Case(scenario, LawSpec(self.law), perturbed=False), [0])
+        drawn = run_batch(Case(scenario, LawSpec(self.law)), SEEDS)
         for runs in (nominal, drawn):
             assert set(runs.ended) == {"ended_complete"}
             assert not np.isnan(runs.values["stop_error_m"]).any()
@@ -162,9 +163,10 @@ class LawProperties:
     def test_bus_direct_coupling_and_batch_give_the_same_notches(self, tmp_path: Path) -> None:
         """With worn wheels and misplaced balises, so that a law that uses the balises must get the same readings."""
         scenario: Scenario = load(_WORN)
-        over_bus = local_run(scenario, tmp_path, seed=1003, drawn=True, controller=self.law)
-        coupled = direct_run(scenario, seed=1003, drawn=True, controller=self.law)
-        batch = run_batch(Case(scenario, self.law, "iq"), [1003])
+        spec = RunSpec(law=LawSpec(self.law), seed=1003, perturbed=True)
+        over_bus = local_run(scenario, tmp_path, spec)
+        coupled = direct_run(scenario, spec)
+        batch = run_batch(Case(scenario, LawSpec(self.law)), [1003])
         assert over_bus.notches == coupled.notches
         assert over_bus.score == coupled.score
         assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]

@@ -16,6 +16,7 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 
 class PredictiveProperties(LawProperties):
@@ -81,8 +82,11 @@ def test_every_registered_law_inherits_them() -> None:
 def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
     """The inputs of track laws arrive: with worn wheels nothing else can know where the train is."""
     scenario = load("lvshun_tieshan_worn_wheels")
-    worst = {law: run_batch(Case(scenario, law, "iq"), SEEDS).values["stop_error_m"].max() for law in ("ipfc",
-    "ipfc_plus")} assert load_law("ipfc_plus").track
+    worst = {
+        law: run_batch(Case(scenario, LawSpec(law)), SEEDS).values["stop_error_m"].max()
+        for law in ("ipfc", "ipfc_plus")
+    }
+    assert load_law("ipfc_plus").track
     assert worst["ipfc_plus"] < 0.1 < 5.0 < worst["ipfc"]
 
 

@@ -17,9 +17,10 @@ from railhil.bus.ident import CtlIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.export import make_bundle, write_bundle
-from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.controller_node.node import ControllerNode
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 #: The controller around the law; the program has its sockets and its loop besides.
@@ -148,10 +149,9 @@ def twin_run(
     :param wire: what the bus does to a frame on its way to both.
     :raises AssertionError: at the first answer that differs.
     """
-    node = ControllerNode(scenario, ControllerOptions(law, "iq", indexing))
-    session = Session(
-        scenario, lambda line: None, seed=seed, perturbed=drawn, controller=law, arithmetic="iq", indexing=indexing
-    )
+    spec = RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
+    node = ControllerNode(scenario, spec.law)
+    session = Session(scenario, lambda line: None, spec)
     run = TwinRun(0, {}, {}, set(), (0, 0))
     met = False
 
@@ -170,7 +170,7 @@ def twin_run(
             answers += expected
         return answers
 
-    PlantNode(scenario, PlantOptions(seed=seed, perturbed=drawn), LocalBus([both, session.handle])).run()
+    PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
     run.python, run.c = node.counters, c.counters
     run.ended = (int(node.ended or 0), c.ended)
     return run

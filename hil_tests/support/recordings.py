@@ -6,14 +6,15 @@ from pathlib import Path
 
 from railhil.bench import local_run
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.folder import write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.json_file import write_json
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.telemetry import read_origin, read_summary
 
 
@@ -21,7 +22,8 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     """One run in this process, its folder written as the command writes it."""
     folder.mkdir()
     write_inputs(folder, scenario, None)
-    run = local_run(scenario, folder, seed=seed, arithmetic=arithmetic)
+    spec = RunSpec(scenario.name, law=LawSpec(arithmetic=arithmetic), seed=seed)
+    run = local_run(scenario, folder, spec)
     write_json(folder / "telemetry.json", run.telemetry)
     result = RunResult(
         score=run.score,
@@ -37,6 +39,5 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         origin=read_origin(folder),
         timing=lockstep_timing(run.trace),
     )
-    options = RunOptions(scenario.name, arithmetic=arithmetic, seed=seed)
-    write_folder(folder, scenario, options, result, run.trace, [])
+    write_folder(folder, scenario, spec, StartUp(), result, run.trace, [])
     return recorded_run(folder, read_certificate(folder) or {}, scenario, run.trace, run.score)

@@ -12,6 +12,7 @@ from hil_tests.support.venvs import Environment
 from hil_tests.wheel.conftest import Built
 from railhil.bench import local_run
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 #: 8 m in 8 s: rounding, feedback and the stop.
 SHORT = """\
@@ -28,10 +29,11 @@ _IN_PROCESS = """\
 import json, pathlib, sys
 from railhil.bench import local_run
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 scenario, folder = load("short.toml"), pathlib.Path("local")
 for arithmetic in sys.argv[1:]:
     (folder / arithmetic).mkdir(parents=True)
-    print(local_run(scenario, folder / arithmetic, seed=7, controller="ipfc_plus", arithmetic=arithmetic).frames_sha256)
+    print(local_run(scenario, folder / arithmetic, RunSpec(law=LawSpec("ipfc_plus", arithmetic), seed=7)).frames_sha256)
 """
 _OTHERS = [version for version in venvs.VERSIONS if version != venvs.RUNNING]
 if venvs.debian_version() is not None:
@@ -58,14 +60,14 @@ def test_logs_have_equal_hashes(other: Environment, tmp_path: Path) -> None:
     for arithmetic in arithmetics:
         (tmp_path / arithmetic).mkdir()
         scenario = load(str(other.folder / "short.toml"))
-        run = local_run(scenario, tmp_path / arithmetic, seed=7, controller="ipfc_plus", arithmetic=arithmetic)
+        run = local_run(scenario, tmp_path / arithmetic, RunSpec(law=LawSpec("ipfc_plus", arithmetic), seed=7))
         here.append(run.frames_sha256)
     assert len(set(here)) == 2
     assert other.run("python", "-c", _IN_PROCESS, *arithmetics).split() == here
 
 
 def test_command_in_three_processes(other: Environment, tmp_path: Path) -> None:
-    expected = local_run(load(str(other.folder / "short.toml")), tmp_path, seed=3)
+    expected = local_run(load(str(other.folder / "short.toml")), tmp_path, RunSpec(seed=3))
     exit_code = 1 if expected.score.failures else 0
     other.run("railhil", "run", "short.toml", "--seed", "3", "--out", "run", exit_code=exit_code)
     certificate = json.loads((other.folder / "run" / "certificate.json").read_text(encoding="utf-8"))

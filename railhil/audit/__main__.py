@@ -11,14 +11,14 @@ from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
 from railhil.batch.perturbed_runs import FIRST_SEED
-from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
+from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.controller_node.setpoint import INDEXINGS
 from railhil.scenarios.load import load
 from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
 
 _RUNS_MAX = 100_000
@@ -43,7 +43,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
     )
-    parser.add_argument("--indexing", choices=INDEXINGS, default="time", help="set-point indexing (default time)")
+    add_indexing_argument(parser)
     parser.add_argument(
         "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run with the shadows (default 0)"
     )
@@ -67,9 +67,7 @@ def main(words: Sequence[str] | None = None) -> int:
         require_perturbations(scenario, "--runs")
         say_compiling(Output(stderr=True).say)
     options = Options(
-        namespace.controller,
-        namespace.arithmetic,
-        namespace.indexing,
+        LawSpec(namespace.controller, namespace.arithmetic, namespace.indexing),
         namespace.seed,
         namespace.runs,
     )

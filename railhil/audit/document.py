@@ -51,9 +51,9 @@ def document(result: Result) -> dict[str, Any]:
     return {
         "scenario": result.scenario.name,
         "scenario_sha256": result.scenario.sha256,
-        "controller": options.controller,
-        "arithmetic": options.arithmetic,
-        "indexing": options.indexing,
+        "controller": options.law.controller,
+        "arithmetic": options.law.arithmetic,
+        "indexing": options.law.indexing,
         "seed": options.seed,
         "runs": options.runs,
         "met": result.met,
@@ -63,7 +63,7 @@ def document(result: Result) -> dict[str, Any]:
         "errors": [_error(error) for error in result.errors],
         "notch": _codes(result.codes),
         "floor": _floor(result.floor),
-        "scores": {options.arithmetic: _scores(result.score), "float64": _scores(result.reference_score)},
+        "scores": {options.law.arithmetic: _scores(result.score), "float64": _scores(result.reference_score)},
         "effect": [asdict(one) | {"difference": one.difference, "met": one.met} for one in effect.scores]
         if effect
         else [],

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from statistics import median
 
 from railhil.batch.perturbed_runs import Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.criteria import ATO_CRITERIA, Criterion
 from railhil.supervisor.score import Score
 
@@ -66,12 +67,9 @@ def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) 
     )
 
 
-def effect(scenario: Scenario, runs: int, *, controller: str, arithmetic: str, indexing: str) -> Effect:
+def effect(scenario: Scenario, runs: int, law: LawSpec) -> Effect:
     """Run ``runs`` draws twice and compare their scores."""
-    audited, reference = (
-        outcomes(scenario, runs, controller=controller, arithmetic=name, indexing=indexing)
-        for name in (arithmetic, "float64")
-    )
+    audited, reference = (outcomes(scenario, runs, each) for each in (law, replace(law, arithmetic="float64")))
     return compared(audited, reference)
 
 

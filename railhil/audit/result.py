@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from railhil.audit.bounds import Bounds, bounds_of
@@ -19,6 +19,7 @@ from railhil.controller_node.laws.constant_table import coarse
 from railhil.controller_node.program.record import record
 from railhil.controller_node.telemetry import QuantityTelemetry
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.score import Score
 
 #: Share of control periods in which the notch code must be float64's, and how far the others may be off (1/256 notch).
@@ -30,9 +31,7 @@ CODE_DIFFERENCE_MAX = 1
 class Options:
     """What is audited, and how thoroughly: ``runs`` 0 leaves the perturbed runs out."""
 
-    controller: str = "ipfc"
-    arithmetic: str = "iq"
-    indexing: str = "time"
+    law: LawSpec = field(default_factory=LawSpec)
     seed: int = 0
     runs: int = 200
 
@@ -87,13 +86,13 @@ def audit(scenario: Scenario, options: Options) -> Result:
 
     :raises scenarios.errors.InputError: an unknown law, arithmetic or indexing.
     """
-    law, indexing = options.controller, options.indexing
+    law = options.law
 
     def fresh() -> Arithmetic[Any]:
-        return make(options.arithmetic)
+        return make(law.arithmetic)
 
     wide = fresh().wide
-    formats = record(scenario, law, indexing)
+    formats = record(scenario, law.controller, law.indexing)
     quantities = formats.quantities
     shadow = shadow_run(
         scenario,
@@ -101,33 +100,22 @@ def audit(scenario: Scenario, options: Options) -> Result:
         fresh(),
         quantities,
         others=() if wide else (floored(fresh()),),
-        indexing=indexing,
         seed=options.seed,
     )
 
     def driven(arithmetic: Arithmetic[Any]) -> Score:
-        loop = Watched(scenario, law, arithmetic, indexing, quantities)
-        return coupled_run(scenario, loop.step, seed=options.seed, indexing=indexing).score
+        loop = Watched(scenario, law, arithmetic, quantities)
+        return coupled_run(scenario, loop.step, RunSpec(law=law, seed=options.seed)).score
 
     floor = None
     if not wide:
         along = shadow.others[0]
         codes = compare_codes(along, shadow.reference)
         floor = Floor(errors(quantities, along, shadow.reference), codes, driven(floored(fresh())))
-    still = standstill(scenario, law, fresh(), fresh())
-    program = record(scenario, law, indexing, wide=True) if wide else formats
+    still = standstill(scenario, law.controller, fresh(), fresh())
+    program = record(scenario, law.controller, law.indexing, wide=True) if wide else formats
     price = cost_of(program, fresh(), scenario.timing.control_period_ns)
-    over_runs = (
-        effect(
-            scenario,
-            options.runs,
-            controller=law,
-            arithmetic=options.arithmetic,
-            indexing=indexing,
-        )
-        if options.runs
-        else None
-    )
+    over_runs = effect(scenario, options.runs, law) if options.runs else None
     bounds = None if wide else bounds_of(formats, shadow.audited.loop.law)
     return Result(
         scenario,

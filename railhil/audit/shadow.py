@@ -21,24 +21,25 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.model import Quantity
 from railhil.controller_node.telemetry import VALUE_BITS, Telemetry
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 
 class Watched:
     """A control loop that keeps the values of its named quantities and its notch codes, one row per period.
 
+    :param law: with its own parameters; its arithmetic is not looked at.
     :param quantities: those of the law, in the order of its notes.
     """
 
     def __init__(
         self,
         scenario: Scenario,
-        law: str,
+        law: LawSpec,
         arithmetic: Arithmetic[Any],
-        indexing: str,
         quantities: Sequence[Quantity],
     ) -> None:
         self.arithmetic = arithmetic
-        self.loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing)
+        self.loop: ControlLoop[Any] = ControlLoop(scenario, law.controller, arithmetic, law.indexing)
         self.telemetry = Telemetry(quantities)
         #: In the units of the quantities.
         self.rows: list[list[float]] = []
@@ -81,12 +82,11 @@ class ShadowRun:
 
 def shadow_run(
     scenario: Scenario,
-    law: str,
+    law: LawSpec,
     arithmetic: Arithmetic[Any],
     quantities: tuple[Quantity, ...],
     *,
     others: Sequence[Arithmetic[Any]] = (),
-    indexing: str = "time",
     seed: int = 0,
 ) -> ShadowRun:
     """Run the nominal train with the audited arithmetic and shadow it.
@@ -94,7 +94,7 @@ def shadow_run(
     :param others: fresh arithmetics that compute along beside float64.
     """
     audited, reference, *along = (
-        Watched(scenario, law, each, indexing, quantities) for each in (arithmetic, make("float64"), *others)
+        Watched(scenario, law, each, quantities) for each in (arithmetic, make("float64"), *others)
     )
 
     def drive(*given: Any) -> int:
@@ -104,7 +104,7 @@ def shadow_run(
             shadow.sent(code)
         return code
 
-    run = coupled_run(scenario, drive, seed=seed, indexing=indexing)
+    run = coupled_run(scenario, drive, RunSpec(law=law, seed=seed))
     return ShadowRun(quantities, run, audited, reference, tuple(along))
 
 

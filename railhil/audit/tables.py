@@ -70,7 +70,7 @@ def _ranges(result: Result) -> Table:
 def _errors(result: Result) -> Table:
     period_s = result.scenario.timing.control_period_ns / 1e9
     made = _columns(
-        f"Error of {result.options.arithmetic} against float64 on the same inputs (LSB: last bit of the format)",
+        f"Error of {result.options.law.arithmetic} against float64 on the same inputs (LSB: last bit of the format)",
         ("quantity", "unit"),
         ("RMS", "max", "bias", "RMS LSB", "max LSB", "bias LSB", "max at s", "out"),
     )
@@ -108,7 +108,7 @@ def _floor(result: Result, floor: Floor) -> Table:
 
 
 def _scores(result: Result) -> Table:
-    names = [result.options.arithmetic, "float64"]
+    names = [result.options.law.arithmetic, "float64"]
     columns: list[Score] = [result.score, result.reference_score]
     if result.floor is not None:
         names.append("floored products")
@@ -124,7 +124,7 @@ def _effects(result: Result, effect: Effect) -> Table:
     made = _columns(
         f"Medians of {result.options.runs} perturbed runs, same draws",
         ("score", "unit"),
-        (result.options.arithmetic, "float64", "difference", "allowed", "largest of one run"),
+        (result.options.law.arithmetic, "float64", "difference", "allowed", "largest of one run"),
     )
     for one in effect.scores:
         made.add_row(
@@ -174,8 +174,9 @@ def _say_cost(out: Output, result: Result) -> None:
 def show(out: Output, result: Result) -> None:
     """Print everything."""
     options = result.options
+    law = options.law
     out.say(
-        f"{result.scenario.name}: {options.controller} in {options.arithmetic}, set-points by {options.indexing}, "
+        f"{result.scenario.name}: {law.controller} in {law.arithmetic}, set-points by {law.indexing}, "
         f"seed {options.seed}"
     )
     out.print()
@@ -208,8 +209,8 @@ def show(out: Output, result: Result) -> None:
         counters = result.effect.counters
         out.print(_effects(result, result.effect))
         out.print(
-            f"{result.options.arithmetic} in all of them: {counters.wraps} wraps, {counters.saturations} saturations, "
-            f"{counters.zero_divisions} divisions by zero"
+            f"{result.options.law.arithmetic} in all of them: {counters.wraps} wraps, "
+            f"{counters.saturations} saturations, {counters.zero_divisions} divisions by zero"
         )
         out.print()
     _say_cost(out, result)

@@ -53,7 +53,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
 
     :param keep_notches: keep the notch codes of each run.
     :param chunk: runs that go on together; the results do not depend on it.
-    :raises scenarios.errors.InputError: numba is missing, or law, arithmetic, indexing or parameters do not fit.
+    :raises scenarios.errors.InputError: numba is missing, or the law does not fit.
     :raises ValueError: a seed outside 32 bit.
     :raises plant_sim.plant.PlantError: the simulation failed.
     """

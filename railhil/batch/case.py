@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace
 
@@ -24,17 +24,18 @@ _DIGITS = 16
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """What is run: scenario, law, arithmetic, indexing and parameters as the controller takes them.
+    """What is run: a scenario and a law, as the controller takes them.
 
     ``perturbed``: each seed draws the scenario's perturbations; else only the noise of the sensors differs.
     """
 
     scenario: Scenario
-    law: str = "ipfc"
-    arithmetic: str = "float64"
-    indexing: str = "time"
-    parameters: ParameterSet | None = None
+    law: LawSpec = field(default_factory=lambda: LawSpec(arithmetic="float64"))
     perturbed: bool = True
+
+    def run(self, seed: int) -> RunSpec:
+        """One of its runs, for the benches that make runs one by one."""
+        return RunSpec(self.scenario.name, law=self.law, seed=seed, perturbed=self.perturbed)
 
 
 @dataclass(frozen=True, slots=True)

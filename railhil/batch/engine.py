@@ -52,10 +52,11 @@ class Engine:
         scenario = case.scenario
         self.times = Times.of(scenario)
         self.grid = ErrorGrid.of(scenario)
-        self.common = common(scenario, case.indexing, self.times)
+        self.common = common(scenario, case.law.over_distance, self.times)
         if loop is None:
-            number = make(case.arithmetic, batch=True)
-            loop = ControlLoop(scenario, case.law, number, case.indexing, case.parameters)
+            law = case.law
+            number = make(law.arithmetic, batch=True)
+            loop = ControlLoop(scenario, law.controller, number, law.indexing, law.parameters)
         self._loop: ControlLoop[Any] = loop
         self._number = loop.arithmetic
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from railhil.batch import Case, run_batch
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.score import Score
 
 #: Seed of the first run; the others follow.
@@ -21,10 +22,8 @@ class Outcomes:
     arithmetic: Counters
 
 
-def outcomes(
-    scenario: Scenario, runs: int, *, controller: str = "ipfc", arithmetic: str = "iq", indexing: str = "time"
-) -> Outcomes:
-    """Runs with the seeds from :data:`FIRST_SEED` on: the same draws for every controller and arithmetic."""
-    found = run_batch(Case(scenario, controller, arithmetic, indexing), range(FIRST_SEED, FIRST_SEED + runs))
+def outcomes(scenario: Scenario, runs: int, law: LawSpec) -> Outcomes:
+    """Runs with the seeds from :data:`FIRST_SEED` on: the same draws for every law and arithmetic."""
+    found = run_batch(Case(scenario, law), range(FIRST_SEED, FIRST_SEED + runs))
     sums = (int(counts.sum()) for counts in (found.wraps, found.saturations, found.zero_divisions))
     return Outcomes(list(found.scores), Counters(*sums))

@@ -26,16 +26,7 @@ def left_the_healthy_path(score: Score) -> bool:
 def replayed(case: Case, seed: int) -> tuple[Score, NDArray[np.int16], dict[int, int]]:
     """Score, notch codes and counts of the law's arithmetic (by kind) of one run."""
     with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
-        run = local_run(
-            case.scenario,
-            Path(folder),
-            seed=seed,
-            drawn=case.perturbed,
-            controller=case.law,
-            arithmetic=case.arithmetic,
-            indexing=case.indexing,
-            parameters=case.parameters,
-        )
+        run = local_run(case.scenario, Path(folder), case.run(seed))
     totals = run.telemetry["totals"]
     counts = {WRAP: "wraps", SATURATION: "saturations", DIVISION_BY_ZERO: "zero_divisions"}
     codes = np.asarray(control_codes(case.scenario, run.trace), dtype=np.int16)

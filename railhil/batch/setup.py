@@ -92,7 +92,7 @@ def _effort(effort: Effort) -> EffortLimit:
     return table._replace(curve_mps=np.array(table.curve_mps), curve_n=np.array(table.curve_n))  # type: ignore[arg-type]
 
 
-def common(scenario: Scenario, indexing: str, times: Times) -> Common:
+def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
     """What all trains have in common, from the nominal scenario."""
     train, timing = scenario.train, scenario.timing
     grid = ErrorGrid.of(scenario)
@@ -120,7 +120,7 @@ def common(scenario: Scenario, indexing: str, times: Times) -> Common:
         odometer_lsb_m=scenario.sensors.odometer_lsb_m,
         line_limits=np.array(scenario.line.speed_limit_mps),
         length_m=train.length_m,
-        by_distance=indexing == "distance",
+        by_distance=by_distance,
         truth_s=times.truth_s,
         wanted_mps=np.concatenate(([0.0], target.speed_mps(grid.time_s))),
         cycle=cycle,

@@ -9,3 +9,21 @@
     summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
     verify.py   some of the runs again, on the real bench
 """
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+from typing import Any
+
+
+class _Callable(ModuleType):
+    """``railhil.campaign`` is the library's function and this package: importing one must not hide the other."""
+
+    def __call__(self, *args: Any, **kwargs: Any) -> Any:
+        from railhil.library import campaign
+
+        return campaign(*args, **kwargs)
+
+
+sys.modules[__name__].__class__ = _Callable

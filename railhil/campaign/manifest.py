@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,11 +13,11 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from railhil.campaign.plan import ALL_LAWS, CHUNK_MAX, RUNS_MAX, Plan, Request
+from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.controller_node.setpoint import INDEXINGS
 from railhil.scenarios.canonical import canonical_json
 from railhil.scenarios.validation import validated
 
@@ -83,8 +83,21 @@ def read_manifest(folder: Path) -> Manifest:
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of a campaign of this railhil")
     file = validated(_File, document, lambda keys: path)
-    values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in file.request}
-    return Manifest(file.campaign, Request(**values))
+    return Manifest(file.campaign, _request_of(file.request))
+
+
+def _request_of(read: _Request) -> Request:
+    values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in read}
+    return Request(**values)
+
+
+def checked_request(request: Request, file: Path) -> Request:
+    """The same request, held against the bounds of the command line.
+
+    :param file: named in a complaint.
+    :raises InputError: one of its values is outside.
+    """
+    return _request_of(validated(_Request, json.loads(json.dumps(asdict(request))), lambda keys: file))
 
 
 def manifest(plan: Plan) -> dict[str, Any]:

@@ -24,10 +24,9 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
 from railhil.supervisor.folder import code_sha256
 
-#: The law of a request that names none.
-_USUAL_LAW = "ipfc"
 #: Stands for every registered law, in the order of the tables; the others are held against the first.
 ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
@@ -40,7 +39,7 @@ _OWN_CODE = ("batch", "campaign/results_table.py", "campaign/work.py")
 class Request:
     """What the command line asks for. Files by absolute path, so that a campaign goes on from any folder."""
 
-    scenario: str = "lvshun_tieshan"
+    scenario: str = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
     runs: int = 1000
     first_seed: int = 1000
@@ -57,14 +56,18 @@ class Request:
 class Entry:
     """One law with its parameters: a row of every table. ``law_sha256`` is the hash of the file with its class."""
 
-    law: str
-    parameters: ParameterSet | None
+    law: LawSpec
     law_sha256: str
 
     @property
     def label(self) -> str:
         """Name in tables and files: the law, and the digest of a parameter file."""
-        return self.law if self.parameters is None else self.parameters.controller
+        return self.law.label
+
+    @property
+    def parameters(self) -> ParameterSet | None:
+        """Of the law, from a file."""
+        return self.law.parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,13 +140,17 @@ class Plan:
             for index, first in enumerate(self.seeds[::step]):
                 yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
 
+    def run(self, entry: Entry, seed: int) -> RunSpec:
+        """One of its runs, as the full bench makes it."""
+        return RunSpec(self.request.scenario, self.request.settings, entry.law, seed, perturbed=True)
+
     def training(self, entry: Entry) -> list[int]:
         """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen.
 
         The latter also with a parameter file: what it does not name stays the law's own.
         """
         tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
-        chosen = _law(entry.law).design_seeds.get(self.scenario.name, ())
+        chosen = _law(entry.law.controller).design_seeds.get(self.scenario.name, ())
         return sorted(tuned.union(seed for seed in chosen if seed in self.seeds))
 
     @property
@@ -173,7 +180,7 @@ class Plan:
             "laws": [
                 {
                     "label": entry.label,
-                    "law": entry.law,
+                    "law": entry.law.controller,
                     "law_sha256": entry.law_sha256,
                     "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
                     "training_seeds": self.training(entry),
@@ -190,7 +197,7 @@ class Plan:
 def _entries(request: Request) -> tuple[Entry, ...]:
     files = [load_parameters(Path(name)) for name in request.parameters]
     known = registered.names()
-    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (_USUAL_LAW,)
+    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (USUAL_LAW,)
     if wanted == (ALL_LAWS,):
         wanted = known
     for name in wanted:
@@ -205,7 +212,8 @@ def _entries(request: Request) -> tuple[Entry, ...]:
         sets: list[ParameterSet | None] = [file for file in files if file.law == name]
         if request.both or not sets:
             sets.insert(0, None)
-        found += [Entry(name, one, law_sha256(name)) for one in sets]
+        laws = [LawSpec(name, request.arithmetic, request.indexing, one) for one in sets]
+        found += [Entry(law, law_sha256(name)) for law in laws]
     labels = [entry.label for entry in found]
     if twice := next((label for label in labels if labels.count(label) > 1), None):
         raise InputError("command line", "--laws, --parameters", Words(f"{twice} twice"), "each law and file once")
@@ -225,7 +233,8 @@ def make_plan(request: Request) -> Plan:
         raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
     plan = Plan(request, scenario, _entries(request))
     for entry in plan.entries:
-        ControlLoop(scenario, entry.law, make(request.arithmetic), request.indexing, entry.parameters)
+        law = entry.law
+        ControlLoop(scenario, law.controller, make(law.arithmetic), law.indexing, law.parameters)
         if not request.allow_training_seeds:
             _check_unseen(plan, entry)
     return plan
@@ -236,7 +245,7 @@ def _check_unseen(plan: Plan, entry: Entry) -> None:
     if entry.parameters is not None:
         entry.parameters.check_unseen(plan.seeds)
     if seen := plan.training(entry):
-        origin = _law(entry.law).parameters_origin
-        found = Words(f"seed {seen[0]}, on which {entry.law}'s own parameters were chosen ({origin})")
+        origin = _law(entry.law.controller).parameters_origin
+        found = Words(f"seed {seen[0]}, on which {entry.law.controller}'s own parameters were chosen ({origin})")
         allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
         raise InputError("command line", "--first-seed", found, allowed)

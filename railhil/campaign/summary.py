@@ -73,7 +73,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
     passed = np.array(rows["verdict"].to_pylist()) == "PASS"
     wraps = rows["wraps"].to_numpy()
     return {
-        "controller": entry.law,
+        "controller": entry.law.controller,
         "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
         "training_runs": int(np.count_nonzero(rows["training"].to_numpy(zero_copy_only=False))),
         "scores": {

@@ -18,9 +18,9 @@ from railhil.campaign.folder import RESULTS
 from railhil.campaign.manifest import MANIFEST, read_manifest
 from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import SIGNED, NotThePart, read_results, row
-from railhil.campaign.worst import rerun_words
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of
 
@@ -63,13 +63,14 @@ def code_changed(folder: Path) -> bool:
     return any(recorded.get(key) != ours[key] for key in ("code_sha256", "batch_sha256"))
 
 
-def bench_run(plan: Plan, words: list[str]) -> dict[str, Any]:
+def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
     """One run with ``railhil`` in a folder of its own: the columns that a campaign has of it.
 
     :raises BenchInvalid: the bench gave no valid run.
     """
     with tempfile.TemporaryDirectory(prefix="railhil-") as private:
         folder = Path(private) / "run"
+        words = ["run", *run.words]
         command = [sys.executable, "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode not in (PASS, FAIL):
@@ -104,7 +105,7 @@ def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
     found = []
     for index in chosen:
         ours = row(results, int(index))
-        bench = bench_run(plan, rerun_words(plan, entries[ours["law"]], ours["seed"]))
+        bench = bench_run(plan, plan.run(entries[ours["law"]], ours["seed"]))
         apart = {name: (ours[name], theirs) for name, theirs in bench.items() if ours[name] != theirs}
         found.append(Verified(ours["law"], ours["seed"], apart))
     return found

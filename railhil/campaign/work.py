@@ -23,8 +23,6 @@ class Task:
 
     chunk: Chunk
     scenario: Scenario
-    arithmetic: str
-    indexing: str
     training: tuple[int, ...]
     origin: str
     code_sha256: str
@@ -44,8 +42,6 @@ def task_of(plan: Plan, chunk: Chunk) -> Task:
     return Task(
         chunk,
         plan.scenario,
-        plan.request.arithmetic,
-        plan.request.indexing,
         tuple(seed for seed in chunk.seeds if seed in training),
         origin_of(plan, chunk),
         bench_sha256(),
@@ -60,13 +56,12 @@ def run_task(task: Task) -> tuple[str, bytes]:
     :raises scenarios.errors.InputError: a library of the extra is missing here.
     """
     entry = task.chunk.entry
-    ours = (bench_sha256(), batch_sha256(), law_sha256(entry.law))
+    ours = (bench_sha256(), batch_sha256(), law_sha256(entry.law.controller))
     if ours != (task.code_sha256, task.batch_sha256, entry.law_sha256):
         raise OtherCode(
             f"worker on {platform.node()} has other code than this campaign: install the same railhil there"
         )
     from railhil.batch import Case, run_batch
 
-    case = Case(task.scenario, entry.law, task.arithmetic, task.indexing, entry.parameters, perturbed=True)
-    result = run_batch(case, list(task.chunk.seeds))
+    result = run_batch(Case(task.scenario, entry.law), list(task.chunk.seeds))
     return task.chunk.name, file_bytes(table_of(entry.label, result, task.training), task.origin)

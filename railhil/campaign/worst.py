@@ -10,21 +10,12 @@ import pyarrow as pa
 
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import column_of, numbers, row
-from railhil.scenarios.settings import set_words
 from railhil.supervisor.criteria import STOP_ERROR, Criterion, limit_key, limited
 
 #: Runs listed per law and error.
 _LARGEST = 3
 #: Runs listed per law and thing that must not happen; each has its own places, so that none crowds out another.
 _BROKEN = 5
-
-
-def rerun_words(plan: Plan, entry: Entry, seed: int) -> list[str]:
-    """Arguments of ``railhil`` that make one run of a campaign on the full bench."""
-    request = plan.request
-    words = ["run", request.scenario, *set_words(request.settings), "--perturbed", "--seed", str(seed)]
-    words += ["--controller", entry.law, "--arithmetic", request.arithmetic, "--indexing", request.indexing]
-    return words + ([] if entry.parameters is None else ["--parameters", str(entry.parameters.source)])
 
 
 def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
@@ -70,7 +61,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
                 "overspeed_mps": run["overspeed_mps"],
                 "ended": run["ended"],
                 "failures": run["failures"],
-                "command": shlex.join(["railhil", *rerun_words(plan, entry, run["seed"])]),
+                "command": shlex.join(["railhil", "run", *plan.run(entry, run["seed"]).words]),
             }
         )
     return found

@@ -8,33 +8,37 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import can
 from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-from railhil.bus.ident import ARITHMETICS
-from railhil.bus.select import BusChoice, choose_bus
-from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
+from railhil.bus.select import LOCAL, BusChoice, choose_bus, no_bus
+from railhil.common.choices import BUSES
+from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.common.output import Output
-from railhil.scenarios.load import load, stable_name
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_set_argument
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.options import RunOptions
+from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.sockets import private_socket
+from railhil.supervisor.start_up import StartUp
+
+if TYPE_CHECKING:
+    from railhil.local_run import LocalRun
 
 #: What the operating system says when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
@@ -52,15 +56,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""
     add_run_arguments(parser)
     add_set_argument(parser)
-    parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
-    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
-    add_task_argument(parser)
+    add_law_arguments(parser)
     parser.add_argument(
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
     )
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
     parser.add_argument("--verbose", action="store_true", help="print all that the scenario assumes")
     parser.add_argument("--quiet", action="store_true", help="no progress bar")
+    parser.add_argument(
+        "--bus",
+        choices=BUSES,
+        default="auto",
+        help="local: all nodes in this process, no bus (same record, faster)",
+    )
     add_bus_arguments(parser)
 
 
@@ -80,38 +88,17 @@ def check_law(name: str, key: str) -> None:
         raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
 
 
-def run_options(
-    namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None, attach: bool = False
-) -> RunOptions:
-    """What the command line says about the run of one law."""
-    return RunOptions(
-        scenario=stable_name(namespace.scenario),
-        settings=tuple(namespace.set),
-        controller=controller,
-        arithmetic=namespace.arithmetic,
-        indexing=namespace.indexing,
-        pace=namespace.pace,
-        rate=namespace.rate or RATE,
-        seed=namespace.seed,
-        perturbed=namespace.perturbed,
-        task_period_ms=namespace.task_period_ms,
-        parameters=parameters,
-        ask_for_fifo=not namespace.no_rt,
-        attach=attach,
-        appear_s=namespace.appear_timeout,
-        patience_s=namespace.patience,
-    )
+def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
+    """What the command line says about the run of one law.
 
-
-def run_scenario(options: RunOptions) -> Scenario:
-    """The scenario of a run.
-
-    :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
+    :raises InputError: there is no such scenario.
     """
-    scenario = load(options.scenario, options.settings)
-    if options.perturbed:
-        require_perturbations(scenario, "--perturbed")
-    return scenario
+    return RunSpec.from_namespace(namespace, LawSpec.from_namespace(namespace, controller, parameters))
+
+
+def start_up(namespace: argparse.Namespace) -> StartUp:
+    """How the command line wants the bench of a run brought up."""
+    return StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
 
 
 def require_interface(choice: BusChoice) -> None:
@@ -134,6 +121,9 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
     :raises InputError: what is chosen cannot carry a run.
     """
+    if namespace.bus == LOCAL:
+        yield no_bus(namespace)
+        return
     with private_socket() as private:
         choice = choose_bus(namespace, None if attach else private)
         require_interface(choice)
@@ -145,20 +135,27 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
 
 def recorded(
-    scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, made: bool, console: Output, quiet: bool
-) -> tuple[Run, RunResult]:
+    scenario: Scenario,
+    spec: RunSpec,
+    start_up: StartUp,
+    choice: BusChoice,
+    folder: Path,
+    made: bool,
+    console: Output,
+    quiet: bool,
+) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
     :param made: whether the folder was made for the run; it then goes when the run never began.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
     """
-    with _progress(scenario, options, console, quiet) as on_progress:
+    with _progress(scenario, spec, console, quiet) as on_progress:
         try:
-            write_inputs(folder, scenario, options.parameters)
+            write_inputs(folder, scenario, spec.law.parameters)
         except OSError as error:
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
-        run = Run(scenario, options, choice, folder, on_progress)
+        run = _bench(scenario, spec, start_up, choice, folder, on_progress)
         with run.stop:
             result = _executed(run, folder, made)
             refused = result.exit_code == USAGE and result.sim_time_s == 0
@@ -166,13 +163,13 @@ def recorded(
                 discard_folder(folder, made)
                 raise NeverBegan(result.line or "no frame came", result.exit_code)
             given = [] if choice.needs_hub else choice.arguments
-            write_folder(folder, scenario, options, result, run.trace, given)
+            write_folder(folder, scenario, spec, start_up, result, run.trace, given)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
 
 
-def as_recorded(folder: Path, run: Run, result: RunResult) -> RecordedRun:
+def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:
     """A run that has just ended, as its folder has it."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
     return recorded_run(folder, read_certificate(folder) or {}, run.scenario, run.trace, result.score, invalid)
@@ -192,7 +189,23 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
     return f"report {path}"
 
 
-def _executed(run: Run, folder: Path, made: bool) -> RunResult:
+def _bench(
+    scenario: Scenario,
+    spec: RunSpec,
+    start_up: StartUp,
+    choice: BusChoice,
+    folder: Path,
+    on_progress: Callable[[float], None] | None,
+) -> Run | LocalRun:
+    if not spec.is_local:
+        return Run(scenario, spec, start_up, choice, folder, on_progress)
+    # Laws and plant are loaded only by who computes with them.
+    from railhil.local_run import LocalRun
+
+    return LocalRun(scenario, spec, folder, on_progress, started_ns=process_start_ns())
+
+
+def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
     """The run's result; whatever goes wrong, a folder without a frame goes and a folder with frames stays."""
     try:
         return run.execute()
@@ -206,7 +219,7 @@ def _executed(run: Run, folder: Path, made: bool) -> RunResult:
 
 @contextmanager
 def _progress(
-    scenario: Scenario, options: RunOptions, console: Output, quiet: bool
+    scenario: Scenario, spec: RunSpec, console: Output, quiet: bool
 ) -> Iterator[Callable[[float], None] | None]:
     """What the run calls with its simulation time in s; None when nothing is to be shown."""
     if quiet:
@@ -218,13 +231,13 @@ def _progress(
         TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
     )
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(options.controller, total=scenario.plan.running_time_s)
+        task = progress.add_task(spec.law.controller, total=scenario.plan.running_time_s)
         shown_s = -1e9
 
         def on_progress(sim_time_s: float) -> None:
             nonlocal shown_s
             # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough for the eye.
-            if sim_time_s - shown_s >= (10.0 if options.pace == "lockstep" else 0.5):
+            if sim_time_s - shown_s >= (0.5 if spec.is_realtime else 10.0):
                 shown_s = sim_time_s
                 progress.update(task, completed=sim_time_s, refresh=True)
 

@@ -14,8 +14,8 @@ from railhil.cli.bus_run import (
     law_names,
     recorded,
     report_line,
-    run_options,
-    run_scenario,
+    run_spec,
+    start_up,
 )
 from railhil.cli.controller_check import check_controllers
 from railhil.cli.remarks import assumed
@@ -24,9 +24,9 @@ from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.comparison_file import write_comparison
 from railhil.supervisor.folder import run_folder
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.score_table import stops_sentence
@@ -83,37 +83,38 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
     return found
 
 
-def _planned(namespace: argparse.Namespace) -> list[RunOptions]:
+def _planned(namespace: argparse.Namespace) -> list[RunSpec]:
     laws = _laws(namespace.laws)
     files = _parameter_sets(namespace, laws)
     found = []
     for law in laws:
         if law not in files or namespace.both:
-            found.append(run_options(namespace, law, None))
+            found.append(run_spec(namespace, law, None))
         if law in files:
-            found.append(run_options(namespace, law, files[law]))
+            found.append(run_spec(namespace, law, files[law]))
     return found
 
 
 def _checked(
-    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunOptions]
-) -> tuple[list[RunOptions], list[str]]:
+    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunSpec]
+) -> tuple[list[RunSpec], list[str]]:
     """The runs that will be made, and sentences on those that are left out.
 
     :raises InputError, NeverBegan: one of them cannot be made, or must not be judged by this seed.
     """
     if not namespace.allow_training_seeds:
-        for options in wanted:
-            check_unseen(scenario, options)
+        for spec in wanted:
+            check_unseen(scenario, spec)
     plan, left_out = [], []
-    for options, checked in zip(wanted, check_controllers(wanted), strict=True):
-        if namespace.laws == _ALL and options.parameters is None and options.indexing not in checked.indexings:
-            left_out.append(options.controller)
+    for spec, checked in zip(wanted, check_controllers(wanted), strict=True):
+        law = spec.law
+        if namespace.laws == _ALL and law.parameters is None and law.indexing not in checked.indexings:
+            left_out.append(law.controller)
             continue
         checked.require()
         if not namespace.allow_training_seeds:
-            check_unseen(scenario, options, checked.origin)
-        plan.append(options)
+            check_unseen(scenario, spec, checked.origin)
+        plan.append(spec)
     if not plan:
         raise InputError("command line", "--indexing", namespace.indexing, "an indexing that some law has")
     notes = [f"Left out, as without set-points over {namespace.indexing}: {', '.join(left_out)}."] if left_out else []
@@ -126,8 +127,9 @@ def work(namespace: argparse.Namespace) -> int:
     What was recorded stays when the comparison is stopped or a run fails.
     """
     wanted = _planned(namespace)
-    scenario = run_scenario(wanted[0])
+    scenario = wanted[0].load()
     plan, notes = _checked(namespace, scenario, wanted)
+    how = start_up(namespace)
     console = Output(stderr=namespace.json)
     for sentence in notes:
         console.say(sentence)
@@ -136,16 +138,16 @@ def work(namespace: argparse.Namespace) -> int:
     runs: list[tuple[Path, RecordedRun]] = []
     codes: list[int] = []
     try:
-        for options in plan:
+        for spec in plan:
             with chosen_bus(namespace) as choice:
                 if folder is None:
                     folder, made = run_folder(namespace.out, scenario.name, "compare")
                     console.say(f"bus: {choice.transport} ({choice.reason})")
-                own = folder / options.label
+                own = folder / spec.law.label
                 own.mkdir()
                 quiet = namespace.quiet or namespace.json or not console.is_terminal
                 try:
-                    done, result = recorded(scenario, options, choice, own, True, console, quiet)
+                    done, result = recorded(scenario, spec, how, choice, own, True, console, quiet)
                 finally:
                     if made and not any(folder.iterdir()):
                         folder.rmdir()
@@ -182,5 +184,5 @@ def work(namespace: argparse.Namespace) -> int:
     return max(codes)
 
 
-def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunOptions], folder: Path) -> str:
+def _so_far(runs: Sequence[tuple[Path, RecordedRun]], plan: Sequence[RunSpec], folder: Path) -> str:
     return f"{len(runs)} of {len(plan)} runs recorded in {folder}, no comparison written"

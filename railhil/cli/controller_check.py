@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
-from railhil.supervisor.options import RunOptions
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.telemetry import LawOrigin, law_origin
 
 _CHECK_S = 120.0
@@ -35,27 +35,27 @@ class Checked:
             raise NeverBegan(self.line, self.exit_code)
 
 
-def check_controllers(wanted: Sequence[RunOptions]) -> list[Checked]:
+def check_controllers(wanted: Sequence[RunSpec]) -> list[Checked]:
     """Make the controller of each run, all at once.
 
     :raises NeverBegan: a process ended before it could say what its law is.
     """
     with ExitStack() as stack:
         started = []
-        for options in wanted:
-            command = [sys.executable, "-m", "railhil.controller_node", *options.scenario_arguments]
-            command += [*options.law_arguments, "--check"]
+        for spec in wanted:
+            command = [sys.executable, "-m", "railhil.controller_node", *spec.scenario_words]
+            command += [*spec.law.words, "--check"]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             stack.callback(process.wait)
             stack.callback(process.kill)
             started.append(process)
-        return [_answer(options, process) for options, process in zip(wanted, started, strict=True)]
+        return [_answer(spec, process) for spec, process in zip(wanted, started, strict=True)]
 
 
-def _answer(options: RunOptions, process: subprocess.Popen[str]) -> Checked:
+def _answer(spec: RunSpec, process: subprocess.Popen[str]) -> Checked:
     said, complaint = process.communicate(timeout=_CHECK_S)
     lines = [line for line in complaint.splitlines() if line.strip()]
-    line = lines[-1] if lines else f"{options.controller}: exit code {process.returncode}"
+    line = lines[-1] if lines else f"{spec.law.controller}: exit code {process.returncode}"
     try:
         document = json.loads(said)
         indexings, origin = tuple(map(str, document["indexings"])), law_origin(document)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import dataclasses
+from dataclasses import replace
 from pathlib import Path
 
+from railhil.bus.select import LOCAL
 from railhil.cli.bus_run import (
     add_arguments,
     as_recorded,
@@ -14,17 +15,18 @@ from railhil.cli.bus_run import (
     law_names,
     recorded,
     report_line,
-    run_options,
-    run_scenario,
+    run_spec,
+    start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.folder import run_folder, score_json
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT
+from railhil.supervisor.start_up import StartUp
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -44,38 +46,44 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _options(namespace: argparse.Namespace) -> RunOptions:
+def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
     check_law(namespace.controller, "--controller")
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
+    given += ["--bus local"] * (namespace.bus == LOCAL)
     if len(given) > 1:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
-    if given and namespace.task_period_ms:
+    if (namespace.attach or namespace.no_controller) and namespace.task_period_ms:
         raise InputError("command line", "--task-period-ms", namespace.task_period_ms, f"0 with {given[0]}")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
-    options = run_options(namespace, namespace.controller, parameters, namespace.attach)
-    return dataclasses.replace(options, foreign=namespace.no_controller, rerun_command=namespace.rerun_command)
+    how = replace(
+        start_up(namespace),
+        attach=namespace.attach,
+        foreign=namespace.no_controller,
+        rerun_command=namespace.rerun_command,
+    )
+    return run_spec(namespace, namespace.controller, parameters), how
 
 
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
-    options = _options(namespace)
-    scenario = run_scenario(options)
+    spec, how = _asked(namespace)
+    scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc)
     console = Output(stderr=namespace.json)
-    with chosen_bus(namespace, options.attach or options.foreign) as choice:
-        folder, made = run_folder(namespace.out, scenario.name, options.controller)
+    with chosen_bus(namespace, how.attach or how.foreign) as choice:
+        folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
-        run, result = recorded(scenario, options, choice, folder, made, console, quiet)
+        run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             console.say(report)
-        print_json(score_json(scenario, result, options))
+        print_json(score_json(scenario, result, spec))
     else:
         print_result(console, found, result, folder, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

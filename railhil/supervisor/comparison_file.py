@@ -9,10 +9,10 @@ from typing import Any
 
 from railhil.common.whole_file import whole_file
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.documents import COMPARISON
 from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.json_file import write_json
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.score_table import stopped_within
 
@@ -53,25 +53,22 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 def write_comparison(
     folder: Path,
     scenario: Scenario,
-    options: RunOptions,
+    common: RunSpec,
     runs: Sequence[tuple[Path, RecordedRun]],
     notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Write both files, whole; ``compare.json`` comes last and marks the comparison as whole.
 
-    :param options: of any of the runs: what all have in common is taken from it.
+    :param common: any of the runs: what all have in common is taken from it.
     :param runs: run folders below ``folder`` and what was recorded there, in order.
     :param notes: sentences on the comparison as a whole.
     :returns: the content of ``compare.json``.
     :raises RecordFailed: they cannot be written; then neither is there.
     """
     rows = [_row(path, run) for path, run in runs]
-    common = ("arithmetic", "indexing", "pace", "seed", "perturbed", "task_period_ms")
     document = {
-        "scenario": options.scenario,
-        "settings": list(options.settings),
+        **{key: value for key, value in common.as_json().items() if key not in ("controller", "parameters")},
         "scenario_sha256": scenario.sha256,
-        **{key: getattr(options, key) for key in common},
         "notes": list(notes),
         "runs": rows,
         "stopped_within_m": {

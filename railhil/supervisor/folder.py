@@ -19,21 +19,21 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
-from railhil.common.patience import PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, wire_contract
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import WRAP_FAILURE
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
@@ -125,55 +125,45 @@ def code_sha256() -> str:
     return digest.hexdigest()
 
 
-def run_command(options: RunOptions, bus_arguments: list[str]) -> str:
+def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> str:
     """The command line that makes the same run again.
 
     Nobody can attach to nodes that have ended: for an attached run it is what has started them all, when that is known,
     else a run that starts its own, on a bus of its own; in lockstep that gives the same bytes.
     """
-    if options.rerun_command:
-        return options.rerun_command
-    words = ["railhil", "run", *options.scenario_arguments, "--controller", options.controller]
-    words += ["--arithmetic", options.arithmetic, "--indexing", options.indexing, "--seed", str(options.seed)]
-    words += ["--parameters", str(options.parameters.source)] if options.parameters is not None else []
-    words += ["--pace", options.pace] + (["--rate", f"{options.rate:g}"] if options.pace == "realtime" else [])
-    words += ["--no-rt"] * (not options.ask_for_fifo)
-    words += ["--perturbed"] * options.perturbed
-    words += ["--patience", f"{options.patience_s:g}"] if options.patience_s != PATIENCE_S else []
-    words += ["--no-controller"] * options.foreign
-    words += ["--task-period-ms", str(options.task_period_ms)] if options.task_period_ms else []
-    return shlex.join(words + ([] if options.attach else bus_arguments))
+    if start_up.rerun_command:
+        return start_up.rerun_command
+    words = ["railhil", "run", *spec.words]
+    words += ["--no-rt"] * (not start_up.ask_for_fifo)
+    words += ["--no-controller"] * start_up.foreign
+    return shlex.join(words + ([] if start_up.attach else bus_arguments))
 
 
-def rerun_needs(options: RunOptions) -> str | None:
+def rerun_needs(start_up: StartUp) -> str | None:
     """What :func:`run_command` relies on that does not stand in it; None: nothing."""
-    if options.foreign:
+    if start_up.foreign:
         return "the controller that answered, on the same bus: a board or another program"
-    if options.attach and not options.rerun_command:
+    if start_up.attach and not start_up.rerun_command:
         return "that the nodes, which were started elsewhere, were ours and of this version"
     return None
 
 
-def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
+def score_json(scenario: Scenario, result: RunResult, spec: RunSpec) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
     document["verdict"] = result.verdict
     document["line"] = result.line
-    document["run"] = {
+    parameters = spec.law.parameters
+    document["run"] = spec.as_json() | {
+        # Their values stand in the certificate.
+        "parameters": None if parameters is None else parameters.digest,
         "sim_time_s": result.sim_time_s,
         "wall_time_s": result.wall_time_s,
         "speed_factor": result.speed_factor,
         "first_frame_s": result.first_frame_s if result.frames else None,
         "frames": result.frames,
         "transport": result.transport,
-        "pace": options.pace,
-        "arithmetic": options.arithmetic,
-        "controller": options.controller,
-        "parameters": None if options.parameters is None else options.parameters.digest,
-        "indexing": options.indexing,
-        "seed": options.seed,
-        "perturbed": options.perturbed,
-        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
+        "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
         "counters": result.counters,
         "timing": None if result.timing is None else result.timing.as_json(),
     }
@@ -183,39 +173,33 @@ def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> di
     return document
 
 
-def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_arguments: list[str]) -> dict[str, Any]:
+def certificate(
+    scenario: Scenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str]
+) -> dict[str, Any]:
     """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
     return {
         "railhil": version("railhil"),
-        "scenario": options.scenario,
-        "settings": list(options.settings),
+        **spec.as_json(),
         "scenario_sha256": scenario.sha256,
         # With the limits and factors that the record is judged by.
         "judged_sha256": judged_sha256(scenario),
         "dbc_sha256": wire_contract().sha256,
         "code_sha256": code_sha256(),
-        "seed": options.seed,
-        "perturbed": options.perturbed,
-        "controller": options.controller,
-        "arithmetic": options.arithmetic,
-        "parameters": None if options.parameters is None else options.parameters.as_json(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has told of itself in CTL_STAT; None: the controller has not said.
         "notes": _notes(result),
-        "seed_was_trained": seed_was_trained(scenario, options, result.origin),
-        "arithmetic_profile": PROFILES[options.arithmetic],
-        "indexing": options.indexing,
-        "pace": options.pace,
-        "attached": options.attach,
+        "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
+        "arithmetic_profile": PROFILES[spec.law.arithmetic],
+        "attached": start_up.attach,
         # Then the controller was not ours: law, parameters and arithmetic are what it said in the handshake.
-        "foreign": options.foreign,
+        "foreign": start_up.foreign,
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
         "verdict": result.verdict,
         "line": result.line,
-        "command": run_command(options, bus_arguments),
-        "command_needs": rerun_needs(options),
+        "command": run_command(spec, start_up, bus_arguments),
+        "command_needs": rerun_needs(start_up),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
@@ -228,7 +212,7 @@ def _notes(result: RunResult) -> list[dict[str, Any]] | None:
     return None if result.origin is None else [note.as_json() for note in result.origin.notes]
 
 
-def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
+def junit(scenario: Scenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
@@ -246,7 +230,7 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
         ]
     suite = ET.Element(
         "testsuite",
-        name=_xml(f"{scenario.name}.{options.controller}"),
+        name=_xml(f"{scenario.name}.{spec.law.controller}"),
         tests=str(1 + len(cases)),
         failures=str(sum(bool(text) for _, text in cases)),
         errors=str(int(not result.trusted)),
@@ -254,12 +238,12 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
     )
     properties = ET.SubElement(suite, "properties")
     for name, value in (
-        ("scenario", options.scenario),
-        ("seed", options.seed),
+        ("scenario", spec.scenario),
+        ("seed", spec.seed),
         ("verdict", result.verdict),
         ("frames_sha256", result.frames_sha256),
-        ("controller", options.label),
-        ("arithmetic", options.arithmetic),
+        ("controller", spec.law.label),
+        ("arithmetic", spec.law.arithmetic),
     ):
         ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
     classname = _xml(f"railhil.{scenario.name}")
@@ -297,6 +281,20 @@ def signal_table(trace: Trace, notes: Sequence[ToldNote]) -> tuple[list[str], Fl
     return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
+def signal_units(contract: Contract, notes: Sequence[ToldNote]) -> dict[str, str]:
+    """Unit of each column of :func:`signal_table`, empty for numbers without one."""
+
+    def unit(port: str, signal: str) -> str:
+        return next(item.unit for item in contract.port(port).signals if item.name == signal)
+
+    return {
+        "time_s": "s",
+        **{header: unit(port, signal) for header, port, signal in _COLUMNS},
+        **{note.name: note.unit for note in notes},
+        "ladder_level": unit(CtlStat.PORT, "LadderLevel"),
+    }
+
+
 def write_signals(trace: Trace, path: Path, notes: Sequence[ToldNote]) -> None:
     """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
     header, rows = signal_table(trace, notes)
@@ -304,7 +302,13 @@ def write_signals(trace: Trace, path: Path, notes: Sequence[ToldNote]) -> None:
 
 
 def write_folder(
-    folder: Path, scenario: Scenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
+    folder: Path,
+    scenario: Scenario,
+    spec: RunSpec,
+    start_up: StartUp,
+    result: RunResult,
+    trace: Trace,
+    bus_arguments: list[str],
 ) -> None:
     """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
 
@@ -317,10 +321,10 @@ def write_folder(
                 write_signals(trace, draft, notes_of(trace, _notes(result)))
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
-        write_json(folder / SCORE, score_json(scenario, result, options))
+        write_json(folder / SCORE, score_json(scenario, result, spec))
         with whole_file(folder / "junit.xml") as draft:
-            junit(scenario, options, result).write(draft, encoding="unicode", xml_declaration=True)
-        write_json(folder / CERTIFICATE, certificate(scenario, options, result, bus_arguments))
+            junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
+        write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
     except BaseException as error:
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error

@@ -17,6 +17,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -28,12 +29,12 @@ from railhil.supervisor.jitter import (
     write_wall_times,
 )
 from railhil.supervisor.launch import start_hub, start_nodes
-from railhil.supervisor.options import RunOptions
 from railhil.supervisor.processes import Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import score
 from railhil.supervisor.session import Session
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
@@ -61,7 +62,8 @@ class Run:
     def __init__(
         self,
         scenario: Scenario,
-        options: RunOptions,
+        spec: RunSpec,
+        start_up: StartUp,
         choice: BusChoice,
         folder: Path,
         on_progress: Callable[[float], None] | None = None,
@@ -71,25 +73,15 @@ class Run:
         after_loss_s: float = AFTER_LOSS_S,
     ) -> None:
         self.scenario = scenario
-        self.options = options
+        self.spec = spec
+        self.start_up = start_up
         self.choice = choice
         self.folder = folder
         self._open_bus = open_bus
         self._silence_s = silence_s
         self._after_loss_s = after_loss_s
         self.log = FrameLog(folder)
-        self.session = Session(
-            scenario,
-            self.log.write,
-            seed=options.seed,
-            perturbed=options.perturbed,
-            controller=options.label,
-            arithmetic=options.arithmetic,
-            indexing=options.indexing,
-            pace=options.pace,
-            fd=choice.fd,
-            on_progress=on_progress,
-        )
+        self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress)
         #: Telegrams of the record, read back from the log when the run has ended.
         self.trace = Trace()
         #: Exit code of a run that a signal has ended (128 + its number), else 0.
@@ -99,7 +91,7 @@ class Run:
         self._lost = ""
         self._scheduling = Scheduling()
         # The hub has one order for all; a kernel bus has one per processor.
-        in_order = choice.config.get("interface") == HUB_INTERFACE or options.pace != "lockstep"
+        in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self._order = None if in_order else BusOrder(fd=choice.fd)
 
     def execute(self) -> RunResult:
@@ -141,10 +133,10 @@ class Run:
 
     def _join(self, nodes: Nodes) -> Link:
         """Start the nodes and open the bus; a bus that is there already is looked at first."""
-        lockstep = self.options.pace == "lockstep"
+        lockstep = not self.spec.is_realtime
         if self.choice.needs_hub:
-            start_hub(nodes, self.options, self.choice)
-        elif not self.options.attach:
+            start_hub(nodes, self.spec, self.start_up, self.choice)
+        elif not self.start_up.attach:
             link = open_recorder(self.choice, nodes, lockstep, self._open_bus)
             try:
                 refuse_occupied(link, self.choice)
@@ -157,11 +149,11 @@ class Run:
         return open_recorder(self.choice, nodes, lockstep, self._open_bus)
 
     def _start(self, nodes: Nodes) -> None:
-        if not self.options.attach:
-            start_nodes(nodes, self.options, self.choice, self.folder)
+        if not self.start_up.attach:
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder)
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
-        priority = RECORDER_PRIORITY if self.options.realtime_scheduling else 0
+        priority = RECORDER_PRIORITY if self.start_up.realtime_scheduling(self.spec) else 0
         with cycle("supervisor", priority, aloud=False) as self._scheduling:
             link.while_waiting = self.stop.check
             try:
@@ -178,8 +170,8 @@ class Run:
         flush_s = time.monotonic() + FLUSH_S
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
-        silence_s = self.options.patience_s + LATER_S if self.options.pace == "lockstep" else self._silence_s
-        apart = self.options.pace == "lockstep" and bool(nodes.nodes)
+        silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
+        apart = not self.spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
             self._take(link, _LOOK_S)
             stop.check()
@@ -208,8 +200,8 @@ class Run:
             elif now_s > give_up_s:
                 return
             # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
-            if not session.recording and now_s - opened_s > self.options.appear_s + LATER_S:
-                self._lost = self._lost or f"no plant on {self.choice.transport} within {self.options.appear_s:g} s"
+            if not session.recording and now_s - opened_s > self.start_up.appear_s + LATER_S:
+                self._lost = self._lost or f"no plant on {self.choice.transport} within {self.start_up.appear_s:g} s"
                 return
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
                 self._lost = self._lost or f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
@@ -250,7 +242,7 @@ class Run:
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without score, and whether it was refused for bad input."""
         refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
-        if refusals and not (self.options.foreign and self.session.disagreements):
+        if refusals and not (self.start_up.foreign and self.session.disagreements):
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.disagreements) or "the plant did not start the run", True
@@ -260,7 +252,7 @@ class Run:
         """Why the record is not whole, if it is not."""
         if lost := counters.get("rx_lost"):
             return f"record: {lost} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
-        if self.session.unheard_ns and self.options.pace == "realtime":
+        if self.session.unheard_ns and self.spec.is_realtime:
             return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
         return ""
 
@@ -269,7 +261,7 @@ class Run:
         self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
         result = score(self.scenario, self.trace)
         timing = self._timing()
-        if timing.missed_polls and counters.get("outages") and self.options.pace == "lockstep":
+        if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
             # The kernel may swallow frames while an interface goes down, and says nothing.
             line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
@@ -297,11 +289,11 @@ class Run:
 
     def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""
-        session, options = self.session, self.options
-        if options.pace == "lockstep":
+        session = self.session
+        if not self.spec.is_realtime:
             return lockstep_timing(self.trace)
         write_wall_times(session.wall_ticks, session.wall_ns, self.folder / WALL)
-        rate, pace = kept_pace(options.rate, session.rate)
+        rate, pace = kept_pace(self.spec.rate, session.rate)
         arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / rate)
         paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
         said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}

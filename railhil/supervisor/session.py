@@ -19,6 +19,7 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import log_line
 
 
@@ -33,13 +34,8 @@ class Session:
         self,
         scenario: Scenario,
         write: Callable[[str], object],
+        run: RunSpec,
         *,
-        seed: int,
-        perturbed: bool,
-        controller: str,
-        arithmetic: str,
-        indexing: str,
-        pace: str = "lockstep",
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
@@ -62,16 +58,7 @@ class Session:
         self._write = write
         self._on_progress = on_progress
         self._life = 0
-        self._ident = make_ident(
-            Role.SUPERVISOR,
-            scenario.sha256,
-            seed=seed,
-            perturbed=perturbed,
-            controller=controller,
-            arithmetic=arithmetic,
-            indexing=indexing,
-            pace=pace,
-        )
+        self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
         self._responder = Responder(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType, TracebackType
@@ -26,7 +27,8 @@ class StopSignals:
 
     def __enter__(self) -> StopSignals:
         self._entered += 1
-        if self._entered == 1:
+        # Python hands signals to its main thread only; in another, of a user's program, none can be taken.
+        if self._entered == 1 and threading.current_thread() is threading.main_thread():
             self._before = {number: signal.signal(number, self._note) for number in ending_signals()}
         return self
 
@@ -35,6 +37,7 @@ class StopSignals:
         if self._entered == 0:
             for number, handler in self._before.items():
                 signal.signal(number, handler)
+            self._before = {}
 
     @contextmanager
     def at_once(self) -> Iterator[None]:

@@ -4,37 +4,37 @@ from __future__ import annotations
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.options import RunOptions
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.telemetry import LawOrigin
 
 
-def seed_was_trained(scenario: Scenario, options: RunOptions, origin: LawOrigin | None) -> bool | None:
+def seed_was_trained(scenario: Scenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
     """True when the parameters were tuned, or the law's own ones designed, on this run.
 
     :param origin: what the law says of its own parameters; None when it has not been heard.
     :returns: None when nobody knows: a controller that has said nothing about its own parameters.
     """
-    if not options.perturbed:
+    if not run.perturbed:
         return False
-    if options.parameters is not None and options.parameters.seen([options.seed]):
+    if run.law.parameters is not None and run.law.parameters.seen([run.seed]):
         return True
     if origin is None:
         return None
     # Also with a parameter file: what it does not name stays the law's own.
-    return options.seed in origin.design_seeds.get(scenario.name, ())
+    return run.seed in origin.design_seeds.get(scenario.name, ())
 
 
-def check_unseen(scenario: Scenario, options: RunOptions, origin: LawOrigin | None = None) -> None:
+def check_unseen(scenario: Scenario, run: RunSpec, origin: LawOrigin | None = None) -> None:
     """Refuse to judge parameters by a run that they were made from.
 
     :param origin: as above.
     :raises InputError: they were.
     """
-    if not seed_was_trained(scenario, options, origin):
+    if not seed_was_trained(scenario, run, origin):
         return
-    if options.parameters is not None:
-        options.parameters.check_unseen([options.seed])
+    if run.law.parameters is not None:
+        run.law.parameters.check_unseen([run.seed])
     chosen = "" if origin is None else f" ({origin.text})"
-    found = Words(f"{options.seed}, on which {options.controller}'s own parameters were chosen{chosen}")
+    found = Words(f"{run.seed}, on which {run.law.controller}'s own parameters were chosen{chosen}")
     allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
     raise InputError("command line", "--seed", found, allowed)

@@ -24,6 +24,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_spec import LawSpec
 from railhil.tuning.command import DEFAULT_SCENARIO, arguments, check_combination
 from railhil.tuning.shipped import shipped
 
@@ -73,7 +74,7 @@ def _evaluate(namespace: argparse.Namespace, file: Path, console: Output) -> Eva
     if namespace.law not in (None, given.law):
         raise InputError(file, "law", given.law, f"{namespace.law}, the law asked for")
     scenario = _scenario(namespace, given.training_scenario)
-    case = Case(scenario, given.law, namespace.arithmetic, namespace.indexing or "time")
+    case = Case(scenario, LawSpec(given.law, namespace.arithmetic, namespace.indexing))
     say_compiling(Output(stderr=True).say)
     found = evaluate(case, given, _seeds(namespace), namespace.allow_training_seeds)
     show(console, found)
@@ -84,16 +85,17 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     from railhil.batch import say_compiling
     from railhil.tuning.document import document
     from railhil.tuning.search import Box, Protocol, search
+    from railhil.tuning.trials import ARITHMETIC
 
     scenario = _scenario(namespace)
     protocol = Protocol(
         scenario,
-        namespace.law,
-        namespace.indexing or "time",
+        LawSpec(namespace.law, ARITHMETIC, namespace.indexing),
         namespace.seeds,
         namespace.budget,
         namespace.search_seed,
     )
+    law = protocol.law.controller
     seen = sorted(set(protocol.seeds).intersection(_seeds(namespace)))
     if seen and not namespace.allow_training_seeds:
         raise InputError(
@@ -102,7 +104,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
             Words(f"seed {seen[0]}, which is a training seed"),
             "other seeds for the evaluation, or --allow-training-seeds, which its table then says",
         )
-    file = Path(namespace.out or f"{protocol.law}_{scenario.name}.toml")
+    file = Path(namespace.out or f"{law}_{scenario.name}.toml")
     # Before the work, not after it.
     with _complaining(file):
         check_writable(file)
@@ -118,16 +120,16 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
     _write(file, document(protocol, found))
     own = found.objective_default
     console.say(
-        f"{protocol.law} on {scenario.name}: objective {found.objective:.4f} on the training runs, "
+        f"{law} on {scenario.name}: objective {found.objective:.4f} on the training runs, "
         f"{'no law' if math.isinf(own) else f'{own:.4f}'} with the law's own parameters; {found.evaluations} "
         f"candidates, {found.infeasible} of them no law"
     )
-    edges = Box.of(protocol.law).at_bounds(found.values)
+    edges = Box.of(law).at_bounds(found.values)
     if edges:
         console.say(f"at a bound, where a wider one might give more: {', '.join(edges)}")
     console.say(f"written: {file}")
     result: dict[str, Any] = {
-        "law": protocol.law,
+        "law": law,
         "scenario": scenario.name,
         "file": str(file),
         **{key: getattr(found, key) for key in ("objective", "evaluations", "infeasible", "complete")},
@@ -172,7 +174,7 @@ def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file:
     if not said:
         console.say(f"the tuned parameters are the better set {runs}: kept in {file}", style="bold")
         return None
-    box = Box.of(protocol.law)
+    box = Box.of(protocol.law.controller)
     own = dict(zip(box.names, box.default, strict=True))
     kept = replace(found, values=own, objective=found.objective_default, laid_aside=", ".join(said))
     _write(file, document(protocol, kept))

@@ -5,12 +5,11 @@ from __future__ import annotations
 import argparse
 import re
 
-from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
+from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, whole_number
 from railhil.common.errors import InputError
 from railhil.common.output import add_json_argument
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.controller_node.setpoint import INDEXINGS
 from railhil.scenarios.settings import add_set_argument
 
 #: Evaluations of a search, at least two generations of the smallest population.
@@ -69,7 +68,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--search-seed", type=whole_number(0, SEED_MAX), default=0, metavar="N", help="seed of the search (default 0)"
     )
-    parser.add_argument("--indexing", choices=INDEXINGS, help="set-point indexing (default time)")
+    add_indexing_argument(parser)
     parser.add_argument(
         "--runs",
         type=whole_number(0, _RUNS_MAX),

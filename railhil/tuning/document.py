@@ -9,7 +9,7 @@ from typing import Any
 
 from railhil.tuning import objective
 from railhil.tuning.search import Box, Found, Protocol
-from railhil.tuning.trials import ARITHMETIC, REFERENCE
+from railhil.tuning.trials import REFERENCE
 
 _HEAD = "# Written by railhil tune. Parameters of the law that are not named here keep their defaults.\n"
 _DIGITS = 6
@@ -38,8 +38,8 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     """What the search says about itself; no time and no place, so the same search writes the same bytes."""
     return {
         "scenario_sha256": protocol.scenario.sha256,
-        "indexing": protocol.indexing,
-        "arithmetic": ARITHMETIC,
+        "indexing": protocol.law.indexing,
+        "arithmetic": protocol.law.arithmetic,
         "method": f"differential evolution of scipy {version('scipy')}",
         "search_seed": protocol.search_seed,
         "budget": protocol.budget,
@@ -47,7 +47,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
         "generations": protocol.generations,
         "evaluations": found.evaluations,
         "infeasible": found.infeasible,
-        "at_bounds": Box.of(protocol.law).at_bounds(found.values),
+        "at_bounds": Box.of(protocol.law.controller).at_bounds(found.values),
         "complete": found.complete,
         **({"laid_aside": found.laid_aside} if found.laid_aside else {}),
         "objective_version": objective.VERSION,
@@ -62,7 +62,7 @@ def document(protocol: Protocol, found: Found) -> str:
     scale = {key: _rounded(value) for key, value in {**found.scale.limits, **found.scale.medians}.items()}
     return (
         _HEAD
-        + f"law = {_toml(protocol.law)}\n"
+        + f"law = {_toml(protocol.law.controller)}\n"
         + _table("parameters", found.values)
         + _table("training", {"scenario": protocol.scenario.name, "seeds": list(protocol.seeds)})
         + _table("training.notes", notes(protocol, found))

@@ -36,7 +36,7 @@ class Evaluation:
 
 def _designed_on(case: Case, seeds: range) -> list[int]:
     """Seeds on which the law's own parameters were chosen: the file keeps those that it does not name."""
-    chosen = load(case.law).design_seeds.get(case.scenario.name, ())
+    chosen = load(case.law.controller).design_seeds.get(case.scenario.name, ())
     return [seed for seed in chosen if seed in seeds]
 
 
@@ -44,7 +44,7 @@ def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
     """Refuse an evaluation on runs that the parameters, or the law's own, were made from. Raises InputError."""
     given.check_unseen(seeds)
     if designed := _designed_on(case, seeds):
-        found = Words(f"seed {designed[0]}, on which {case.law}'s own parameters were chosen")
+        found = Words(f"seed {designed[0]}, on which {case.law.controller}'s own parameters were chosen")
         allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
         raise InputError("command line", "--first-seed", found, allowed)
 
@@ -52,13 +52,12 @@ def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
 def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
     """Run both.
 
-    :param case: its parameters are not looked at.
+    :param case: the parameters of its law are not looked at.
     :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
     """
     if not allow_training_seeds:
         check_seeds(case, given, seeds)
-    tuned = run_batch(replace(case, parameters=given), seeds)
-    default = run_batch(replace(case, parameters=None), seeds)
+    tuned, default = (run_batch(replace(case, law=replace(case.law, parameters=each)), seeds) for each in (given, None))
     return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
 
 
@@ -98,8 +97,8 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
 def _title(found: Evaluation) -> str:
     case, seeds = found.case, found.tuned.seed
     title = (
-        f"{case.law} on {case.scenario.name}, {len(seeds)} perturbed runs, seeds {seeds[0]} to {seeds[-1]}, "
-        f"{case.arithmetic}, indexed by {case.indexing}"
+        f"{case.law.controller} on {case.scenario.name}, {len(seeds)} perturbed runs, seeds {seeds[0]} to {seeds[-1]}, "
+        f"{case.law.said}"
     )
     if found.seen:
         title += f"\nTHESE ARE TRAINING RUNS: {len(found.seen)} of the seeds were used to make the parameters"
@@ -147,12 +146,12 @@ def document(found: Evaluation) -> dict[str, Any]:
 
     case, seeds = found.case, found.tuned.seed
     return {
-        "law": case.law,
+        "law": case.law.controller,
         "scenario": case.scenario.name,
         "scenario_sha256": case.scenario.sha256,
         "parameters_sha256": found.given.sha256,
-        "arithmetic": case.arithmetic,
-        "indexing": case.indexing,
+        "arithmetic": case.law.arithmetic,
+        "indexing": case.law.indexing,
         "runs": len(seeds),
         "first_seed": int(seeds[0]),
         "training_seeds": list(found.seen),

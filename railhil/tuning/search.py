@@ -19,6 +19,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios import streams
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.tuning.objective import Scale
 from railhil.tuning.trials import Trials
 
@@ -32,11 +33,10 @@ _EDGE = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Protocol:
-    """What is searched, on which runs, and for how long."""
+    """What is searched, on which runs, and for how long; the law computes in double precision."""
 
     scenario: Scenario
-    law: str
-    indexing: str = "time"
+    law: LawSpec
     seeds: tuple[int, ...] = tuple(range(8))
     budget: int = 800
     search_seed: int = 0
@@ -180,8 +180,8 @@ def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda e
     :raises InputError: the law is unknown, has nothing to tune or does not fit the scenario or the indexing, whatever
         the candidate.
     """
-    box = Box.of(protocol.law)
-    best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.indexing, protocol.seeds), progress)
+    box = Box.of(protocol.law.controller)
+    best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.seeds), progress)
     random = streams.generator(protocol.search_seed, streams.TUNING)
     settings: dict[str, Any] = {
         # Neither a tolerance nor a local search: the budget alone decides when it ends.
@@ -204,7 +204,7 @@ def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda e
     except KeyboardInterrupt:
         complete = False
     if math.isinf(best.objective):
-        raise _hopeless(protocol.law, best)
+        raise _hopeless(protocol.law.controller, best)
     return Found(
         best.values,
         best.objective,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from railhil.batch import CHUNK, Case
@@ -13,6 +14,7 @@ from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.record import record
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.score import Score
 from railhil.tuning.objective import Scale, objective
 from railhil.tuning.stacked import StackedLoop, shape
@@ -26,18 +28,18 @@ ARITHMETIC = "float64"
 class Trials:
     """Training runs of one law.
 
+    :param law: its arithmetic is :data:`ARITHMETIC`, its parameters are those of the candidates.
     :param seeds: of the perturbed runs.
     """
 
-    def __init__(self, scenario: Scenario, law: str, indexing: str, seeds: Sequence[int]) -> None:
+    def __init__(self, scenario: Scenario, law: LawSpec, seeds: Sequence[int]) -> None:
         self._scenario = scenario
         self._law = law
-        self._indexing = indexing
         self._seeds = list(seeds)
         #: How often the law gave which reason for refusing parameters.
         self.refusals: Counter[str] = Counter()
-        published = record(scenario, REFERENCE, indexing, wide=True)
-        self.scale = Scale.of(scenario, self._runs(REFERENCE, [published])[0])
+        published = record(scenario, REFERENCE, law.indexing, wide=True)
+        self.scale = Scale.of(scenario, self._runs(replace(law, controller=REFERENCE), [published])[0])
 
     def of_defaults(self) -> float | None:
         """Objective of the law's own parameters, None when the law cannot be made with them for this scenario."""
@@ -65,9 +67,10 @@ class Trials:
         return found
 
     def _programs(self, values: Mapping[str, float] | None) -> LawProgram | None:
-        given = None if values is None else ParameterSet(self._law, values, Path("search"))
+        law = self._law
+        given = None if values is None else ParameterSet(law.controller, values, Path("search"))
         try:
-            return record(self._scenario, self._law, self._indexing, wide=True, parameters=given)
+            return record(self._scenario, law.controller, law.indexing, wide=True, parameters=given)
         except InputError as error:
             # What a law says about parameters that do not go together.
             if isinstance(error.__cause__, ValueError):
@@ -75,8 +78,8 @@ class Trials:
                 return None
             raise
 
-    def _runs(self, law: str, programs: Sequence[LawProgram]) -> list[list[Score]]:
+    def _runs(self, law: LawSpec, programs: Sequence[LawProgram]) -> list[list[Score]]:
         count = len(self._seeds)
-        case = Case(self._scenario, law, ARITHMETIC, self._indexing)
+        case = Case(self._scenario, law)
         scores = Engine(case, StackedLoop(programs, count)).run(self._seeds * len(programs)).scores
         return [scores[i : i + count] for i in range(0, len(scores), count)]

@@ -18,6 +18,7 @@ from railhil.bus.link import Timeouts
 from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.trace import Trace, trace_of
@@ -130,7 +131,7 @@ def test_a_controller_behind_an_adapter_gives_the_same_bytes(rig, move, move_fil
         rig.hub, move, tmp_path / "run", seed=_SEED, controller_command=rig.controller_command(move_file)
     )
     assert (result.line, exit_codes) == ("", [0, 0])
-    assert result.frames_sha256 == local_run(move, tmp_path / "local", seed=_SEED).frames_sha256
+    assert result.frames_sha256 == local_run(move, tmp_path / "local", RunSpec(seed=_SEED)).frames_sha256
     status = rig.status()
     # Opened twice by python-can (once with the bit rate), closed before that and at the end.
     found = {key: status[key] for key in ("open", "bit_rate", "refused_frames", "receive_overrun") if key in status}
@@ -155,7 +156,7 @@ def test_fd_frames_pass_the_adapter(socket_folder, move, move_file, tmp_path):
                 node.wait()
     assert done.exit_code in (0, 1), done.err
     (tmp_path / "local").mkdir()
-    local = local_run(move, tmp_path / "local", seed=_SEED, fd=True)
+    local = local_run(move, tmp_path / "local", RunSpec(seed=_SEED), fd=True)
     assert (tmp_path / "run" / "frames.log").read_text() == local.log.read_text()
 
 

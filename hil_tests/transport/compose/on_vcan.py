@@ -17,6 +17,7 @@ from hil_tests.transport.compose.engine import SERVICES, Up
 from hil_tests.transport.compose.vcan_runs import CASES_VARIABLE, FOLDER_VARIABLE
 from railhil.bench import local_run
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import sha256_of
 
 _SHORT = str(Path(__file__).with_name("short_move.toml"))
@@ -63,7 +64,7 @@ def test_run_gives_the_bytes_of_the_bench_without_containers(name, left, tmp_pat
     score = json.loads((left.run_folder / "score.json").read_text())
     # The published run with this seed stops 0.22 m off and misses its limit.
     assert left.exit_code == {"PASS": 0, "FAIL": 1}[score["verdict"]], left.out
-    expected = local_run(load(_ALL[name].scenario), tmp_path, seed=_SEED).frames_sha256
+    expected = local_run(load(_ALL[name].scenario), tmp_path, RunSpec(seed=_SEED)).frames_sha256
     assert sha256_of(left.run_folder / "frames.log") == expected
     certificate = json.loads((left.run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == expected

@@ -14,6 +14,7 @@ from hil_tests.support.paths import ROOT
 from hil_tests.transport.compose.engine import PROJECT, SERVICES, Up, compose, containers, docker, traces_on_host, up
 from railhil.bench import local_run
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.framelog import sha256_of
 
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
@@ -61,7 +62,7 @@ def test_results_are_those_of_the_bench_without_containers(bench, tmp_path):
     names = {path.name for path in bench.run_folder.iterdir()}
     expected_names = {"frames.log", "frames.blf", "signals.csv", "score.json", "certificate.json", "junit.xml"}
     assert expected_names | {"report.html"} <= names
-    expected = local_run(load("lvshun_tieshan"), tmp_path, seed=_SEED).frames_sha256
+    expected = local_run(load("lvshun_tieshan"), tmp_path, RunSpec(seed=_SEED)).frames_sha256
     assert sha256_of(bench.run_folder / "frames.log") == expected
     certificate = json.loads((bench.run_folder / "certificate.json").read_text())
     assert certificate["frames_sha256"] == expected

@@ -22,13 +22,14 @@ from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.scheduling import cycle
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import run_controller
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.options import RunOptions
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.start_up import StartUp
 
 #: A node that has not ended this long after the record is killed.
 _NODE_END_S = 20.0
@@ -76,12 +77,10 @@ def run_on(
     :param reply_ns: realtime: reply time-out of the polls, where 5 ms are too short for an emulated machine.
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
-    plant_options = PlantOptions(
-        seed=seed, rate=rate if pace == "realtime" else 0.0, appear_s=appear_s, reply_ns=reply_ns
-    )
+    spec = RunSpec(scenario.name, law=LawSpec(controller, arithmetic), seed=seed, pace=pace, rate=rate)
 
     def run_the_controller() -> int:
-        node = ControllerNode(scenario, ControllerOptions(controller, arithmetic))
+        node = ControllerNode(scenario, spec.law)
         link = open_link(
             dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
         )
@@ -92,7 +91,7 @@ def run_on(
 
     def run_the_plant() -> int:
         link = open_link(dict(config), "plant", timeouts=timeouts)
-        node = PlantNode(scenario, plant_options, link)
+        node = PlantNode(scenario, spec, link, appear_s=appear_s, reply_ns=reply_ns)
         try:
             node.run()
         finally:
@@ -107,18 +106,9 @@ def run_on(
         else:
             nodes.append(_Program("controller", controller_command, folder))
         nodes.append(_Forked("plant", run_the_plant, folder))
-        options = RunOptions(
-            scenario.name,
-            controller=controller,
-            arithmetic=arithmetic,
-            pace=pace,
-            rate=rate,
-            seed=seed,
-            attach=True,
-            appear_s=appear_s,
-        )
+        how = StartUp(attach=True, appear_s=appear_s)
         choice = BusChoice(dict(config), "the test's")
-        result = Run(scenario, options, choice, folder, on_progress, open_bus=open_recorder).execute()
+        result = Run(scenario, spec, how, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
         for node in nodes:

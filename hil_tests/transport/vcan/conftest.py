@@ -15,6 +15,7 @@ import pytest
 from hil_tests.transport.vcan.bench import disturbed
 from railhil.bench import BenchRun, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
+from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
@@ -50,13 +51,13 @@ def hop(lvshun: Scenario) -> Scenario:
 @pytest.fixture(scope="session")
 def reference(move: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """The short move with seed 1, without a bus: log, hash and notches that every transport must give."""
-    return local_run(move, tmp_path_factory.mktemp("reference"), seed=1)
+    return local_run(move, tmp_path_factory.mktemp("reference"), RunSpec(seed=1))
 
 
 @pytest.fixture(scope="session")
 def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
     """The hop with seed 1, without a bus."""
-    return local_run(hop, tmp_path_factory.mktemp("hop"), seed=1)
+    return local_run(hop, tmp_path_factory.mktemp("hop"), RunSpec(seed=1))
 
 
 @pytest.fixture(scope="session")

@@ -19,8 +19,9 @@ from railhil.bus.link import open_link
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.order import BusOrder
 from railhil.bus.telegrams import NotchCmd
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.trace import trace_of
 
@@ -118,7 +119,7 @@ def test_canplayer_and_cantools(hop, hop_reference):
     )  # fmt: skip
     contract = wire_contract()
     own_ids = {can_id for port in contract.ports if port.source == "controller" for can_id in port.can_ids}
-    node = ControllerNode(hop, ControllerOptions())
+    node = ControllerNode(hop, LawSpec())
     link = open_link(socketcan())
     # The player does not wait for a slow machine; root may have a buffer for all of it.
     link.bus.socket.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, 16 << 20)

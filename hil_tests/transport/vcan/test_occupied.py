@@ -11,8 +11,9 @@ from hil_tests.transport.vcan.bench import run_on, say_into, socketcan
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import USAGE, guarded
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.processes import Nodes
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 
@@ -23,7 +24,7 @@ def second_plant(scenario: Scenario) -> int:
     """A bus administrator by itself, as ``railhil node plant``."""
     link = open_link(socketcan(), "plant")
     try:
-        PlantNode(scenario, PlantOptions(), link).run()
+        PlantNode(scenario, RunSpec(), link).run()
     finally:
         link.close()
     return 0

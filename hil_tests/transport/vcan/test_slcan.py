@@ -30,6 +30,7 @@ from railhil.machines.adapter.device import Build
 from railhil.machines.adapter.emulator import Emulator
 from railhil.machines.adapter.terminal import Terminal
 from railhil.scenarios.model import Scenario, TargetCurve
+from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
@@ -140,7 +141,7 @@ def test_run_with_the_controller_on_slcan0_gives_the_same_bytes(adapter, hop, fo
     result, exit_codes = run_on(socketcan(), hop, folder, controller_config=socketcan("slcan0"))
     assert exit_codes == [0, 0], result.line
     (tmp_path / "local").mkdir()
-    local = local_run(hop, tmp_path / "local", seed=1)
+    local = local_run(hop, tmp_path / "local", RunSpec(seed=1))
     assert result.frames_sha256 == local.frames_sha256
     assert result.frames > 2000
     assert disturbed(counters_of(folder, "controller")) == {}

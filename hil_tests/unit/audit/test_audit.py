@@ -29,6 +29,7 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 FULL = load("lvshun_tieshan")
 IQ: Any = type(make("iq"))
@@ -43,7 +44,7 @@ def short(tmp_path_factory):
 
 
 def shadowed(arithmetic: Arithmetic[Any], others: Sequence[Arithmetic[Any]] = (), scenario=FULL) -> ShadowRun:
-    return shadow_run(scenario, "ipfc", arithmetic, record(scenario, "ipfc").quantities, others=others)
+    return shadow_run(scenario, LawSpec(), arithmetic, record(scenario, "ipfc").quantities, others=others)
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +200,7 @@ def test_an_infinite_value_misses_a_bar_and_leaves_the_result_readable(short):
     shadow = shadowed(Endless(), scenario=short)
     assert shadow.audited.not_finite == len(shadow.audited.rows)
     assert "infinite values" in missed(shadow, type(make("float32")))
-    result = audit(short, Options(arithmetic="float32", runs=0))
+    result = audit(short, Options(LawSpec(arithmetic="float32"), runs=0))
     rows = tuple(shadow.audited.telemetry.rows)
     found = {row["name"]: row for row in document(replace(result, ranges=rows))["ranges"]}
     assert found["alpha"]["maximum"] is None
@@ -223,7 +224,7 @@ def test_effect_bars():
 
 
 def test_effect_runs_the_same_draws_in_both(short):
-    found = effect(short, 2, controller="ipfc", arithmetic="float64", indexing="time")
+    found = effect(short, 2, LawSpec("ipfc", "float64"))
     assert found.counters == Counters()
     assert [one.score for one in found.scores] == ["itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort"]
     for one in found.scores:
@@ -272,7 +273,7 @@ def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_an_audit_is_deterministic_and_whole(short, indexing):
-    found = [document(audit(short, Options(runs=0, indexing=indexing))) for _ in range(2)]
+    found = [document(audit(short, Options(LawSpec(indexing=indexing), runs=0))) for _ in range(2)]
     assert found[0] == found[1]
     names = [quantity.name for quantity in record(short, "ipfc", indexing).quantities]
     assert [row["name"] for row in found[0]["ranges"]] == names
@@ -283,7 +284,7 @@ def test_an_audit_is_deterministic_and_whole(short, indexing):
 
 
 def test_an_arithmetic_without_formats_has_no_floor(short):
-    result = audit(short, Options(arithmetic="float32", runs=0))
+    result = audit(short, Options(LawSpec(arithmetic="float32"), runs=0))
     assert result.floor is None
     fixed_point = cost_of(record(short, "ipfc"), make("iq"), short.timing.control_period_ns)
     assert 0 < result.cost.cycles < fixed_point.cycles / 2

@@ -30,6 +30,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Effort, Scenario, Uniform
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIOS = (
     "lvshun_tieshan",
@@ -59,14 +60,7 @@ def same_as_the_bench(case: Case, seeds: tuple[int, ...]) -> list[Any]:
     """Assert that a batch is what single runs are; returns their scores."""
     batch = run_batch(case, seeds)
     for i, seed in enumerate(seeds):
-        run = direct_run(
-            case.scenario,
-            seed=seed,
-            drawn=case.perturbed,
-            controller=case.law,
-            arithmetic=case.arithmetic,
-            indexing=case.indexing,
-        )
+        run = direct_run(case.scenario, case.run(seed))
         assert batch.notch_digest[i] == trace_digest(case.scenario, run.trace), f"seed {seed}: notch codes"
         assert batch.scores[i] == run.score, f"seed {seed}"
         assert batch.wraps[i] == run.arithmetic.wraps
@@ -79,7 +73,7 @@ def same_as_the_bench(case: Case, seeds: tuple[int, ...]) -> list[Any]:
 @pytest.mark.parametrize(("arithmetic", "indexing", "seeds"), WAYS)
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_a_batch_is_what_single_runs_are(name, arithmetic, indexing, seeds):
-    same_as_the_bench(Case(load(name), arithmetic=arithmetic, indexing=indexing), seeds)
+    same_as_the_bench(Case(load(name), LawSpec(arithmetic=arithmetic, indexing=indexing)), seeds)
 
 
 def braked() -> Scenario:
@@ -154,14 +148,14 @@ def test_runs_that_go_wrong_are_the_same_too(make, expected):
     scenario = make()
     scores = same_as_the_bench(Case(scenario), (21, 22))
     assert all(any(expected in text for text in score.failures) for score in scores) or not expected
-    same_as_the_bench(Case(scenario, indexing="distance"), (21,))
+    same_as_the_bench(Case(scenario, LawSpec(arithmetic="float64", indexing="distance")), (21,))
 
 
 def test_runs_with_an_emergency_brake_are_those_of_the_nodes(tmp_path):
     """Behind the brake the controller's watch answers, not its law."""
-    case = Case(braked(), arithmetic="iq")
+    case = Case(braked(), LawSpec(arithmetic="iq"))
     batch = run_batch(case, (21, 22), keep_notches=True)
-    nodes = local_run(case.scenario, tmp_path, seed=21, drawn=True, arithmetic="iq")
+    nodes = local_run(case.scenario, tmp_path, RunSpec(law=LawSpec(arithmetic="iq"), seed=21, perturbed=True))
     assert any("emergency brake at" in text for text in batch.failures[0])
     assert batch.scores[0] == nodes.score
     assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
@@ -199,12 +193,17 @@ def test_a_damaged_cache_is_no_harm(short, tmp_path):
 
 def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
     """So that a debugger can step through it."""
-    here = [run_batch(Case(short, indexing=indexing), [3]) for indexing in ("time", "distance")]
+    here = [
+        run_batch(Case(short, LawSpec(arithmetic="float64", indexing=indexing)), [3])
+        for indexing in ("time", "distance")
+    ]
     (tmp_path / "quick.toml").write_text(QUICK_TOML)
     code = (
         "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
+        "from railhil.scenarios.run_spec import LawSpec;"
         f"short = load({str(tmp_path / 'quick.toml')!r});"
-        "runs = [run_batch(Case(short, indexing=indexing), [3]) for indexing in ('time', 'distance')];"
+        "runs = [run_batch(Case(short, LawSpec('ipfc', 'float64', law_indexing)), [3])"
+        " for law_indexing in ('time', 'distance')];"
         "print([(run.notch_digest, run.scores) for run in runs])"
     )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -213,7 +212,7 @@ def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
 
 
 def test_an_unperturbed_batch_differs_in_its_noise_only(short):
-    scores = same_as_the_bench(Case(short, arithmetic="iq", perturbed=False), (1, 2))
+    scores = same_as_the_bench(Case(short, LawSpec(arithmetic="iq"), perturbed=False), (1, 2))
     assert abs(scores[0].values["energy_kj"] - scores[1].values["energy_kj"]) < 0.05 * scores[0].values["energy_kj"]
 
 
@@ -232,7 +231,7 @@ def test_the_law_is_given_what_the_bench_gives_it():
             given.append((*values[:3], *values[3]))
             return law.step(*values).notch_code
 
-        coupled_run(scenario, step, seed=seed, drawn=True)
+        coupled_run(scenario, step, RunSpec(seed=seed, perturbed=True))
         alone[seed] = given
     together: list[tuple[Any, ...]] = []
 
@@ -250,8 +249,10 @@ def test_the_law_is_given_what_the_bench_gives_it():
 
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithmetic):
-    batch = run_batch(Case(short, arithmetic=arithmetic, indexing="distance"), [5], keep_notches=True)
-    run = local_run(short, tmp_path, seed=5, drawn=True, arithmetic=arithmetic, indexing="distance")
+    batch = run_batch(Case(short, LawSpec(arithmetic=arithmetic, indexing="distance")), [5], keep_notches=True)
+    run = local_run(
+        short, tmp_path, RunSpec(law=LawSpec(arithmetic=arithmetic, indexing="distance"), seed=5, perturbed=True)
+    )
     assert batch.notch_digest[0] == trace_digest(short, run.trace)
     assert batch.scores[0] == run.score
     assert np.array_equal(np.repeat(batch.notch_codes[0], 25)[: len(run.notches)], run.notches)
@@ -259,7 +260,7 @@ def test_a_batch_is_what_a_run_through_the_telegrams_is(short, tmp_path, arithme
 
 def test_runs_do_not_depend_on_their_company(short):
     """Any order, any chunk; the result is in the order of the seeds."""
-    case = Case(short, arithmetic="iq")
+    case = Case(short, LawSpec(arithmetic="iq"))
     seeds = [3, 70, 5, 11, 4, 70, 8]
     whole = run_batch(case, seeds)
     parts = run_batch(case, seeds, chunk=2)
@@ -309,11 +310,11 @@ class Wrapping(Ipfc):
 def test_a_wrap_belongs_to_the_run_in_which_it_was(short, tmp_path, monkeypatch):
     """Late in a run, and not after its end, though the batch goes on."""
     plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
-    batch = run_batch(Case(short, "wrapping", "iq"), range(4))
+    batch = run_batch(Case(short, LawSpec("wrapping", "iq")), range(4))
     for seed in range(4):
-        alone = direct_run(short, seed=seed, drawn=True, controller="wrapping")
+        alone = direct_run(short, RunSpec(law=LawSpec("wrapping"), seed=seed, perturbed=True))
         assert batch.wraps[seed] == alone.arithmetic.wraps > 0
-    run = local_run(short, tmp_path, seed=2, drawn=True, controller="wrapping")
+    run = local_run(short, tmp_path, RunSpec(law=LawSpec("wrapping"), seed=2, perturbed=True))
     assert batch.scores[2] == run.score
     assert "fixed-point wrap in the controller, reported at" in batch.failures[2][-1]
 
@@ -353,7 +354,7 @@ CREEPING = (
 
 @pytest.mark.parametrize(("name", "law", "arithmetic", "seed"), CREEPING)
 def test_a_train_that_creeps_to_a_stand_has_stopped(name, law, arithmetic, seed):
-    (found,) = same_as_the_bench(Case(load(name), law=law, arithmetic=arithmetic), (seed,))
+    (found,) = same_as_the_bench(Case(load(name), LawSpec(law, arithmetic)), (seed,))
     assert found.ended == "ended_complete"
     assert found.values["stop_error_m"] is not None
     assert not any("not stopped" in text for text in found.failures)

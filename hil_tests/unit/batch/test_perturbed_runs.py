@@ -12,6 +12,7 @@ from railhil.batch.perturbed_runs import FIRST_SEED, outcomes
 from railhil.bench import direct_run, local_run
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 
 @pytest.fixture
@@ -24,8 +25,8 @@ def short(tmp_path):
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
     """ITAE follows the indexing: a trace that does not name it is scored by time."""
-    direct = direct_run(short, seed=3, drawn=True, indexing=indexing)
-    local = local_run(short, tmp_path, seed=3, drawn=True, indexing=indexing)
+    direct = direct_run(short, RunSpec(law=LawSpec(indexing=indexing), seed=3, perturbed=True))
+    local = local_run(short, tmp_path, RunSpec(law=LawSpec(indexing=indexing), seed=3, perturbed=True))
     assert direct.notches == local.notches
     assert direct.score.values == local.score.values
 
@@ -33,9 +34,9 @@ def test_a_direct_run_scores_as_one_with_telegrams(short, tmp_path, indexing):
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_outcomes_are_those_of_single_runs(short, tmp_path, monkeypatch, arithmetic):
     plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
-    case = {"controller": "wrapping", "arithmetic": arithmetic, "indexing": "distance"}
-    found = outcomes(short, 3, **case)
-    runs = [direct_run(short, seed=FIRST_SEED + i, drawn=True, **case) for i in range(3)]
+    law = LawSpec("wrapping", arithmetic, "distance")
+    found = outcomes(short, 3, law)
+    runs = [direct_run(short, RunSpec(law=law, seed=FIRST_SEED + i, perturbed=True)) for i in range(3)]
     assert [score.values for score in found.scores] == [run.score.values for run in runs]
     # 25 polls of 20 ms in a control period.
     wraps = sum(ceil(len(run.notches) / 25) for run in runs) if arithmetic == "iq" else 0

@@ -9,6 +9,7 @@ import pytest
 
 from railhil.batch.perturbed_runs import outcomes
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 RUNS = 200
 #: Medians and their tolerances; absolute where the name says so.
@@ -37,7 +38,7 @@ def energy_tolerance_kj(found: list[float]) -> float:
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
 def test_medians_of_200_perturbed_runs(arithmetic):
-    found = outcomes(load("lvshun_tieshan"), RUNS, arithmetic=arithmetic).scores
+    found = outcomes(load("lvshun_tieshan"), RUNS, LawSpec(arithmetic=arithmetic)).scores
     assert all(run.values["stop_error_m"] is not None for run in found), "every run stops"
     assert max(run.overspeed_mps for run in found) == 0.0
     medians = {name: median(run.values[name] for run in found) for name in BANDS}

@@ -19,9 +19,10 @@ from railhil.bus.link.single import SingleLink
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.bus.telegrams import TrnSpeed
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 _TICK_NS = 10_000_000
 _BUS_OFF = Frame(0x40, bytes(8), ERROR)
@@ -290,7 +291,7 @@ def test_in_lockstep_an_outage_takes_no_time():
 @pytest.mark.parametrize("rate", [0.01, 0.05, 0.1, 1.0, 25.4, 25.6, 1000.0])
 def test_only_lockstep_is_lockstep_to_a_controller(lvshun, rate):
     """Whatever the telegram can hold: a realtime answer that met a full queue would wait for ever."""
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     node.handle(speeds(0)[0])
     for pace, lockstep in ((0.0, True), (rate, False)):
         node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=rate_to_10th(pace)))
@@ -315,7 +316,7 @@ def test_an_outage_beyond_the_ends_of_the_telegram_is_reckoned_by_the_end(rate, 
     ],
 )
 def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, level):
-    node = ControllerNode(lvshun, ControllerOptions())
+    node = ControllerNode(lvshun, LawSpec())
     telegrams = speeds(*range(1, 40))
     node.handle(telegrams[0])
     node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=10))
@@ -332,17 +333,17 @@ def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, le
 def test_a_plant_refuses_a_bus_with_another_administrator(lvshun):
     stranger = master_frame(1, 0x110)
     node = PlantNode(
-        lvshun, PlantOptions(appear_s=1.0), LocalBus([lambda frame: [stranger] if frame.can_id == 0x80 else []])
+        lvshun, RunSpec(), LocalBus([lambda frame: [stranger] if frame.can_id == 0x80 else []]), appear_s=1.0
     )
     with pytest.raises(BusOccupied, match="another bus administrator"):
         node.run()
 
 
 def test_a_plant_refuses_two_controllers_on_its_bus(lvshun):
-    one, other = (ControllerNode(lvshun, ControllerOptions()) for _ in range(2))
+    one, other = (ControllerNode(lvshun, LawSpec()) for _ in range(2))
     supervisor = [device_status_frame(Role.SUPERVISOR, 0x1000)]
     asked = master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)
     bus = LocalBus([one.handle, other.handle, lambda frame: supervisor if frame == asked else []])
-    node = PlantNode(lvshun, PlantOptions(appear_s=1.0), bus)
+    node = PlantNode(lvshun, RunSpec(), bus, appear_s=1.0)
     with pytest.raises(BusOccupied, match=r"two nodes answer as device 1 \(controller\)"):
         node.run()

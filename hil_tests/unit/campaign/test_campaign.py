@@ -15,6 +15,7 @@ from railhil.bench import direct_run
 from railhil.campaign.plan import bench_sha256
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.criteria import ATO_CRITERIA
 
 #: Of every campaign here that is to give the same results.
@@ -55,7 +56,9 @@ def test_results_are_those_of_the_bench(finished, short):
     rows = pq.read_table(finished / "results.parquet").to_pylist()
     assert [(row["law"], row["seed"]) for row in rows] == [("ipfc", seed) for seed in range(50, 74)]
     for row in rows[::8]:
-        score = direct_run(load(short), seed=row["seed"], drawn=True, arithmetic="float64").score
+        score = direct_run(
+            load(short), RunSpec(law=LawSpec(arithmetic="float64"), seed=row["seed"], perturbed=True)
+        ).score
         assert {name: row[name] for name in score.values} == score.values
         assert (row["verdict"], tuple(row["failures"])) == (score.verdict, score.failures)
 

@@ -55,8 +55,8 @@ def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):
 
 def test_all_laws_stand_in_the_order_of_every_table():
     plan = make_plan(Request(laws=("all",)))
-    assert [entry.law for entry in plan.entries] == in_order(names())
-    assert plan.entries[0].law == "ipfc"
+    assert [entry.law.controller for entry in plan.entries] == in_order(names())
+    assert plan.entries[0].label == "ipfc"
 
 
 @pytest.mark.parametrize(

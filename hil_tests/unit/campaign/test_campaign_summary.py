@@ -161,8 +161,8 @@ def test_worst_runs_and_their_commands(plan, results, tuned):
     assert unstopped["seed"] == 1007
     assert unstopped["stop_error_m"] is None
     assert shlex.split(unstopped["command"]) == (
-        "railhil run lvshun_tieshan --perturbed --seed 1007 --controller ipfc --arithmetic float64 --indexing time "
-        f"--parameters {tuned}"
+        "railhil run lvshun_tieshan --controller ipfc --arithmetic float64 --indexing time "
+        f"--parameters {tuned} --seed 1007 --pace lockstep --perturbed"
     ).split(" ")
 
 

@@ -22,9 +22,10 @@ import pytest
 from railhil.bus.local import LocalBus
 from railhil.common import scheduling as realtime
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, cycle, permitted_priority, said_in
-from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.controller_node.node import ControllerNode
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 ROOT = Path(realtime.__file__).resolve().parent.parent
@@ -258,18 +259,9 @@ def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
 def realtime_record(scenario: Scenario) -> list[str]:
     """Lines of the record of a realtime run in this process."""
     lines: list[str] = []
-    session = Session(
-        scenario,
-        lines.append,
-        seed=0,
-        perturbed=False,
-        controller="ipfc",
-        arithmetic="iq",
-        indexing="time",
-        pace="realtime",
-    )
-    node = ControllerNode(scenario, ControllerOptions())
-    plant = PlantNode(scenario, PlantOptions(rate=100.0), LocalBus([node.handle, session.handle]))
+    session = Session(scenario, lines.append, RunSpec(pace="realtime"))
+    node = ControllerNode(scenario, LawSpec())
+    plant = PlantNode(scenario, RunSpec(pace="realtime", rate=100.0), LocalBus([node.handle, session.handle]))
     assert plant.run().ends_run
     assert plant.administrator.counters["missed_polls"] == 0
     return lines

@@ -16,9 +16,10 @@ from railhil.bus.link import Link
 from railhil.common.exit_codes import INVALID, guarded
 from railhil.common.whole_file import check_writable, whole_file
 from railhil.controller_node import command as controller
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 
 def write(path: Path, text: str = "new") -> None:
@@ -126,7 +127,7 @@ def test_a_pipe_and_a_device_are_written_to(pipe: Path) -> None:
 
 def test_the_telemetry_goes_through_a_pipe(lvshun: Scenario, pipe: Path) -> None:
     reader, found = read_in_background(pipe)
-    write_telemetry(ControllerNode(lvshun, ControllerOptions()), pipe)
+    write_telemetry(ControllerNode(lvshun, LawSpec()), pipe)
     reader.join(5)
     assert found
     assert found[0].startswith('{\n  "law": "ipfc"')

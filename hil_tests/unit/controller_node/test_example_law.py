@@ -20,6 +20,7 @@ from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 ENTRY = 'pi = "pi_law:PiLaw"'
@@ -45,7 +46,7 @@ def test_the_registration_is_the_one_of_the_text() -> None:
 
 def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:
     wide, fixed, single = (
-        direct_run(SCENARIO, controller="pi", arithmetic=arithmetic) for arithmetic in ("float64", "iq", "float32")
+        direct_run(SCENARIO, RunSpec(law=LawSpec("pi", arithmetic))) for arithmetic in ("float64", "iq", "float32")
     )
     for run in (wide, fixed, single):
         assert run.score.overspeed_mps == 0

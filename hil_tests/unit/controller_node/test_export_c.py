@@ -32,6 +32,7 @@ from railhil.bus.telegrams import CtlStat
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.export import Bundle
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 pytestmark = pytest.mark.needs_compiler
 
@@ -194,10 +195,10 @@ def test_compiled_controller_drives_the_train_like_the_python_node(
     indexing, folder, bundle = exported
     for name in ("python", "c"):
         (tmp_path / name).mkdir()
-    expected = local_run(SCENARIO, tmp_path / "python", indexing=indexing)
+    expected = local_run(SCENARIO, tmp_path / "python", RunSpec(law=LawSpec(indexing=indexing)))
     subprocess.run(["gcc", *STRICT, "-O2", "-fPIC", "-shared", "-o", "libipfc.so", "ipfc.c"], cwd=folder, check=True)
     law = CompiledController(SCENARIO, folder, bundle, indexing)
-    found = local_run(SCENARIO, tmp_path / "c", indexing=indexing, law=law)
+    found = local_run(SCENARIO, tmp_path / "c", RunSpec(law=LawSpec(indexing=indexing)), controller=law)
     assert law.steps > 300
     assert len(set(found.notches)) > 50
     assert found.notches == expected.notches

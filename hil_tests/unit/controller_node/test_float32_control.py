@@ -19,6 +19,7 @@ from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, LawInputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.loop import ControlLoop
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 #: Largest difference of the notch before quantising, in notches (measured 2.4e-5 and 9.7e-5; a code is 3.9e-3).
 NOTCH_TOLERANCE = {"float32": 5e-5, "float32-truncated": 2e-4}
@@ -61,7 +62,7 @@ def test_codes_follow_float64_on_the_same_inputs(arithmetic: str, share: float) 
 
 
 def test_a_run_through_the_telegrams_stops(tmp_path: Path) -> None:
-    run = local_run(SCENARIO, tmp_path, arithmetic="float32")
+    run = local_run(SCENARIO, tmp_path, RunSpec(law=LawSpec(arithmetic="float32")))
     assert run.ended is Event.ENDED_COMPLETE
     assert run.refused == {}
     assert run.score.values["stop_error_m"] is not None

@@ -21,6 +21,7 @@ from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 DEFAULT = FuzzyPidParameters()
@@ -146,7 +147,7 @@ def test_no_traction_next_to_the_stop() -> None:
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    done = direct_run(load(name), controller="fuzzy_pid", indexing=indexing)
+    done = direct_run(load(name), RunSpec(law=LawSpec("fuzzy_pid", indexing=indexing)))
     assert done.score.values["stop_error_m"] is not None
     assert done.score.values["stop_error_m"] < 1
     assert done.score.overspeed_mps == 0
@@ -159,7 +160,7 @@ def test_rules_help_the_train() -> None:
         "fuzzy_pid", dict.fromkeys(("proportional_span", "integral_span", "derivative_span"), 0.0), Path("test")
     )
     fuzzy, plain = (
-        direct_run(SCENARIO, controller="fuzzy_pid", arithmetic="float64", parameters=parameters).score
+        direct_run(SCENARIO, RunSpec(law=LawSpec("fuzzy_pid", "float64", parameters=parameters))).score
         for parameters in (None, none)
     )
     assert fuzzy.values["itae"] < 0.9 * plain.values["itae"]
@@ -168,7 +169,7 @@ def test_rules_help_the_train() -> None:
 def test_the_stop_ahead_is_the_same_in_float64_and_fixed_point() -> None:
     """Seed 1011 is driven up to the stopping point, where float64's set-point was -5.6e-14 km/h: 85/256 notch apart."""
     quantities = record(SCENARIO, "fuzzy_pid", "time").quantities
-    run = shadow_run(perturbed(SCENARIO, 1011), "fuzzy_pid", make("iq"), quantities)
+    run = shadow_run(perturbed(SCENARIO, 1011), LawSpec("fuzzy_pid"), make("iq"), quantities)
     assert compare_codes(run.audited, run.reference).largest <= 1
 
 

@@ -19,6 +19,7 @@ from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.laws.ipfc_plus_constants import IpfcPlusParameters, compute_constants
 from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)
@@ -30,7 +31,7 @@ TABLE = compute_constants(IpfcPlusParameters(), WORN)
 @pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["float64", "iq"])
 def test_bars_over_200_runs(arithmetic: str) -> None:
-    result = run_batch(Case(WORN, LAW, arithmetic), range(1000, 1200))
+    result = run_batch(Case(WORN, LawSpec(LAW, arithmetic)), range(1000, 1200))
     assert set(result.ended) == {"ended_complete"}
     assert result.passed.all()
     assert not result.wraps.any()
@@ -111,7 +112,7 @@ def faulty(fault: str, seed: int) -> BenchRun:
         controller.sent(code)
         return code
 
-    run = coupled_run(WORN, step, seed=seed, drawn=True)
+    run = coupled_run(WORN, step, RunSpec(seed=seed, perturbed=True))
     assert controller.counters.wraps == 0
     return run
 
@@ -145,8 +146,8 @@ def test_fixed_point_and_float64_share_every_constant() -> None:
 
 
 def test_batch_with_balises_is_the_bench() -> None:
-    batch = run_batch(Case(WORN, LAW, "iq"), [7])
-    score = direct_run(WORN, seed=7, drawn=True, controller=LAW, arithmetic="iq").score
+    batch = run_batch(Case(WORN, LawSpec(LAW, "iq")), [7])
+    score = direct_run(WORN, RunSpec(law=LawSpec(LAW, "iq"), seed=7, perturbed=True)).score
     assert batch.scores[0] == score
 
 

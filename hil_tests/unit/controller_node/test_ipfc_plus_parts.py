@@ -27,6 +27,7 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import RunSpec
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)
@@ -99,7 +100,7 @@ def test_wheel_of_a_drawn_run_is_found() -> None:
         _, outputs = loop.step(*given)
         return int(outputs.notch)
 
-    coupled_run(WORN, step, seed=11, drawn=True)
+    coupled_run(WORN, step, RunSpec(seed=11, perturbed=True))
     balises = loop.state.balises
     factor = perturbed(WORN, 11).sensors.wheel_factor
     assert abs(factor - 1) > 1e-3
@@ -120,7 +121,7 @@ def observed(scenario: Scenario, arithmetic: str = "float64") -> tuple[Any, floa
         return int(loop.arithmetic.raw(outputs.notch, 8))
 
     # Nothing is drawn: the plant is the scenario that is passed.
-    coupled_run(scenario, step, seed=4)
+    coupled_run(scenario, step, RunSpec(seed=4))
     return seen[330], scenario.train.force_per_notch_n / scenario.train.inertial_mass_kg * 3.6
 
 

@@ -21,6 +21,7 @@ from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.laws.pfc_constants import Wavelet
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.tuning.shipped import shipped
 
 SCENARIO = load("lvshun_tieshan")
@@ -177,9 +178,11 @@ def test_training_seeds_are_refused(tmp_path: Path) -> None:
 def test_parameters_change_the_run_and_the_handshake_says_so(tmp_path: Path) -> None:
     text = TUNED.replace("softening_max = 0.8", "softening_max = 0.9").partition("fit_points")[0]
     given: ParameterSet = load_parameters(written(tmp_path, text))
-    own, tuned = (direct_run(SCENARIO, arithmetic="float64", parameters=each) for each in (None, given))
+    own, tuned = (
+        direct_run(SCENARIO, RunSpec(law=LawSpec(arithmetic="float64", parameters=each))) for each in (None, given)
+    )
     assert own.notches != tuned.notches
-    over_bus = local_run(SCENARIO, tmp_path, arithmetic="float64", parameters=given)
+    over_bus = local_run(SCENARIO, tmp_path, RunSpec(law=LawSpec(arithmetic="float64", parameters=given)))
     assert over_bus.notches == tuned.notches
     ident = over_bus.trace.ident(CtlIdent)
     assert ident is not None

@@ -18,8 +18,9 @@ from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.controller import Controller
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
+from railhil.scenarios.run_spec import LawSpec
 
 
 class NoFloat:
@@ -202,7 +203,7 @@ def test_no_float_in_the_node(run: Any) -> None:
     # Here TRN_POS comes once per control period.
     period_ns = SCENARIO.timing.control_period_ns
     scenario = replace(SCENARIO, timing=replace(SCENARIO.timing, port_period_ns={TrnPos.PORT: period_ns}))
-    node: Any = ControllerNode(scenario, ControllerOptions("ipfc", run.arithmetic, run.indexing), run.poisoned)
+    node: Any = ControllerNode(scenario, LawSpec("ipfc", run.arithmetic, indexing=run.indexing), run.poisoned)
     for (k, speed, position), code in zip(run.given, run.codes, strict=True):
         now_ns = k * period_ns
         telegram = TrnPos(NoFloat(position // 10), life=k & 0xF)  # type: ignore[arg-type]

@@ -24,7 +24,7 @@ from railhil.controller_node.laws import load as load_law
 from railhil.controller_node.laws import names
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.loop import ControlLoop
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.model import Program
 from railhil.controller_node.program.ranges import WIRE, analyse, analyse_law
 from railhil.controller_node.program.record import leaves, record
@@ -32,6 +32,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.load import names as shipped_names
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 SCENARIO = load("lvshun_tieshan")
 CURVE = Curve.sampled("fall", lambda x: 1 - x * x, 24, 24)
@@ -252,7 +253,7 @@ def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: in
             return super().step(k, speed_01mmps, position_01mm, *balise)
 
     controller = Watched(SCENARIO, indexing="distance")
-    node = ControllerNode(SCENARIO, ControllerOptions(indexing="distance"), controller)
+    node = ControllerNode(SCENARIO, LawSpec(indexing="distance"), controller)
     for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):
             node.handle(frame)

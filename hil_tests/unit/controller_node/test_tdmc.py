@@ -24,6 +24,7 @@ from railhil.controller_node.laws.tdmc_constants import (
 )
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 DEFAULT = TdmcParameters()
@@ -146,7 +147,7 @@ def test_a_ramp_of_the_model_error_is_followed_only_by_a_ramp_of_the_correction(
 
 def run(**changes: float) -> Any:
     return direct_run(
-        SCENARIO, controller="tdmc", arithmetic="float64", parameters=ParameterSet("tdmc", changes, Path("test"))
+        SCENARIO, RunSpec(law=LawSpec("tdmc", "float64", parameters=ParameterSet("tdmc", changes, Path("test"))))
     ).score
 
 
@@ -161,7 +162,7 @@ def test_train_needs_the_ramp_in_the_correction() -> None:
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    done = direct_run(load(name), controller="tdmc", indexing=indexing)
+    done = direct_run(load(name), RunSpec(law=LawSpec("tdmc", indexing=indexing)))
     assert done.score.values["stop_error_m"] is not None
     assert done.score.values["stop_error_m"] < 0.5
     assert done.score.overspeed_mps == 0

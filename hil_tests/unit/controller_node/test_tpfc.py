@@ -25,6 +25,7 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
 from railhil.scenarios.load import names as shipped
 from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 LAWS = ["tpfc1", "tpfc2"]
@@ -168,7 +169,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
             codes.append((outputs.notch, round(reference.notch * 2**NOTCH_Q)))
             return int(outputs.notch)
 
-        coupled_run(SCENARIO, step, seed=seed, drawn=seed > 0)
+        coupled_run(SCENARIO, step, RunSpec(seed=seed, perturbed=seed > 0))
         assert fixed.arithmetic.counters.flags == 0
     differences = [abs(a - b) for a, b in codes]
     assert len(codes) > 1500
@@ -180,7 +181,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_closed_loop_stops_near_the_mark(name: str, scenario: str) -> None:
     found = next(full for full in shipped() if full.startswith(scenario))
-    score = direct_run(load(found), controller=name, arithmetic="iq").score
+    score = direct_run(load(found), RunSpec(law=LawSpec(name, "iq"))).score
     assert score.overspeed_mps == 0
     assert score.signed["stop_error_m"] is not None
     # TPFC1 comes to rest before the mark, TPFC2 behind it.
@@ -197,7 +198,7 @@ def given(name: str, **parameters: float) -> ParameterSet:
 
 def test_softening_from_a_file_reaches_the_reference_trajectory() -> None:
     own, soft = (
-        direct_run(SCENARIO, controller="tpfc2", arithmetic="float64", parameters=p).score
+        direct_run(SCENARIO, RunSpec(law=LawSpec("tpfc2", "float64", parameters=p))).score
         for p in (None, given("tpfc2", softening=0.85))
     )
     assert soft.values["itae"] > 1.3 * own.values["itae"]

@@ -14,15 +14,13 @@ from hil_tests.support.cli import railhil
 from hil_tests.unit.scenarios.test_scenarios_errors import toml_value
 from railhil.audit.__main__ import main as audit
 from railhil.campaign.plan import Request, make_plan
-from railhil.campaign.worst import rerun_words
-from railhil.cli.bus_run import run_scenario
 from railhil.common.errors import InputError
 from railhil.plant_sim.command import main as plant
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.load import RUNS, load
+from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.settings import setting
-from railhil.supervisor.options import RunOptions
 from railhil.tuning.__main__ import main as tune
 
 NAME = "lvshun_tieshan"
@@ -101,7 +99,7 @@ def test_a_run_with_settings_can_be_scored_and_made_again(tmp_path: Path) -> Non
 def test_a_campaign_hands_its_settings_on() -> None:
     plan = make_plan(Request(runs=1, settings=("plan.stop_error_max_m=0.5",)))
     assert plan.scenario.plan.stop_error_max_m == 0.5
-    words = rerun_words(plan, plan.entries[0], 1000)
+    words = ["run", *plan.run(plan.entries[0], 1000).words]
     assert words[:4] == ["run", NAME, "--set", "plan.stop_error_max_m=0.5"]
 
 
@@ -119,7 +117,7 @@ def test_nothing_to_draw_is_said_and_not_silently_nominal(tmp_path: Path, monkey
         return call
 
     for made in (
-        lambda: run_scenario(RunOptions(str(path), perturbed=True)),
+        lambda: RunSpec(str(path), perturbed=True).load(),
         program(plant, str(path), "--perturbed"),
         lambda: make_plan(Request(str(path))),
         program(tune, "ipfc", str(path)),

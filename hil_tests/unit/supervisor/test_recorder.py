@@ -18,9 +18,10 @@ from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
 from railhil.plant_sim import command as plant_program
 from railhil.scenarios.load import load
-from railhil.supervisor.options import RunOptions
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.processes import Node, Nodes
 from railhil.supervisor.run import Run
+from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
 
 #: Longest that a loop of a test may take: it then fails instead of hanging.
@@ -54,8 +55,15 @@ FOREIGN = [Frame(0x7FF, b"\0")]
 def made(folder: Path, silence_s: float) -> Run:
     """A realtime run that gives up after so long."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
-    options = RunOptions("lvshun_tieshan", pace="realtime")
-    return Run(load("lvshun_tieshan"), options, choice, folder, silence_s=silence_s, after_loss_s=0.05)
+    return Run(
+        load("lvshun_tieshan"),
+        RunSpec(pace="realtime"),
+        StartUp(),
+        choice,
+        folder,
+        silence_s=silence_s,
+        after_loss_s=0.05,
+    )
 
 
 @pytest.fixture

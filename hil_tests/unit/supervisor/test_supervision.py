@@ -12,10 +12,11 @@ from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import Event, SupCmd
-from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.plant_sim.node import PlantNode, PlantOptions
+from railhil.controller_node.node import ControllerNode
+from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.supervision import SupervisorWatch
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 PERIOD_NS = 160_000_000
@@ -87,12 +88,12 @@ class Interrupted(LocalBus):
 
 @pytest.mark.parametrize("is_down", [False, True])
 def test_a_plant_waits_for_its_own_interface_and_not_for_the_supervisor(run_2m: Scenario, is_down: bool) -> None:
-    identity = {"controller": "ipfc", "arithmetic": "iq", "indexing": "time", "pace": "realtime"}
-    session = Session(run_2m, lambda line: None, seed=0, perturbed=False, **identity)
-    controller = ControllerNode(run_2m, ControllerOptions())
+    run = RunSpec(pace="realtime", rate=20.0)
+    session = Session(run_2m, lambda line: None, run)
+    controller = ControllerNode(run_2m, LawSpec())
     bus = Interrupted([controller.handle, session.handle], from_poll=10, polls=20, is_down=is_down)
     # Two and a half periods of the poll, 20 ms: fewer than 20 polls, also of a plant that makes up for lost time.
-    plant = PlantNode(run_2m, PlantOptions(rate=20.0, reply_ns=2_000_000, silence_ns=0), bus)
+    plant = PlantNode(run_2m, run, bus, reply_ns=2_000_000, silence_ns=0)
     if is_down:
         assert plant.run().ends_run
         assert plant.administrator.counters["missed_polls"] >= 20

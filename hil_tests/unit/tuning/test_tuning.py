@@ -28,6 +28,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.score import Score
 from railhil.tuning.document import document
 from railhil.tuning.objective import OVERSPEED, TERM_MAX, Scale, objective, run_cost
@@ -53,7 +54,7 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
 @pytest.fixture(scope="module")
 def found(short: Scenario) -> tuple[Protocol, Found]:
     """A small search."""
-    protocol = Protocol(short, "ipfc", seeds=SEEDS, budget=40)
+    protocol = Protocol(short, LawSpec("ipfc", "float64"), seeds=SEEDS, budget=40)
     return protocol, search(protocol)
 
 
@@ -73,15 +74,19 @@ def points(law: str, count: int) -> list[dict[str, float]]:
 
 def alone(scenario: Scenario, law: str, values: dict[str, float], seeds: tuple[int, ...]) -> tuple[Score, ...]:
     """Scores of a candidate by the batch engine itself."""
-    return run_batch(Case(scenario, law, parameters=ParameterSet(law, values, Path("point"))), seeds).scores
+    return run_batch(
+        Case(scenario, LawSpec(law, "float64", parameters=ParameterSet(law, values, Path("point")))), seeds
+    ).scores
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_candidates_judged_together_are_judged_as_alone(law: str) -> None:
     """Bit for bit, and also where a parameter decides how many operations the law has."""
-    trials = Trials(SCENARIO, law, "time", SEEDS)
-    assert trials.of_defaults() == objective(trials.scale, run_batch(Case(SCENARIO, law), SEEDS).scores)
+    trials = Trials(SCENARIO, LawSpec(law, "float64"), SEEDS)
+    assert trials.of_defaults() == objective(
+        trials.scale, run_batch(Case(SCENARIO, LawSpec(law, "float64")), SEEDS).scores
+    )
     candidates = points(law, 5)
     for values, judged in zip(candidates, trials.of(candidates), strict=True):
         if judged is None:
@@ -160,7 +165,7 @@ def test_search_is_deterministic_and_never_worse(found: tuple[Protocol, Found]) 
     assert first.evaluations == protocol.generations * protocol.population == 40
     assert first.complete
     # What stands in the file is what was judged.
-    scale = Trials(protocol.scenario, "ipfc", "time", SEEDS).scale
+    scale = Trials(protocol.scenario, LawSpec("ipfc", "float64"), SEEDS).scale
     assert objective(scale, alone(protocol.scenario, "ipfc", dict(first.values), SEEDS)) == first.objective
     other = search(replace(protocol, search_seed=1))
     assert other.values != first.values
@@ -168,7 +173,7 @@ def test_search_is_deterministic_and_never_worse(found: tuple[Protocol, Found]) 
 
 def test_search_that_finds_nothing_better_keeps_the_defaults(short: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Trials, "of", lambda self, candidates: [None, *[1e9] * (len(candidates) - 1)])
-    result = search(Protocol(short, "ipfc", seeds=(0,), budget=10))
+    result = search(Protocol(short, LawSpec("ipfc", "float64"), seeds=(0,), budget=10))
     box = Box.of("ipfc")
     assert dict(result.values) == dict(zip(box.names, box.default, strict=True))
     assert result.objective == result.objective_default
@@ -176,7 +181,7 @@ def test_search_that_finds_nothing_better_keeps_the_defaults(short: Scenario, mo
 
 
 def test_interrupted_search_gives_what_it_has(short: Scenario) -> None:
-    protocol = Protocol(short, "tdmc", seeds=(0,), budget=60)
+    protocol = Protocol(short, LawSpec("tdmc", "float64"), seeds=(0,), budget=60)
     judged: list[float] = []
 
     def pressed(evaluations: int, best: float) -> None:
@@ -187,7 +192,7 @@ def test_interrupted_search_gives_what_it_has(short: Scenario) -> None:
     result = search(protocol, pressed)
     assert not result.complete
     assert result.evaluations == 2 * protocol.population
-    trials = Trials(short, "tdmc", "time", (0,))
+    trials = Trials(short, LawSpec("tdmc", "float64"), (0,))
     assert result.objective == judged[-1] == trials.of([result.values])[0] < result.objective_default
 
 
@@ -200,10 +205,10 @@ def test_parameters_at_a_bound_are_named() -> None:
 
 
 def test_budget_is_the_same_for_every_law() -> None:
-    sizes = {(p.population, p.generations) for p in (Protocol(SCENARIO, law) for law in LAWS)}
+    sizes = {(p.population, p.generations) for p in (Protocol(SCENARIO, LawSpec(law, "float64")) for law in LAWS)}
     assert sizes == {(40, 20)}
     for budget in (10, 11, 49, 50, 333, 5000):
-        protocol = Protocol(SCENARIO, "ipfc", budget=budget)
+        protocol = Protocol(SCENARIO, LawSpec("ipfc", "float64"), budget=budget)
         assert 0.8 * budget <= protocol.population * protocol.generations <= budget
         assert protocol.generations >= 2
 
@@ -231,7 +236,8 @@ def test_file_drives_a_run(given: ParameterSet, found: tuple[Protocol, Found], s
     assert given.training_scenario == short.name == "benchmark_quick"
     assert given.training_seeds == frozenset(SEEDS)
     own, tuned = (
-        local_run(short, tmp_path, arithmetic="float64", parameters=parameters) for parameters in (None, given)
+        local_run(short, tmp_path, RunSpec(law=LawSpec(arithmetic="float64", parameters=parameters)))
+        for parameters in (None, given)
     )
     assert own.notches != tuned.notches
 
@@ -245,4 +251,4 @@ class Fixed(Ipfc[Any]):
 def test_a_law_with_nothing_to_tune_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     plug_in(tmp_path, monkeypatch, fixed=Fixed)
     with pytest.raises(InputError, match="a law that declares tunable parameters"):
-        search(Protocol(SCENARIO, "fixed"))
+        search(Protocol(SCENARIO, LawSpec("fixed", "float64")))

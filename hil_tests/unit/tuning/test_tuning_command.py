@@ -20,6 +20,7 @@ from railhil.controller_node import laws
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
@@ -45,7 +46,7 @@ def short(quick: Path) -> Scenario:
 
 
 def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
-    case = Case(short, "ipfc")
+    case = Case(short, LawSpec("ipfc", "float64"))
     given = ParameterSet("ipfc", {"model_gain_mps": 0.08}, Path("tuned.toml"), short.name, frozenset({0, 1}))
     with pytest.raises(InputError, match="found seed 1, on which these parameters were tuned"):
         evaluate(case, given, range(1, 5))
@@ -78,12 +79,14 @@ def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
 
 
 def test_what_counts_as_worse(short: Scenario) -> None:
-    result = run_batch(Case(short, "ipfc"), (2, 3, 4))
+    result = run_batch(Case(short, LawSpec("ipfc", "float64")), (2, 3, 4))
     given = ParameterSet("ipfc", {}, Path("tuned.toml"))
     scale = Scale.of(short, result.scores)
 
     def said(**changes: object) -> list[str]:
-        return worse(Evaluation(Case(short, "ipfc"), given, (), result, replace(result, **changes)), scale)
+        return worse(
+            Evaluation(Case(short, LawSpec("ipfc", "float64")), given, (), result, replace(result, **changes)), scale
+        )
 
     assert said() == []
     more = tuple(with_values(score, itae=2 * score.values["itae"]) for score in result.scores)
@@ -101,13 +104,13 @@ def test_what_counts_as_worse(short: Scenario) -> None:
 def test_parameters_that_no_candidate_can_mend_are_named(short: Scenario) -> None:
     scenario = replace(short, timing=replace(short.timing, control_period_ns=100_000_000))
     with pytest.raises(InputError) as caught:
-        search(Protocol(scenario, "ipfc_plus", seeds=(0,), budget=10))
+        search(Protocol(scenario, LawSpec("ipfc_plus", "float64"), seeds=(0,), budget=10))
     assert "a loop delay of 0.11 s is not inside the control period of 0.1 s" in str(caught.value)
     assert str(caught.value).endswith("not searched, so that no candidate can mend it: loop_delay_s)")
 
 
 def test_a_run_that_does_not_stop_is_infinitely_bad(short: Scenario) -> None:
-    result = run_batch(Case(short, "ipfc"), (2, 3, 4))
+    result = run_batch(Case(short, LawSpec("ipfc", "float64")), (2, 3, 4))
     stop = result.values["stop_error_m"].copy()
     stop[1] = np.nan
     spoiled = replace(result, values=result.values | {"stop_error_m": stop})
@@ -235,7 +238,7 @@ def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
         assert seeds == list(range(8))
         scenario, scale = load(given.training_scenario), notes["scale"]
         plan = replace(scenario.plan, stop_error_max_m=scale["stop_error_m"], time_error_max_s=scale["time_error_s"])
-        trials = Trials(replace(scenario, plan=plan), given.law, notes["indexing"], seeds)
+        trials = Trials(replace(scenario, plan=plan), LawSpec(given.law, "float64", notes["indexing"]), seeds)
         default, (tuned,) = trials.of_defaults(), trials.of([given.values])
         assert tuned is not None
         assert tuned <= default

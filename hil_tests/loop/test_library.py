@@ -1,0 +1,152 @@
+"""``import railhil``: cheap, typed, and the same runs as the commands make."""
+
+from __future__ import annotations
+
+import dataclasses
+import doctest
+import inspect
+import json
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import railhil
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.cli import railhil as command
+from hil_tests.support.paths import ROOT, TEST_DATA
+from railhil import library
+from railhil.campaign import plan
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+def test_the_import_is_cheap() -> None:
+    """Nothing but the standard library, and of that little."""
+    code = (
+        "import sys; before = set(sys.modules); import railhil; assert callable(dir)\n"
+        "print(*(set(sys.modules) - before))"
+    )
+    done = subprocess.run([sys.executable, "-S", "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    found = set(done.stdout.split())
+    assert not {name for name in found if name.startswith(("numpy", "can", "pydantic", "rich", "railhil."))}
+    assert "railhil" in found
+
+
+def test_every_name_is_there_and_typed() -> None:
+    assert set(railhil.__all__) <= set(dir(railhil))
+    for name in railhil.__all__:
+        assert getattr(railhil, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'runs'"):
+        railhil.runs  # noqa: B018
+    for function in (library.run, library.open_run, library.campaign):
+        parameters = inspect.signature(function).parameters.values()
+        assert all(one.annotation is not inspect.Parameter.empty for one in parameters)
+
+
+def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs/library.md").read_text(encoding="utf-8").replace("```", "")
+    flags = doctest.ELLIPSIS
+    test = doctest.DocTestParser().get_doctest(page, {}, "docs/library.md", "docs/library.md", 0)
+    assert len(test.examples) > 20
+    said: list[str] = []
+    doctest.DocTestRunner(optionflags=flags).run(test, out=said.append)
+    assert not said, "".join(said)
+
+
+def test_a_run_is_that_of_the_command(short: Path, tmp_path: Path) -> None:
+    """Over the hub, in this process, and from the command: one log; the documents differ in what is measured."""
+    made = railhil.run(short, seed=4, perturbed=True, out=tmp_path / "library")
+    over_hub = railhil.run(dataclasses.replace(made.spec, bus="auto"), out=tmp_path / "hub")
+    words = made.certificate["command"].split()
+    done = command(*words[1:], "--out", tmp_path / "command", "--quiet", "--no-report")
+    assert done.exit_code == (0 if made.passed else 1), done.err
+    again = railhil.open_run(tmp_path / "command")
+    assert made.frames_sha256 == over_hub.frames_sha256 == again.frames_sha256
+    assert made.scores == over_hub.scores == again.scores
+    assert made.spec == again.spec
+    assert {path.name for path in (tmp_path / "library").iterdir()} == {
+        path.name for path in (tmp_path / "command").iterdir()
+    }
+    assert (made.certificate["transport"], again.certificate["transport"]) == ("local", "local")
+
+
+def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
+    made = railhil.run(short, out=tmp_path / "run")
+    header, *rows = (tmp_path / "run/signals.csv").read_text().splitlines()
+    assert list(made.signals) == header.split(",") == list(made.signals.units)
+    assert all(values.shape == (len(rows),) for values in made.signals.values())
+    assert made.signals.units["traction_n"] == "N"
+    assert made.events[-1].name == "ended_complete"
+    assert len({event.name for event in made.events}) == len(made.events)
+    pandas = pytest.importorskip("pandas")
+    table = made.signals.to_pandas()
+    assert isinstance(table, pandas.DataFrame)
+    assert np.array_equal(table["true_position_m"].to_numpy(), made.signals["true_position_m"])
+
+
+def test_values_of_parameters_stand_in_the_run_folder(short: Path, tmp_path: Path) -> None:
+    """The certificate's command needs a file: it is the one that the folder holds, for processes too."""
+    given = {"softening_max": 0.8}
+    made, over_hub = (railhil.run(short, parameters=given, bus=bus, out=tmp_path / bus) for bus in ("local", "auto"))
+    assert made.frames_sha256 == over_hub.frames_sha256
+    assert json.loads((tmp_path / "local/parameters.json").read_text())["values"] == given
+    assert str(tmp_path / "local/parameters.json") in made.certificate["command"]
+    again = railhil.run(over_hub.spec, out=tmp_path / "again")
+    assert again.frames_sha256 == made.frames_sha256
+
+
+@pytest.mark.parametrize("name", ["lvshun_ipfc", "worn_wheels_tdmc"])
+def test_a_certificate_of_version_0_1_0_is_a_run_description(name: str) -> None:
+    path = TEST_DATA / "runs_0.1.0" / name / "certificate.json"
+    document = json.loads(path.read_text())
+    spec = railhil.RunSpec.from_json(document, path)
+    assert (spec.scenario, spec.seed) == (document["scenario"], document["seed"])
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        ({"arithmetic": "iq9"}, "arithmetic: found 'iq9'"),
+        ({"seed": -1}, "seed: found -1"),
+        ({"seed": 1.5}, "seed: found 1.5"),
+        ({"bus": "vcan0"}, "bus: found 'vcan0'"),
+        ({"pace": "realtime"}, "--bus local: found 'realtime'"),
+        ({"settings": {"plan.nonsense": 1}}, "plan.nonsense"),
+        ({"parameters": {"nonsense": 1}}, "nonsense"),
+        ({"parameters": "none.toml"}, "no such file"),
+        ({"controller": "ipcf"}, "did you mean ipfc"),
+    ],
+)
+def test_bad_input_is_one_line_and_leaves_nothing(short: Path, tmp_path: Path, given: dict, line: str) -> None:
+    with pytest.raises(railhil.InputError) as raised:
+        railhil.run(short, out=tmp_path / "run", **given)
+    assert line in str(raised.value).lower() or line in str(raised.value)
+    assert "\n" not in str(raised.value)
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_campaign_is_called_by_the_name_of_its_package(tmp_path: Path) -> None:
+    assert railhil.campaign.plan is plan
+    with pytest.raises(railhil.InputError, match="runs: found 0"):
+        railhil.campaign(runs=0, out=tmp_path / "none")
+    with pytest.raises(railhil.InputError, match=r"laws\[0\]: found 'nobody'"):
+        railhil.campaign(laws=["nobody"], out=tmp_path / "none")
+
+
+def test_a_run_in_a_thread_of_a_user(short: Path, tmp_path: Path) -> None:
+    """Signals can be taken in the main thread only."""
+    found: list[railhil.Outcome] = []
+    thread = threading.Thread(target=lambda: found.append(railhil.run(short, out=tmp_path / "run")))
+    thread.start()
+    thread.join()
+    assert found[0].verdict in ("PASS", "FAIL")

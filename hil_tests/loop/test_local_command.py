@@ -1,0 +1,137 @@
+"""``railhil run --bus local``: all nodes in one process, the record of a run over a bus."""
+
+from __future__ import annotations
+
+import json
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.cli import Started, railhil, wait_for
+from hil_tests.support.plug import plug_in
+from hil_tests.support.published import PUBLISHED_SHA256
+from railhil.bus.limits import LIMITS, limits_of
+from railhil.common.exit_codes import FAIL, PASS, USAGE
+from railhil.controller_node.laws.base import LawInputs, LawOutputs
+from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
+from railhil.controller_node.program.tracer import Tracer
+from railhil.local_run import LocalRun
+from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+
+#: What processes leave of their own.
+_OF_PROCESSES = {"hub.txt", "plant.txt", "controller.txt"}
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+def documents(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+    return tuple(json.loads((folder / name).read_text()) for name in ("certificate.json", "score.json"))
+
+
+def test_the_default_run_has_the_published_hash(tmp_path: Path) -> None:
+    done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report")
+    assert done.exit_code == PASS, done.err
+    assert documents(tmp_path / "run")[0]["frames_sha256"] == PUBLISHED_SHA256
+
+
+@pytest.mark.loop
+def test_the_folder_is_that_of_a_run_over_the_hub(short: Path, tmp_path: Path) -> None:
+    codes = []
+    for name, words in (("hub", ["-i", "railhil"]), ("local", ["--bus", "local"])):
+        done = railhil("run", short, "--seed", "2", "--perturbed", "--out", tmp_path / name, "--quiet", *words)
+        codes.append(done.exit_code)
+    assert codes[0] == codes[1] in (PASS, FAIL)
+    (theirs, their_score), (ours, our_score) = documents(tmp_path / "hub"), documents(tmp_path / "local")
+    assert ours["frames_sha256"] == theirs["frames_sha256"]
+    assert list(ours) == list(theirs)
+    assert list(our_score["run"]) == list(their_score["run"])
+    for key in ("verdict", "scores", "signed", "telemetry", "failures"):
+        assert our_score[key] == their_score[key], key
+    assert (ours["transport"], ours["bus"], theirs["bus"]) == ("local", "local", "auto")
+    ours_only, theirs_only = ({path.name for path in (tmp_path / name).iterdir()} for name in ("local", "hub"))
+    assert theirs_only - ours_only == _OF_PROCESSES
+    assert not ours_only - theirs_only
+    assert railhil("score", tmp_path / "local").exit_code == codes[0]
+
+
+def test_laws_are_compared_without_a_bus(short: Path, tmp_path: Path) -> None:
+    words = ("--laws", "ipfc,tdmc", "--bus", "local", "--quiet", "--no-report")
+    done = railhil("compare", short, *words, "--out", tmp_path / "compared")
+    assert done.exit_code in (PASS, FAIL), done.err
+    document = json.loads((tmp_path / "compared/compare.json").read_text())
+    assert document["bus"] == "local"
+    alone = railhil("run", short, "--controller", "tdmc", "--bus", "local", "--out", tmp_path / "alone", "--no-report")
+    assert alone.exit_code in (PASS, FAIL)
+    assert document["runs"][1]["frames_sha256"] == documents(tmp_path / "alone")[0]["frames_sha256"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--pace", "realtime"),
+        ("-i", "socketcan", "-c", "vcan0"),
+        ("--fd",),
+        ("--attach",),
+        ("--no-controller",),
+    ],
+)
+def test_what_needs_a_bus_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+    done = railhil("run", short, "--bus", "local", *words, "--out", tmp_path / "run")
+    assert done.exit_code == USAGE
+    assert "--bus local" in done.one_line()
+    assert not (tmp_path / "run").exists()
+
+
+def test_what_it_does_not_model_is_said() -> None:
+    assert limits_of("local") == LIMITS["local"]
+    assert "one process" in railhil("doctor", "--quick", "--json").json["limits"]["local"]
+
+
+def test_ctrl_c_keeps_what_was_recorded(tmp_path: Path) -> None:
+    folder = tmp_path / "run"
+    started = Started("run", "--bus", "local", "--out", folder, "--quiet", "--no-report")
+    wait_for(lambda: (folder / "frames.log").exists() and (folder / "frames.log").stat().st_size > 400_000)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert done.exit_code == 128 + signal.SIGINT
+    certificate, _ = documents(folder)
+    assert certificate["verdict"] == "INVALID"
+    assert "stopped by SIGINT at simulation time" in certificate["line"]
+    assert (folder / "telemetry.json").is_file()
+
+
+class Stumbling(Ipfc[Any]):
+    """IPFC that raises in its fourth period; its record does not show it, else it would not start."""
+
+    steps = 0
+
+    def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
+        """One control period."""
+        if not isinstance(self._ar, Tracer):
+            self.steps += 1
+            if self.steps > 3:
+                raise ZeroDivisionError("in the middle of the run")
+        return super().step(state, inputs)
+
+
+def test_a_law_that_raises_is_bad_input_with_its_place(
+    short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plug_in(tmp_path, monkeypatch, stumbling=Stumbling)
+    folder = tmp_path / "run"
+    folder.mkdir()
+    run = LocalRun(load(str(short)), RunSpec(str(short), law=LawSpec("stumbling"), bus="local"), folder)
+    result = run.execute()
+    assert (result.exit_code, result.verdict) == (USAGE, "INVALID")
+    assert "in the middle of the run" in result.line
+    assert "test_local_command.py" in result.line
+    assert result.frames > 0

@@ -1,0 +1,123 @@
+"""``railhil run --bus local``: a whole run in this process, with folder, certificate and bytes of one over a bus."""
+
+from __future__ import annotations
+
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from railhil.bench import plant_beside
+from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.select import LOCAL
+from railhil.bus.telegrams import Event
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.plant_sim.plant import PlantError
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.jitter import lockstep_timing
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.score import score
+from railhil.supervisor.session import Session
+from railhil.supervisor.stopping import StopSignals
+from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
+from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.supervisor.trace import Trace, trace_of
+
+
+class LocalRun:
+    """As :class:`railhil.supervisor.run.Run`, without hub and processes.
+
+    :param folder: existing run folder; log and telemetry go there.
+    :param started_ns: monotonic time from which the wait for the first frame is counted.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        spec: RunSpec,
+        folder: Path,
+        on_progress: Callable[[float], None] | None = None,
+        *,
+        started_ns: int | None = None,
+    ) -> None:
+        self.scenario = scenario
+        self.spec = spec
+        self.folder = folder
+        self.log = FrameLog(folder)
+        self.session = Session(scenario, self.log.write, spec, on_progress=self._poll)
+        self.trace = Trace()
+        self.stopped_exit_code = 0
+        self.stop = StopSignals()
+        self._on_progress = on_progress
+        self._started_ns = time.monotonic_ns() if started_ns is None else started_ns
+
+    def _poll(self, sim_time_s: float) -> None:
+        """At each poll of SUP_CMD: what the recorder of a bus does beside its frames."""
+        self.stop.check()
+        self.log.flush()
+        if self._on_progress is not None:
+            self._on_progress(sim_time_s)
+
+    def execute(self) -> RunResult:
+        """The whole run. A signal ends it as INVALID, with what was recorded.
+
+        :raises InputError: the law cannot be made, or does not fit the scenario.
+        """
+        with self.stop:
+            line, code = "", PASS
+            try:
+                line, code = self._run()
+            except (KeyboardInterrupt, SystemExit):
+                if not self.session.recording:
+                    raise
+                number = signal.Signals(self.stop.number)
+                self.stopped_exit_code = 128 + number
+                line, code = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s", INVALID
+            finally:
+                sha256 = self.log.close()
+            return self._result(sha256, line, code)
+
+    def _run(self) -> tuple[str, int]:
+        """Why the record is no whole run, and its exit code; empty and PASS when it is one."""
+        node = ControllerNode(self.scenario, self.spec.law)
+        plant = plant_beside(self.scenario, self.spec, node, self.session)
+        try:
+            plant.run()
+        except (PeerSilent, PlantError) as error:
+            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
+        except (BusError, InputError) as error:
+            # Nodes that do not agree, or a law that raises.
+            return "; ".join(self.session.disagreements) or str(error), USAGE
+        finally:
+            write_telemetry(node, self.folder / TELEMETRY)
+        return "", PASS
+
+    def _result(self, sha256: str, line: str, code: int) -> RunResult:
+        session = self.session
+        self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
+        found = score(self.scenario, self.trace)
+        if code == PASS:
+            code = {"PASS": PASS, "FAIL": FAIL}.get(found.verdict, INVALID)
+        if session.ended is Event.ENDED_PLANT_ERROR:
+            code = TOOL_ERROR
+        recording = session.recording
+        return RunResult(
+            score=found,
+            exit_code=code,
+            line=line or "; ".join(found.failures),
+            frames=session.frames,
+            frames_sha256=sha256,
+            wall_time_s=(session.last_poll_ns - session.first_frame_ns) / 1e9 if recording else 0.0,
+            sim_time_s=session.sim_time_s,
+            first_frame_s=(session.first_frame_ns - self._started_ns) / 1e9 if recording else float("nan"),
+            transport=LOCAL,
+            telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
+            origin=read_origin(self.folder),
+            counters=session.counters,
+            timing=lockstep_timing(self.trace),
+        )

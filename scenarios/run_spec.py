@@ -1,0 +1,235 @@
+"""What a run is: scenario, law, seed and pace, said once and handed on whole.
+
+It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, or from what an earlier run has left
+(:meth:`RunSpec.from_json`: a certificate, of any version). Every file that says what was run has the keys of
+:meth:`RunSpec.as_json`, or some of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
+from railhil.common.command_line import APPEAR_MAX_S, RATE, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.patience import PATIENCE_S
+from railhil.scenarios.load import load, stable_name
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.parameters import ParameterSet, parameters_from_json
+from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.settings import set_words
+from railhil.scenarios.validation import validated
+
+#: Scenario and law of a run that names none.
+USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
+
+
+@dataclass(frozen=True, slots=True)
+class LawSpec:
+    """One law and how it is run.
+
+    :param controller: name of the law.
+    :param arithmetic: one of :data:`railhil.common.choices.ARITHMETICS`.
+    :param indexing: set-points by ``time`` or by ``distance``.
+    :param parameters: of the law, from a file; None: its own.
+    :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
+    """
+
+    controller: str = USUAL_LAW
+    arithmetic: str = "iq"
+    indexing: str = "time"
+    parameters: ParameterSet | None = None
+    task_period_ms: int = 0
+
+    @classmethod
+    def from_namespace(cls, namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> LawSpec:
+        """What the options of :func:`railhil.common.command_line.add_law_arguments` say of a law."""
+        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms)
+
+    @property
+    def label(self) -> str:
+        """The law, with the digest of its parameters when they come from a file: its name in the handshake."""
+        return self.controller if self.parameters is None else self.parameters.controller
+
+    @property
+    def over_distance(self) -> bool:
+        """True when the set-points are found by the distance covered."""
+        return self.indexing == "distance"
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """Its part of the handshake."""
+        return {"controller": self.label, "arithmetic": self.arithmetic, "indexing": self.indexing}
+
+    @property
+    def words(self) -> list[str]:
+        """As words of a command line, the task period left out when there is none."""
+        words = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
+        words += ["--parameters", str(self.parameters.source)] if self.parameters is not None else []
+        return words + (["--task-period-ms", str(self.task_period_ms)] if self.task_period_ms else [])
+
+    @property
+    def said(self) -> str:
+        """Arithmetic and set-points for the head of a table."""
+        return f"{self.arithmetic}, indexed by {self.indexing}"
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it, parameters with their values."""
+        return {
+            "controller": self.controller,
+            "arithmetic": self.arithmetic,
+            "indexing": self.indexing,
+            "parameters": None if self.parameters is None else self.parameters.as_json(),
+            "task_period_ms": self.task_period_ms,
+        }
+
+
+@dataclass(frozen=True)
+class RunSpec:
+    """One law on one scenario.
+
+    :param scenario: shipped name, or path of a TOML file.
+    :param settings: keys set beside its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    :param perturbed: draw the scenario's perturbations with the seed.
+    :param pace: ``lockstep`` or ``realtime``; ``rate``: then simulated seconds per second.
+    :param patience_s: lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
+    :param bus: ``local``: all nodes in one process, without a bus; ``auto``: as :mod:`railhil.bus.select` finds it.
+    """
+
+    scenario: str = USUAL_SCENARIO
+    settings: tuple[str, ...] = ()
+    law: LawSpec = field(default_factory=LawSpec)
+    seed: int = 0
+    perturbed: bool = False
+    pace: str = "lockstep"
+    rate: float = RATE
+    patience_s: float = PATIENCE_S
+    bus: str = "auto"
+
+    @classmethod
+    def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
+        """What the options of :func:`railhil.common.command_line.add_run_arguments` and ``--set`` say.
+
+        :raises InputError: there is no such scenario.
+        """
+        return cls(
+            scenario=stable_name(namespace.scenario),
+            settings=tuple(namespace.set),
+            law=law,
+            seed=namespace.seed,
+            perturbed=namespace.perturbed,
+            pace=namespace.pace,
+            rate=namespace.rate or RATE,
+            patience_s=namespace.patience,
+            # Only the commands that make whole runs have it.
+            bus=getattr(namespace, "bus", "auto"),
+        )
+
+    @classmethod
+    def from_json(cls, document: Mapping[str, Any], file: Path) -> RunSpec:
+        """The run of a document with the keys of :meth:`as_json`; other keys are left aside, as in a certificate.
+
+        Keys that are missing, as in one of version 0.1.0, have their defaults.
+
+        :param file: named in a complaint; parameters count as read from it.
+        :raises InputError: a value that no run has.
+        """
+        found = validated(_Document, dict(document), lambda keys: file)
+        given = found.parameters
+        parameters = None
+        if given is not None:
+            parameters = parameters_from_json({"law": found.controller, **given}, file)
+        law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms)
+        return cls(
+            scenario=found.scenario,
+            settings=tuple(found.settings),
+            law=law,
+            seed=found.seed,
+            perturbed=found.perturbed,
+            pace=found.pace,
+            rate=found.rate or RATE,
+            patience_s=found.patience_s,
+            bus=found.bus,
+        )
+
+    @property
+    def is_realtime(self) -> bool:
+        """True when the run keeps the pace of the wall clock, or a multiple of it."""
+        return self.pace == "realtime"
+
+    @property
+    def wall_rate(self) -> float:
+        """Simulated seconds per wall second, 0 in lockstep."""
+        return self.rate if self.is_realtime else 0.0
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What the handshake says of the run, scenario and wire left out."""
+        return {"seed": self.seed, "perturbed": self.perturbed, "pace": self.pace, **self.law.identity}
+
+    @property
+    def scenario_words(self) -> list[str]:
+        """Words of every command line that say which scenario it is."""
+        return [self.scenario, *set_words(self.settings)]
+
+    @property
+    def words(self) -> list[str]:
+        """As words of a command line behind ``railhil run``."""
+        words = [*self.scenario_words, *self.law.words, "--seed", str(self.seed), "--pace", self.pace]
+        words += ["--rate", f"{self.rate:g}"] if self.is_realtime else []
+        words += ["--perturbed"] * self.perturbed
+        words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
+        return words + (["--bus", self.bus] if self.is_local else [])
+
+    @property
+    def is_local(self) -> bool:
+        """True when all nodes are in one process."""
+        return self.bus == "local"
+
+    def load(self) -> Scenario:
+        """The scenario, nominal whatever the seed draws.
+
+        :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
+        """
+        scenario = load(self.scenario, self.settings)
+        if self.perturbed:
+            require_perturbations(scenario, "--perturbed")
+        return scenario
+
+    def as_json(self) -> dict[str, Any]:
+        """All of it, flat: the keys of a certificate. ``rate`` is None in lockstep."""
+        return {
+            "scenario": self.scenario,
+            "settings": list(self.settings),
+            **self.law.as_json(),
+            "seed": self.seed,
+            "perturbed": self.perturbed,
+            "pace": self.pace,
+            "rate": self.rate if self.is_realtime else None,
+            "patience_s": self.patience_s,
+            "bus": self.bus,
+        }
+
+
+class _Document(BaseModel):
+    """:class:`RunSpec` as JSON, with the bounds of the command line."""
+
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
+    scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
+    settings: list[str] = []
+    controller: str = Field(default=USUAL_LAW, min_length=1)
+    arithmetic: Literal[ARITHMETICS] = "iq"  # type: ignore[valid-type]
+    indexing: Literal[INDEXINGS] = "time"  # type: ignore[valid-type]
+    parameters: dict[str, Any] | None = None
+    task_period_ms: int = Field(default=0, ge=0, le=TASK_PERIOD_MAX_MS)
+    seed: int = Field(default=0, ge=0, le=SEED_MAX)
+    perturbed: bool = False
+    pace: Literal[PACES] = "lockstep"  # type: ignore[valid-type]
+    rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
+    patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
+    bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
