@@ -45,8 +45,28 @@ class Picture:
     svg: str
 
 
-def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
-    """All figures of the report, in reading order; empty when no run got far enough to be drawn."""
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What panels draw from: the runs that got far enough, and the lateness of those that kept real time."""
+
+    scenario: Scenario
+    runs: Sequence[Drawn]
+    late: Sequence[Lateness]
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One kind of figure by its name; ``draw`` gives no picture when the record has nothing of it."""
+
+    name: str
+    draw: Callable[[Record], list[Picture]]
+
+
+def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Panel] | None = None) -> list[Picture]:
+    """All figures of the report, in reading order; empty when no run got far enough to be drawn.
+
+    :param shown: None: :data:`ATO_PANELS`.
+    """
     drawn = [
         Drawn(run.label, style, curves(scenario, run.trace, run.certificate.get("notes")), run.score)
         for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
@@ -60,7 +80,7 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
         if timing_of(run).get("histogram")
     ]
     with panels.drawing("none"):
-        return [picture for panel in ATO_PANELS for picture in panel.draw(Record(scenario, drawn, late))]
+        return [picture for panel in shown or ATO_PANELS for picture in panel.draw(Record(scenario, drawn, late))]
 
 
 def _svg(figure: Figure, name: str, title: str) -> str:
@@ -256,31 +276,14 @@ def _lateness(runs: Sequence[Lateness]) -> Picture:
     return Picture("lateness", title, caption, _svg(figure, "lateness", title))
 
 
-@dataclass(frozen=True, slots=True)
-class Record:
-    """What panels draw from: the runs that got far enough, and the lateness of those that kept real time."""
-
-    scenario: Scenario
-    runs: Sequence[Drawn]
-    late: Sequence[Lateness]
-
-
-@dataclass(frozen=True, slots=True)
-class Panel:
-    """One kind of figure: ``what`` it shows, and ``draw``, which gives no picture when the record has nothing of it."""
-
-    what: str
-    draw: Callable[[Record], list[Picture]]
-
-
 #: The report of a train that drives itself from one stop to the next, in reading order.
 ATO_PANELS = (
-    Panel("speed, target and limit over distance", lambda of: [_speed(of.scenario, of.runs)]),
-    Panel("speed error over time", lambda of: [_error(of.scenario, of.runs)]),
-    Panel("distance over time and the stop", lambda of: [_distance(of.scenario, of.runs)]),
-    Panel("notch over time", lambda of: [_notch(of.scenario, of.runs)]),
-    Panel("forces over time", lambda of: [_force(of.scenario, of.runs)]),
-    Panel("bit fields that laws tell", lambda of: _flags(of.scenario, of.runs)),
-    Panel("figures that laws tell", lambda of: _told_figures(of.scenario, of.runs)),
-    Panel("lateness of the cycles", lambda of: [_lateness(of.late)] if of.late else []),
+    Panel("speed", lambda of: [_speed(of.scenario, of.runs)]),
+    Panel("error", lambda of: [_error(of.scenario, of.runs)]),
+    Panel("stop", lambda of: [_distance(of.scenario, of.runs)]),
+    Panel("notch", lambda of: [_notch(of.scenario, of.runs)]),
+    Panel("force", lambda of: [_force(of.scenario, of.runs)]),
+    Panel("flags of laws", lambda of: _flags(of.scenario, of.runs)),
+    Panel("figures of laws", lambda of: _told_figures(of.scenario, of.runs)),
+    Panel("lateness", lambda of: [_lateness(of.late)] if of.late else []),
 )

@@ -14,17 +14,18 @@ from railhil.supervisor.criteria import ATO_CRITERIA
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.facts import facts, without_paths
-from railhil.supervisor.report.figures import pictures
+from railhil.supervisor.report.figures import Panel, pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
 from railhil.supervisor.report.score_table import better_sentence, rows, stops_sentence
 
 
-def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
+def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequence[Panel] | None = None) -> str:
     """The report of one run or of several of one scenario, as one HTML document without any outside reference.
 
     The same records give the same bytes: no date, no path, no wall-clock figure of a lockstep run.
 
     :param notes: sentences on the comparison as a whole.
+    :param panels: figures in reading order; None: those of a train that drives itself to a stop.
     """
     runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
     scenario = runs[0].scenario
@@ -51,7 +52,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
-        pictures=pictures(scenario, runs),
+        pictures=pictures(scenario, runs, panels),
         source=source,
         deviations=deviating,
     )
