@@ -12,7 +12,7 @@ from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import check_sequence, master_tail
 from railhil.bus.telegrams import TimeSync
 from railhil.bus.wallclock import WallClock
-from railhil.dbc import wire_contract
+from railhil.dbc import Port, wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16
@@ -60,8 +60,8 @@ class BusClock:
         "base_tick_ns", "now_ns", "rate", "running", "tick",
     )  # fmt: skip
 
-    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
-        port = wire_contract().clock_port
+    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None, clock_port: Port | None = None) -> None:
+        port = clock_port or wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
         self._flags = {port.address: (0,), port.fd_id: (FD, FD | BRS)}
         self._tail = master_tail(port.f_code, port.address)

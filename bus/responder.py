@@ -12,7 +12,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import TimeSync
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Contract, Port, wire_contract
 
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY = 0x1000
@@ -26,6 +26,7 @@ class Responder:
     :param sinks: ports with a mailbox.
     :param answers: for each port that this node sources, what makes the telegram when the poll comes.
     :param on_commit: called with the port's name whenever a telegram was accepted.
+    :param contract: of the run's system; None: that of railhil's own train.
     """
 
     def __init__(
@@ -37,9 +38,11 @@ class Responder:
         *,
         fd: bool = False,
         on_commit: Callable[[str], None] | None = None,
+        contract: Contract | None = None,
     ) -> None:
-        contract = wire_contract()
-        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(contract.clock_port.name))
+        contract = contract or wire_contract()
+        clock_port = contract.clock_port
+        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name), clock_port)
         self.store = TrafficStore(sinks)
         self._device = device
         self._on_commit = on_commit

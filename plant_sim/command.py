@@ -25,7 +25,7 @@ from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode, PlantOptions
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.settings import add_set_argument
 
@@ -74,7 +74,7 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
-    scenario = load(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set)
     if namespace.perturbed:
         require_perturbations(scenario, "--perturbed")
     choice = choose_bus(namespace)

@@ -1,4 +1,4 @@
-"""The plant process: a train on its run (:mod:`railhil.plant_sim.cycle`), and the bus administrator of the bench."""
+"""The plant process: a plant on its run (:mod:`railhil.plant_sim.cycle`), and the bus administrator of the bench."""
 
 from __future__ import annotations
 
@@ -12,21 +12,18 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
+from railhil.bus.telegrams import Event, SupCmd, SupCommand
 from railhil.common.patience import PATIENCE_S
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Port
+from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
-from railhil.plant_sim.events import PlantEvent
-from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.plant import Plant, PlantError
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
-from railhil.plant_sim.telegrams import TrainTelegrams
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 
-#: Polls of the last CTL_STAT until one is answered, in realtime or on a disturbed bus.
+#: Polls of the last status until one is answered, in realtime or on a disturbed bus.
 LAST_STATUS_POLLS = 3
 
 
@@ -58,20 +55,20 @@ class PlantOptions:
 class PlantNode:
     """One run of the plant on one endpoint."""
 
-    def __init__(self, scenario: Scenario, options: PlantOptions, endpoint: RunEndpoint) -> None:
-        contract = wire_contract()
-        self.scenario = perturbed(scenario, options.seed) if options.perturbed else scenario
-        self.plant = Plant(self.scenario, options.seed)
-        self.gate = CommandGate(round(self.scenario.train.notch_max * 256))
-        self._telegrams = TrainTelegrams(self.scenario, self.plant, options.rate)
+    def __init__(self, scenario: AnyScenario, options: PlantOptions, endpoint: RunEndpoint) -> None:
+        system = system_named(scenario.system)
+        self._contract = contract = system.contract
+        self._own_events = system.events
+        self.plant: AnyPlant = system.part("plant")(scenario, options.seed, options.perturbed, options.rate)
         self._ident = make_ident(
             Role.PLANT,
             scenario.sha256,
             seed=options.seed,
             perturbed=options.perturbed,
             pace="realtime" if options.rate else "lockstep",
+            contract=contract,
         )
-        self._tick_ns = self.scenario.timing.base_tick_ns
+        self._tick_ns = scenario.timing.base_tick_ns
         self._pacer = Pacer(options.rate)
         #: None in lockstep, which has no deadlines.
         self.timing = PlantTiming() if options.rate else None
@@ -87,20 +84,22 @@ class PlantNode:
             fd=options.fd,
             reply_ns=options.reply_ns,
             patience_s=options.patience_s,
+            contract=contract,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
-        schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
-        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the train.
+        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
+        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the plant.
         self.publish = self.administrator.publish
         self.ended: Event | None = None
-        self._loop = TickLoop(self.scenario, self.plant, schedule, self, self._telegrams.makers)
-        self._notch_port, self._stat_port, self._sup_port = (
-            contract.port(telegram.PORT) for telegram in (NotchCmd, CtlStat, SupCmd)
-        )
+        plant = self.plant
+        self._sup_port = contract.port(SupCmd.PORT)
+        self._statuses = [contract.port(name) for name in plant.statuses]
+        asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
+        self._loop = TickLoop(plant, plant.ending, schedule, self, plant.makers, asked, contract.clock_port.name)
         self.controller_lost = False
         self._silence = ""
-        # Of the newest CTL_STAT in the record.
-        self._status_tick = -1
+        # Of the newest telegram of each status in the record.
+        self._status_ticks = dict.fromkeys(plant.statuses, -1)
         self._appear_s = options.appear_s
         supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
         self._supervisor = SupervisorWatch(
@@ -130,7 +129,7 @@ class PlantNode:
         self.administrator.publish(self._ident)
         differences: list[str] = []
         for telegram in (CtlIdent, SupIdent):
-            self._demand(wire_contract().port(telegram.PORT))
+            self._demand(self._contract.port(telegram.PORT))
             other: Ident | None = self._store.read(telegram, 0)[0]
             if other is not None:
                 differences += self._ident.differences(other)
@@ -181,7 +180,7 @@ class PlantNode:
             self.end(Event.ENDED_PLANT_ERROR)
             raise
 
-    # -- what the train meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
+    # -- what the plant meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
 
     def begin(self) -> None:
         """Wait for the instant of the tick."""
@@ -191,14 +190,15 @@ class PlantNode:
             self.timing.began(tick, lateness_ns)
         self._position_01mm = self.plant.position_01mm
 
-    def report(self, event: PlantEvent) -> None:
-        """BALISE or RUN_EVENT."""
-        if event.balise is not None:
-            telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
+    def report(self, event: Happened) -> None:
+        """A telegram of the plant's own, or RUN_EVENT."""
+        telegram = self.plant.telegram_of(event)
+        if telegram is not None:
             self.publish(telegram)
         else:
-            kind = Event[event.kind.upper()]
-            self.milestones.reached(self.plant.tick, kind, event.instant_01ms, event.position_01mm)
+            own = self._own_events.get(event.kind)
+            number = Event[event.kind.upper()] if own is None else own
+            self.milestones.reached(self.plant.tick, number, event.instant_01ms, event.position_01mm)
 
     def finish(self) -> None:
         """In realtime nothing waits for the next poll."""
@@ -216,7 +216,7 @@ class PlantNode:
         except PeerSilent as silence:
             if port.source != "controller":
                 self._supervisor_lost(silence)
-            # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
+            # The plant must stop by itself: time goes on without the controller, and the train's watch brakes.
             self.controller_lost, self._silence = True, str(silence)
             return
         now_wall_ns = time.monotonic_ns()
@@ -232,21 +232,22 @@ class PlantNode:
         if not answered:
             return
         now_ns = self.plant.tick * self._tick_ns
-        if port is self._stat_port:
-            self._status_tick = self.plant.tick
-        elif port is self._notch_port:
-            command, _ = self._store.read(NotchCmd, now_ns)
-            if command is not None and self.gate.accept(command):
-                self.plant.command(command.notch_256th, self.gate.emergency(command))
+        if port.name in self._status_ticks:
+            self._status_ticks[port.name] = self.plant.tick
+        elif port.name in self.plant.commands:
+            command, _ = self._store.read(self.plant.commands[port.name], now_ns)
+            if command is not None:
+                self.plant.take(command)
         elif port is self._sup_port:
             order, _ = self._store.read(SupCmd, now_ns)
             if order is not None and order.command == SupCommand.STOP:
                 self.end(Event.ENDED_BY_SUPERVISOR)
 
     def _controller_silent(self) -> bool:
-        """True when the train stands because nobody commanded it: its watch had reached the emergency age."""
-        _, age_ns = self._store.read(NotchCmd, self.plant.tick * self._tick_ns)
-        return self.controller_lost or age_ns > self.scenario.watch.emergency_ms * 1_000_000
+        """True when the plant stands because nobody commanded it."""
+        now_ns = self.plant.tick * self._tick_ns
+        ages_ns = [self._store.read(telegram, now_ns)[1] for telegram in self.plant.commands.values()]
+        return self.controller_lost or self.plant.is_abandoned(max(ages_ns, default=0))
 
     def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
         """Nobody records any more: tell the controller, and end."""
@@ -270,8 +271,9 @@ class PlantNode:
         self.administrator.poll(self._sup_port)
 
     def _last_status(self) -> None:
-        """CTL_STAT of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
-        for _ in range(LAST_STATUS_POLLS):
-            if self.controller_lost or self._status_tick == self.plant.tick:
-                return
-            self.poll(self._stat_port)
+        """Status of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
+        for port in self._statuses:
+            for _ in range(LAST_STATUS_POLLS):
+                if self.controller_lost or self._status_ticks[port.name] == self.plant.tick:
+                    break
+                self.poll(port)

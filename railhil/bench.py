@@ -26,10 +26,10 @@ from railhil.controller_node.node import ControllerNode, ControllerOptions
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
@@ -125,7 +125,7 @@ def local_run(
         ended,
         {
             "plant": dict(plant.counters),
-            "gate": dict(plant.gate.counters),
+            "gate": dict(plant.plant.refused),
             "controller": node.counters,
             "supervisor": session.counters,
         },
@@ -189,7 +189,8 @@ def coupled_run(
     coupled.publish(ident)
     truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
     makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
-    TickLoop(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()
+    schedule, ending = coupled_schedule(scenario), RunEnd(scenario, plant)
+    TickLoop(plant, ending, schedule, coupled, makers, (NotchCmd.port(),), TrnSpeed.PORT).run()
     return BenchRun(coupled.trace, score(scenario, coupled.trace), ended=coupled.ended)
 
 
@@ -226,7 +227,7 @@ class _Coupled:
         """TRN_POS is due: nobody needs more of it."""
         self._position_01mm = limited_01mm(self._plant.odometer_mm)
 
-    def report(self, event: PlantEvent) -> None:
+    def report(self, event: Any) -> None:
         if event.balise is not None:
             surveyed_mm = round(event.balise.surveyed_m * 1000)
             reading = limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm)

@@ -16,10 +16,10 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.plant_sim import force_tables
-from railhil.plant_sim.cycle import RunEnd
 from railhil.plant_sim.dynamics import lag
 from railhil.plant_sim.forces import EffortTable
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
+from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.watch import INITIAL, watch_ticks
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
