@@ -23,20 +23,21 @@ from railhil.common.command_line import (
 )
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
-from railhil.controller_node.controller import Controller
-from railhil.controller_node.laws import names
-from railhil.controller_node.node import FIRST_FRAME_S, ControllerNode, ControllerOptions, run_controller
+from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.laws import find
+from railhil.controller_node.node import FIRST_FRAME_S, ControllerOptions, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the controller node."""
     parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
+    parser.add_argument("--controller", help="control law (default: that of the system)")
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS[1:]), default="iq")
     parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
@@ -62,19 +63,22 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set)
+    system = system_named(scenario.system)
+    law = namespace.controller or system.law
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.
-        print(json.dumps(law_document(namespace.controller)), flush=True)
-        Controller(scenario, namespace.controller, namespace.arithmetic, namespace.indexing, parameters)
+        print(json.dumps(law_document(law, find(law, system.laws))), flush=True)
+        options = ControllerOptions(law, namespace.arithmetic, namespace.indexing, parameters=parameters)
+        system.part("controller")(scenario, options)
         return 0
     if namespace.telemetry is not None:
         check_writable(namespace.telemetry)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
     options = ControllerOptions(
-        namespace.controller,
+        law,
         namespace.arithmetic,
         namespace.indexing,
         choice.fd,
@@ -82,7 +86,7 @@ def main(words: Sequence[str] | None = None) -> int:
         bit_rate=getattr(namespace, "bitrate", None),
         parameters=parameters,
     )
-    node = ControllerNode(scenario, options)
+    node: AnyController = system.part("controller")(scenario, options)
     link = open_link(choice.config, "controller")
     try:
         with cycle("controller", namespace.realtime_priority):

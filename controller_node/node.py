@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 from railhil.bus.errors import PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
@@ -29,6 +30,7 @@ from railhil.bus.telegrams import (
 )
 from railhil.common.errors import InputError
 from railhil.common.patience import LATER_S, PATIENCE_S
+from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.balises import Balises
 from railhil.controller_node.controller import Controller, ControlOutput
 from railhil.controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
@@ -107,7 +109,8 @@ class ControllerNode:
         if options.fd and options.task_period_ms:
             raise InputError("command line", "--task-period-ms", options.task_period_ms, "0 with CAN FD")
         counter = BitCounter(bit_rate)
-        needed = load(options.controller).track or options.indexing == "distance"
+        self.law_type: Any = load(options.controller)
+        needed = self.law_type.track or options.indexing == "distance"
         self._odometer = Odometer(scenario, options.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer)
         self._balises = Balises()
@@ -256,7 +259,7 @@ class ControllerNode:
 
 
 def serve(
-    node: ControllerNode, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> None:
     """Answer the bus administrator until the run has ended, also over outages of the interface.
 
@@ -287,7 +290,7 @@ def serve(
 
 
 def run_controller(
-    node: ControllerNode, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> int:
     """As :func:`serve`, then leave the bus; returns an exit code."""
     try:
