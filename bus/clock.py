@@ -7,12 +7,10 @@ from __future__ import annotations
 
 import time
 
-from railhil.bus.frame import BRS, FD, Frame
 from railhil.bus.lifesign import MAX_STEP
-from railhil.bus.mvb import check_sequence, master_tail
 from railhil.bus.telegrams import TimeSync
 from railhil.bus.wallclock import WallClock
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16
@@ -56,15 +54,13 @@ class BusClock:
     """
 
     __slots__ = (
-        "_expected", "_flags", "_frame_tick", "_life", "_poll_tick", "_polls", "_tail", "_ticks_per_frame",
-        "base_tick_ns", "now_ns", "rate", "running", "tick",
+        "_expected", "_frame_tick", "_life", "_poll_tick", "_polls", "_ticks_per_frame", "base_tick_ns", "now_ns",
+        "rate", "running", "tick",
     )  # fmt: skip
 
-    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None, clock_port: Port | None = None) -> None:
-        port = clock_port or wire_contract().clock_port
+    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
+        port = wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
-        self._flags = {port.address: (0,), port.fd_id: (FD, FD | BRS)}
-        self._tail = master_tail(port.f_code, port.address)
         self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
         # Life sign of the last clock frame (-1: not known) and its tick, which polls leave behind ``tick``.
         self._life = -1
@@ -81,13 +77,11 @@ class BusClock:
         #: Pace by TIME_SYNC in simulated seconds per wall second, see :func:`rate_to_10th`; 0: lockstep, or not known.
         self.rate = 0.0
 
-    def feed(self, frame: Frame) -> bool:
-        """Take a frame in bus order; True when it opened a new tick. A frame that the store refuses opens none."""
-        can_id, data, flags = frame
-        if flags not in self._flags.get(can_id, ()):
-            return False
-        if len(data) != 8 or data[5:] != self._tail or check_sequence(data[:4]) != data[4]:
-            return False
+    def feed(self, data: bytes) -> bool:
+        """Take a telegram of the clock port, its process data, in bus order; True when it opened a new tick.
+
+        What the store's check refuses must not come here: it opens no tick.
+        """
         life = data[3] & 0xF
         if not self.running:
             return self._open(0, life)

@@ -1,8 +1,15 @@
-"""The slave side of the bus: keeps the mailboxes of a node and answers the bus administrator's polls."""
+"""The slave side of the bus: the one place where a frame enters a node, and the answers to the administrator's polls.
+
+A frame goes through :meth:`Responder.handle` from top to bottom: the clock counts it, the CAN module keeps or loses it;
+then it is a poll and is answered, or the store takes it, and the telegram that it completes goes to the handler of its
+port. The store's check is asked once, by the clock or when the frame is read.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from railhil.bus.clock import BusClock
 from railhil.bus.frame import Frame
@@ -10,12 +17,46 @@ from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.store import TrafficStore
+from railhil.bus.store import TrafficStore, Verdict
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port, wire_contract
 
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY = 0x1000
+
+T = TypeVar("T", bound=Telegram)
+T_co = TypeVar("T_co", bound=Telegram, covariant=True)
+
+
+class Reading(NamedTuple, Generic[T_co]):
+    """A telegram as its handler gets it.
+
+    ``received_ns``: simulation time at which it came, before now when a task has read it late. ``stamp``: the same by
+    the CAN module's counter, in bit times; None without a module.
+    """
+
+    telegram: T_co
+    received_ns: int
+    stamp: int | None
+
+
+#: :class:`Reading` of a whole tuple, as :data:`railhil.bus.frame.quick_frame`.
+_quick_reading: Callable[[tuple[Any, int, int | None]], Reading[Any]] = partial(tuple.__new__, Reading)
+
+
+class CanModule(Protocol):
+    """The CAN module of a node, where one matters: what it loses, and when its mailboxes are read.
+
+    ``has_task``: some are read by a task, the others at once.
+    """
+
+    has_task: bool
+
+    def receive(self, frame: Frame, verdict: Verdict | None, now_ns: int) -> int | None:
+        """Take a frame; returns its time stamp when it is read at once, None when it is lost or waits for a task."""
+
+    def read_due(self, now_ns: int) -> Sequence[tuple[Frame, Verdict | None, int, int]]:
+        """What a task reads now: frame, verdict, when it came (simulation time, ns), and its time stamp."""
 
 
 class Responder:
@@ -23,9 +64,9 @@ class Responder:
 
     :param device: MVB device address, answered to device status polls.
     :param schedule: base tick, and the period of every port in ticks.
-    :param sinks: ports with a mailbox.
+    :param sinks: ports with a mailbox; the clock port is one of them.
     :param answers: for each port that this node sources, what makes the telegram when the poll comes.
-    :param on_commit: called with the port's name whenever a telegram was accepted.
+    :param module: the node's CAN module; None: every frame of its ports is read at once.
     :param contract: of the run's system; None: that of railhil's own train.
     """
 
@@ -33,21 +74,26 @@ class Responder:
         self,
         device: int,
         schedule: Schedule,
-        sinks: list[Port],
+        sinks: Iterable[Port],
         answers: Mapping[str, Callable[[], Telegram]],
         *,
         fd: bool = False,
-        on_commit: Callable[[str], None] | None = None,
+        module: CanModule | None = None,
         contract: Contract | None = None,
     ) -> None:
         contract = contract or wire_contract()
         clock_port = contract.clock_port
-        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name), clock_port)
+        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name))
         self.store = TrafficStore(sinks)
         self._device = device
-        self._on_commit = on_commit
+        self._module = module
         self._poll_id = contract.poll_id
-        self._clock_ids = (contract.clock_port.address, contract.clock_port.fd_id)
+        # A module of a classic chip is deaf to the CAN FD form.
+        self._clock_ids = (clock_port.address, clock_port.fd_id) if module is None else (clock_port.address,)
+        # What decodes the telegrams of a port, and who takes them.
+        self._handlers: dict[str, tuple[Callable[[bytes], Any], Callable[[Any], None]]] = {}
+        if TimeSync.PORT in self.store.ports:
+            self.on(TimeSync, self._synchronise)
         self._answers = {
             contract.port(name).f_code << 12 | contract.port(name).address: (
                 TelegramSource(contract.port(name), fd),
@@ -64,26 +110,56 @@ class Responder:
             ((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in paced), default=(0, -1)
         )
 
+    def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
+        """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``.
+
+        :param port: another port with this layout, as with several units; default: the telegram's own.
+        :raises KeyError: when this node has no mailbox for the port.
+        """
+        name = port or telegram.PORT
+        if name not in self.store.ports:
+            raise KeyError(name)
+        self._handlers[name] = (telegram.decode, handler)
+
     def handle(self, frame: Frame) -> list[Frame]:
-        """Take one frame; returns the answer to a poll of this node, otherwise nothing."""
+        """Take one frame in bus order; returns the answer to a poll of this node, otherwise nothing."""
         can_id, data, flags = frame
+        verdict = None
+        if can_id in self._clock_ids:
+            # Time goes on whoever reads the mailbox, and before anything is dated.
+            verdict = self.store.check(frame)
+            if not verdict.cause:
+                self.clock.feed(data)
+        now_ns, stamp = self.clock.now_ns, None
+        module = self._module
+        if module is not None:
+            if module.has_task:
+                # It is due at the tick; the tick's frames come after it.
+                self._read_due(module)
+            stamp = module.receive(frame, verdict, now_ns)
+            if stamp is None:
+                return []
         if can_id == self._poll_id and not flags:
             return self._answer(data)
-        if can_id in self._clock_ids:
-            self.clock.feed(frame)
-        self.deliver(frame, self.clock.now_ns)
+        self._deliver(frame, verdict, now_ns, stamp)
         return []
 
-    def deliver(self, frame: Frame, received_ns: int) -> None:
-        """Hand a frame that arrived at ``received_ns`` to the store, and tell of the telegram that it completes."""
-        committed = self.store.feed(frame, received_ns)
-        if committed is not None:
-            if committed == TimeSync.PORT:
-                telegram, _ = self.store.read(TimeSync, self.clock.now_ns)
-                if telegram is not None:
-                    self.clock.synchronise(telegram)
-            if self._on_commit is not None:
-                self._on_commit(committed)
+    def opens_tick(self, frame: Frame) -> bool:
+        """Take a frame of the clock port for the clock alone, not for its mailbox; True when it opened a new tick."""
+        return not self.store.check(frame).cause and self.clock.feed(frame.data)
+
+    def _read_due(self, module: CanModule) -> None:
+        for frame, verdict, received_ns, stamp in module.read_due(self.clock.now_ns):
+            self._deliver(frame, verdict, received_ns, stamp)
+
+    def _deliver(self, frame: Frame, verdict: Verdict | None, received_ns: int, stamp: int | None) -> None:
+        port = self.store.feed(frame, received_ns, verdict)
+        if port is not None and (found := self._handlers.get(port)):
+            decode, handler = found
+            handler(_quick_reading((decode(self.store.raw(port)), received_ns, stamp)))
+
+    def _synchronise(self, reading: Reading[TimeSync]) -> None:
+        self.clock.synchronise(reading.telegram)
 
     def _answer(self, data: bytes) -> list[Frame]:
         asked = parse_master_frame(data)
@@ -100,5 +176,8 @@ class Responder:
         period_ticks, pace_word = self._pace
         if word == pace_word:
             self.clock.polled(period_ticks)
+            # The poll itself may have opened the tick, when the clock's own frame is missing.
+            if self._module is not None and self._module.has_task:
+                self._read_due(self._module)
         source, make = found
         return source.frames(make().encode())

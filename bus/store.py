@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
@@ -69,80 +69,98 @@ class _Sink:
         self.accepted = 0
 
 
+class Verdict(NamedTuple):
+    """What one frame is by itself: kind, identifier, length and, of a whole telegram, check sequence are judged.
+
+    ``cause``: why the frame is refused, one of :data:`CAUSES`; empty: it is not, and is ``part`` of the telegram of
+    ``sink``: number of the block, -1 the trailer, -3 the CAN FD form.
+    """
+
+    cause: str
+    sink: _Sink | None = None
+    part: int = 0
+
+
+_REFUSED = {cause: Verdict(cause) for cause in CAUSES}
+_UNKNOWN_ID = _REFUSED["unknown_id"]
+
+
 class TrafficStore:
     """Mailboxes for the ports of one node.
 
     A port that is not in ``ports`` has no mailbox: its frames are counted as ``unknown_id`` and never decoded.
-    ``feed`` never raises, whatever the frame holds.
+    Nothing here raises for what a frame holds.
     """
 
     def __init__(self, ports: Iterable[Port], assembly_ns: int = ASSEMBLY_NS) -> None:
         self.counters: Counter[str] = Counter()
         self._assembly_ns = assembly_ns
         self._sinks: dict[str, _Sink] = {}
-        # CAN identifier -> (sink, block index); -1 is the trailer, -2 a single frame, -3 the CAN FD form.
-        self._by_id: dict[int, tuple[_Sink, int]] = {}
+        # CAN identifier -> verdict on a good frame.
+        self._by_id: dict[int, Verdict] = {}
         for port in ports:
             sink = _Sink(port)
             self._sinks[port.name] = sink
-            if port.single_frame:
-                self._by_id[port.address] = (sink, -2)
-            else:
-                for block in range(port.blocks):
-                    self._by_id[port.address + block] = (sink, block)
-                self._by_id[port.address + 4] = (sink, -1)
-            self._by_id[port.fd_id] = (sink, -3)
+            for block in range(port.blocks):
+                self._by_id[port.address + block] = Verdict("", sink, block)
+            if not port.single_frame:
+                self._by_id[port.address + 4] = Verdict("", sink, -1)
+            self._by_id[port.fd_id] = Verdict("", sink, -3)
 
-    def feed(self, frame: Frame, now_ns: int) -> str | None:
-        """Take one frame at time ``now_ns``; returns the name of the port that it completed, else None."""
-        can_id, data, flags = frame
-        if flags:
-            if flags & ERROR:
-                return self._reject("error_frame")
-            if flags & REMOTE:
-                return self._reject("remote_frame")
-            if flags & EXTENDED:
-                return self._reject("extended_id")
-        found = self._by_id.get(can_id)
-        if found is None:
-            return self._reject("unknown_id")
-        sink, part = found
-        if part == -3:
-            if not flags & FD or len(data) != sink.fd_bytes:
-                return self._reject("wrong_length")
-            return self._commit_fd(sink, data, now_ns)
-        if flags or len(data) != 8:
-            return self._reject("wrong_length")
-        if part == -2:
-            return self._commit_single(sink, data, now_ns)
+    def feed(self, frame: Frame, now_ns: int, verdict: Verdict | None = None) -> str | None:
+        """Take one frame at time ``now_ns``; returns the name of the port that it completed, else None.
+
+        :param verdict: of :meth:`check`, when the frame has been there before.
+        """
+        cause, sink, part = verdict or self.check(frame)
+        if sink is None:
+            return self._reject(cause)
+        data = frame.data
+        if sink.is_single:
+            return self._commit(sink, data[: sink.data_bytes], now_ns)
         if part == -1:
             return self._commit_blocks(sink, data, now_ns)
+        if part == -3:
+            size = sink.data_bytes
+            sink.blocks = [data[k : k + 8] for k in range(0, size, 8)]
+            sink.missing = 0
+            sink.times_ns = [now_ns] * sink.block_count
+            return self._commit_blocks(sink, data[size : size + 8], now_ns)
         if not sink.blocks[part]:
             sink.missing -= 1
         sink.blocks[part] = data
         sink.times_ns[part] = now_ns
         return None
 
+    def check(self, frame: Frame) -> Verdict:
+        """Check one frame by itself; nothing is counted or kept before :meth:`feed`."""
+        can_id, data, flags = frame
+        if flags:
+            if flags & ERROR:
+                return _REFUSED["error_frame"]
+            if flags & REMOTE:
+                return _REFUSED["remote_frame"]
+            if flags & EXTENDED:
+                return _REFUSED["extended_id"]
+        verdict = self._by_id.get(can_id, _UNKNOWN_ID)
+        _, sink, part = verdict
+        if sink is None:
+            return verdict
+        if part == -3:
+            if not flags & FD or len(data) != sink.fd_bytes:
+                return _REFUSED["wrong_length"]
+        elif flags or len(data) != 8:
+            return _REFUSED["wrong_length"]
+        if sink.is_single:
+            if check_sequence(data[: sink.data_bytes]) != data[4]:
+                return _REFUSED["wrong_check_sequence"]
+            if data[5:] != sink.tail:
+                return _REFUSED["wrong_master_word"]
+        return verdict
+
     def _reject(self, cause: str) -> str | None:
         self.counters[cause] += 1
         return None
-
-    def _commit_single(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
-        payload = data[: sink.data_bytes]
-        if check_sequence(payload) != data[4]:
-            return self._reject("wrong_check_sequence")
-        if data[5:] != sink.tail:
-            return self._reject("wrong_master_word")
-        return self._commit(sink, payload, now_ns)
-
-    def _commit_fd(self, sink: _Sink, data: bytes, now_ns: int) -> str | None:
-        if sink.is_single:
-            return self._commit_single(sink, data, now_ns)
-        size = sink.data_bytes
-        sink.blocks = [data[k : k + 8] for k in range(0, size, 8)]
-        sink.missing = 0
-        sink.times_ns = [now_ns] * sink.block_count
-        return self._commit_blocks(sink, data[size : size + 8], now_ns)
 
     def _commit_blocks(self, sink: _Sink, trailer: bytes, now_ns: int) -> str | None:
         blocks, count, missing = sink.blocks, sink.block_count, sink.missing
@@ -167,12 +185,13 @@ class TrafficStore:
         sink.accepted += 1
         return sink.name
 
-    def read(self, telegram: type[T], now_ns: int) -> tuple[T | None, int]:
+    def read(self, telegram: type[T], now_ns: int, port: str = "") -> tuple[T | None, int]:
         """Newest telegram of a port and its age in ns: ``(None, NEVER_NS)`` before the first one.
 
+        :param port: another port with this layout; default: the telegram's own.
         :raises KeyError: when this node has no mailbox for the port.
         """
-        sink = self._sinks[telegram.PORT]
+        sink = self._sinks[port or telegram.PORT]
         if sink.committed_ns < 0:
             return None, NEVER_NS
         return telegram.decode(sink.data), now_ns - sink.committed_ns

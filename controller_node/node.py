@@ -10,7 +10,7 @@ from railhil.bus.errors import PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.link import Link
-from railhil.bus.responder import Responder
+from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import (
     HEADROOM_UNUSED,
@@ -33,7 +33,7 @@ from railhil.common.patience import LATER_S, PATIENCE_S
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.balises import Balises
 from railhil.controller_node.controller import Controller, ControlOutput
-from railhil.controller_node.ecan import BitCounter, Mailbox, Receiver, mailbox_table
+from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
 from railhil.controller_node.odometer import Odometer
@@ -130,37 +130,45 @@ class ControllerNode:
         self._stat_life = 0
         # Twice the quantity of the law that the next CTL_STAT is about, plus one when its maximum is shown.
         self._shown = 0
-        self.responder = Responder(
+        mailboxes_read = None
+        #: The CAN module with its mailboxes; None with CAN FD, which the chip does not know.
+        self.ecan: Ecan | None = None
+        if not options.fd:
+            mailboxes_read = Receiver(mailboxes(), counter, options.task_period_ms * _NS_PER_MS)
+            self.ecan = mailboxes_read.ecan
+        responder = self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             [contract.port(telegram.PORT) for telegram in MAILBOXES],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status, CtlIdent.PORT: self._own_ident},
             fd=options.fd,
-            on_commit=self._committed,
+            module=mailboxes_read,
         )
-        self._clock = self.responder.clock
-        self._store = self.responder.store
-        table = None if options.fd else mailboxes()
-        self.receiver = Receiver(self.responder, table, counter, options.task_period_ms * _NS_PER_MS)
+        responder.on(TrnSpeed, self._speed)
+        responder.on(TrnPos, self._position)
+        responder.on(BalisePassed, self._balise)
+        responder.on(TrkInfo, self._track)
+        responder.on(RunEvent, self._event)
+        self._clock = responder.clock
         #: Takes one frame in bus order; returns the answer to a poll of the controller.
-        self.handle = self.receiver.handle
+        self.handle = responder.handle
 
     @property
     def lost_messages(self) -> int:
         """Frames overwritten in their mailbox before they were read."""
-        return self.receiver.lost_messages
+        return 0 if self.ecan is None else self.ecan.lost_messages
 
     @property
     def lost_by_mailbox(self) -> dict[str, int]:
         """Frames lost in each receive mailbox, by its name; none with CAN FD."""
-        ecan = self.receiver.ecan
+        ecan = self.ecan
         return {} if ecan is None else {box.name: ecan.lost[box.number] for box in mailboxes() if not box.transmit}
 
     @property
     def counters(self) -> dict[str, int]:
         """What was refused or lost, by cause."""
-        watched = (self._store, self.guard, self._odometer, self._balises, self.receiver)
-        return {cause: count for part in watched for cause, count in part.counters.items()}
+        watched = (self.responder.store, self.guard, self._odometer, self._balises, self.ecan)
+        return {cause: count for part in watched if part is not None for cause, count in part.counters.items()}
 
     @property
     def lockstep(self) -> bool:
@@ -172,27 +180,22 @@ class ControllerNode:
         self._clock.silence(wall_ns)
         self.guard.look(self._clock.now_ns)
 
-    def _committed(self, port: str) -> None:
-        if port == TrnSpeed.PORT:
-            speed, _ = self._store.read(TrnSpeed, self._clock.now_ns)
-            if speed is not None:
-                self.guard.speed(speed, self._clock.now_ns, self.receiver.stamp)
-        elif port == TrkInfo.PORT:
-            track, _ = self._store.read(TrkInfo, self._clock.now_ns)
-            if track is not None:
-                self.guard.limit(track)
-        elif port == TrnPos.PORT:
-            position, age_ns = self._store.read(TrnPos, self._clock.now_ns)
-            if position is not None:
-                self._odometer.position(position, self._clock.now_ns - age_ns)
-        elif port == BalisePassed.PORT:
-            passed, _ = self._store.read(BalisePassed, self._clock.now_ns)
-            if passed is not None:
-                self._balises.take(passed, *self._odometer.reckoned(self._clock.now_ns))
-        elif port == RunEvent.PORT:
-            telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
-            if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
-                self.ended = Event(telegram.event)
+    def _speed(self, reading: Reading[TrnSpeed]) -> None:
+        self.guard.speed(reading.telegram, self._clock.now_ns, reading.stamp)
+
+    def _position(self, reading: Reading[TrnPos]) -> None:
+        self._odometer.position(reading.telegram, reading.received_ns)
+
+    def _balise(self, reading: Reading[BalisePassed]) -> None:
+        self._balises.take(reading.telegram, *self._odometer.reckoned(self._clock.now_ns))
+
+    def _track(self, reading: Reading[TrkInfo]) -> None:
+        self.guard.limit(reading.telegram)
+
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        code = reading.telegram.event
+        if code in Event._value2member_map_ and Event(code).ends_run:
+            self.ended = Event(code)
 
     def _control(self) -> None:
         """Run the law when a control period has begun since the last step."""
@@ -210,8 +213,6 @@ class ControllerNode:
         self._steps += 1
 
     def _notch(self) -> Telegram:
-        # The poll itself may have opened the tick, when the clock's own frame is missing.
-        self.receiver.read_when_due()
         self._control()
         self._notch_life = (self._notch_life + 1) & 0xF
         if self._output is None:

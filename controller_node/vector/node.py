@@ -8,7 +8,7 @@ from typing import Any
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram
-from railhil.bus.responder import Responder
+from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, TimeSync
 from railhil.common.errors import InputError
@@ -64,15 +64,16 @@ class VectorNode:
         answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
         if self._interface.status is not None:
             answers[self._interface.status.PORT] = partial(self._status, self._interface.status)
+        sinks = {port.name: port for port in (contract.clock_port, *(kind.port() for kind in read))}
         self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
-            [kind.port() for kind in read],
+            sinks.values(),
             {**answers, CtlIdent.PORT: self._own_ident},
             fd=options.fd,
-            on_commit=self._committed,
             contract=contract,
         )
+        self.responder.on(RunEvent, self._event)
         self._clock = self.responder.clock
         self._store = self.responder.store
 
@@ -94,11 +95,10 @@ class VectorNode:
         """The interface was out for ``wall_ns``: the readings are that much older."""
         self._clock.silence(wall_ns)
 
-    def _committed(self, port: str) -> None:
-        if port == RunEvent.PORT:
-            telegram, _ = self._store.read(RunEvent, self._clock.now_ns)
-            if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
-                self.ended = Event(telegram.event)
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        number = reading.telegram.event
+        if number in Event._value2member_map_ and Event(number).ends_run:
+            self.ended = Event(number)
 
     def _readings(self) -> tuple[list[int] | None, bool]:
         """One raw integer for each reading, None before the first of any; and whether all are fresh."""

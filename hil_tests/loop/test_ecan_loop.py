@@ -12,10 +12,10 @@ from railhil.bench import local_run
 from railhil.bus.frame import FD, Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.responder import Responder
 from railhil.bus.telegrams import CtlMode, CtlStat, Event, NotchCmd, RunEvent, TimeSync, TrkInfo, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node import node as node_module
-from railhil.controller_node.ecan import Mailbox, Receiver
 from railhil.controller_node.node import ControllerNode, ControllerOptions
 
 MS = 1_000_000
@@ -163,10 +163,10 @@ def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tm
     """Against the same node with its mailboxes taken out."""
     healthy.append(nominal)
 
-    def bare(responder, table: tuple[Mailbox, ...] | None, counter, task_period_ns: int) -> Receiver:
-        return Receiver(responder, None, counter, task_period_ns)
+    def bare(*arguments, module, **options) -> Responder:
+        return Responder(*arguments, **options)
 
-    monkeypatch.setattr(node_module, "Receiver", bare)
+    monkeypatch.setattr(node_module, "Responder", bare)
     without = local_run(lvshun, tmp_path, seed=1)
     assert "no_mailbox" not in without.counters["controller"]
     assert without.frames_sha256 == healthy[0].frames_sha256

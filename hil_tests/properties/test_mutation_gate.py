@@ -22,6 +22,8 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     },
     store: {
         ("self.committed_ns = -1", "1 -> 2"): "any negative number says 'never'",
+        ("part: int = 0", "0 -> 1"): "a refused frame has no part",
+        ("part: int = 0", "0 -> -1"): "a refused frame has no part",
         # A trailer is refused as long as a block is missing.
         ("self.times_ns = [0] * port.blocks", "0 -> 1"): "read only when all blocks have come with their times",
         ("self.times_ns = [0] * port.blocks", "0 -> -1"): "read only when all blocks have come with their times",

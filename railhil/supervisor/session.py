@@ -14,7 +14,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS
-from railhil.bus.responder import Responder
+from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
 from railhil.dbc import wire_contract
@@ -72,25 +72,27 @@ class Session:
             indexing=indexing,
             pace=pace,
         )
-        sinks = [contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent)]
+        clock_port = contract.clock_port
+        sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
         self._responder = Responder(
             Role.SUPERVISOR,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
-            on_commit=self._committed,
         )
+        self._responder.on(PltIdent, self._take_ident)
+        self._responder.on(CtlIdent, self._take_ident)
+        self._responder.on(RunEvent, self._event)
         self._clock = self._responder.clock
         self._poll_id = contract.poll_id
         self._status_id = contract.device_status_id
-        clock_port = contract.clock_port
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        own_ids = {self._poll_id, *(can_id for port in sinks for can_id in (*port.can_ids, port.fd_id))}
         # Everything else is recorded unseen, and that is most of it.
-        self._seen_ids = {self._status_id, *self._clock_ids, *own_ids}
+        self._seen_ids = {self._status_id, self._poll_id}
+        self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
 
     @property
     def sim_time_s(self) -> float:
@@ -123,7 +125,7 @@ class Session:
         if frame[0] in self._seen_ids:
             can_id = frame[0]
             if can_id in self._clock_ids:
-                if self._clock.feed(frame):
+                if self._responder.opens_tick(frame):
                     self.wall_ticks.append(self._clock.tick)
                     self.wall_ns.append(time.monotonic_ns())
             elif can_id == self._status_id:
@@ -155,20 +157,15 @@ class Session:
                 self._write(log_line(self._clock.now_ns, item))
         return answers
 
-    def _committed(self, port: str) -> None:
-        store, now_ns = self._responder.store, self._clock.now_ns
-        for handshake in (PltIdent, CtlIdent):
-            if port == handshake.PORT:
-                self._take_ident(store.read(handshake, now_ns)[0])
-        if port != RunEvent.PORT or not self.recording:
-            return
-        telegram, _ = store.read(RunEvent, now_ns)
-        if telegram is not None and telegram.event in Event._value2member_map_ and Event(telegram.event).ends_run:
-            self._ending = Event(telegram.event)
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        code = reading.telegram.event
+        if self.recording and code in Event._value2member_map_ and Event(code).ends_run:
+            self._ending = Event(code)
 
-    def _take_ident(self, ident: Ident | None) -> None:
+    def _take_ident(self, reading: Reading[Ident]) -> None:
         """Take a handshake telegram, unless it says another role than that of its port's source."""
-        if ident is None or not ident.is_own:
+        ident = reading.telegram
+        if not ident.is_own:
             self._responder.store.counters["wrong_role"] += 1
             return
         self._heard[ident.PORT] = ident

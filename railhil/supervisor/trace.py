@@ -114,12 +114,14 @@ def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = No
     contract = trace.contract
     store = TrafficStore(contract.ports)
     polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
+    poll_id, feed = contract.poll_id, store.feed
     for time_ns, frame in frames:
-        if frame.can_id == contract.poll_id:
-            if (asked := polls.get(frame.data)) is not None:
+        can_id, data, _ = frame
+        if can_id == poll_id:
+            if (asked := polls.get(data)) is not None:
                 trace.polled(asked)
             continue
-        port = store.feed(frame, time_ns)
+        port = feed(frame, time_ns)
         if port is not None:
             trace.add(port, time_ns, store.raw(port))
     return trace

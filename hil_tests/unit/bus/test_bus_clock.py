@@ -10,6 +10,8 @@ from hil_tests.support.clock import SetClock
 from railhil.bus.clock import BusClock, Pacer, from_time_sync, to_time_sync
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
+from railhil.bus.responder import Responder
+from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import NotchCmd, TrnSpeed
 
 TICK_NS = 10_000_000
@@ -20,23 +22,32 @@ def frame_of(tick: int, *, fd: bool = False) -> Frame:
     return TelegramSource(TrnSpeed.port(), fd).frames(TrnSpeed(123, life=tick % 16).encode())[0]
 
 
-FRAMES = [frame_of(life) for life in range(16)]
+#: Process data of the clock port, by life sign.
+TELEGRAMS = [TrnSpeed(123, life=life).encode() for life in range(16)]
 
 
 def started(tick: int = 0, base_tick_ns: int = TICK_NS) -> BusClock:
     clock = BusClock(base_tick_ns)
     assert not clock.running
     for item in range(tick + 1):
-        assert clock.feed(FRAMES[item % 16])
+        assert clock.feed(TELEGRAMS[item % 16])
     assert (clock.running, clock.tick, clock.now_ns) == (True, tick, tick * base_tick_ns)
     return clock
 
 
+def listener() -> Responder:
+    """A node that sinks the clock port alone."""
+    return Responder(1, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port()], {})
+
+
 @pytest.mark.parametrize("fd", [False, True])
 def test_every_clock_frame_is_one_tick(fd: bool) -> None:
-    clock = BusClock(TICK_NS)
+    node, alone = listener(), listener()
+    clock = node.clock
     for tick in range(100):
-        assert clock.feed(frame_of(tick, fd=fd))
+        assert node.opens_tick(frame_of(tick, fd=fd))
+        alone.handle(frame_of(tick, fd=fd))
+        assert alone.clock.tick == tick
         assert clock.tick == tick
 
 
@@ -46,10 +57,10 @@ def test_lost_ticks_are_bridged_by_the_life_sign(start: int, lost: int) -> None:
     """Without any poll: up to six at once, more as soon as a second frame confirms that the first was no old one."""
     clock = started(start)
     first = start + lost + 1
-    assert clock.feed(FRAMES[first % 16]) == (lost <= 6)
-    clock.feed(FRAMES[(first + 1) % 16])
+    assert clock.feed(TELEGRAMS[first % 16]) == (lost <= 6)
+    clock.feed(TELEGRAMS[(first + 1) % 16])
     assert clock.tick == first + 1
-    assert clock.feed(FRAMES[(first + 2) % 16])
+    assert clock.feed(TELEGRAMS[(first + 2) % 16])
     assert clock.tick == first + 2
 
 
@@ -58,7 +69,7 @@ def run(clock: BusClock, ticks: range, lost: range) -> list[int]:
     seen = []
     for tick in ticks:
         if tick not in lost:
-            clock.feed(FRAMES[tick % 16])
+            clock.feed(TELEGRAMS[tick % 16])
         if tick % POLL_TICKS == 0:
             clock.polled(POLL_TICKS)
         seen.append(clock.tick)
@@ -82,7 +93,7 @@ def test_polls_carry_time_through_any_loss_of_the_clock_port(start: int, lost: i
 def test_repeated_polls_never_run_away(copies: int) -> None:
     clock = BusClock(TICK_NS)
     for tick in range(400):
-        clock.feed(FRAMES[tick % 16])
+        clock.feed(TELEGRAMS[tick % 16])
         if tick % POLL_TICKS == 0:
             for _ in range(1 + copies):
                 clock.polled(POLL_TICKS)
@@ -99,17 +110,17 @@ def test_polls_before_the_first_frame_are_no_time() -> None:
 @pytest.mark.parametrize("back", range(1, 8))
 def test_repeated_and_old_frames_open_no_tick(back: int) -> None:
     clock = started(40)
-    assert not clock.feed(FRAMES[40 % 16])
-    assert not clock.feed(FRAMES[(40 - back) % 16])
+    assert not clock.feed(TELEGRAMS[40 % 16])
+    assert not clock.feed(TELEGRAMS[(40 - back) % 16])
     assert clock.tick == 40
-    assert clock.feed(FRAMES[41 % 16])
+    assert clock.feed(TELEGRAMS[41 % 16])
     assert clock.tick == 41
 
 
 def test_stuck_clock_frames_do_not_stop_time() -> None:
     clock = started(40)
     for tick in range(40, 200):
-        clock.feed(FRAMES[40 % 16])
+        clock.feed(TELEGRAMS[40 % 16])
         if tick % POLL_TICKS == 0:
             clock.polled(POLL_TICKS)
     assert clock.tick == 198
@@ -135,12 +146,13 @@ def changed(frame: Frame, byte: int, mask: int = 1) -> Frame:
     ],
 )
 def test_frames_that_fail_a_check_are_no_time(frame: Frame) -> None:
-    clock = started()
-    assert not clock.feed(frame)
-    assert clock.tick == 0
-    fresh = BusClock(TICK_NS)
-    fresh.feed(frame)
-    assert not fresh.running
+    node, other = listener(), listener()
+    assert not node.opens_tick(frame)
+    assert not node.clock.running
+    assert not node.store.counters
+    other.handle(frame)
+    assert not other.clock.running
+    assert sum(other.store.counters.values()) == 1
 
 
 # -- TIME_SYNC --------------------------------------------------------------------------------------------------------
@@ -165,7 +177,7 @@ def test_resynchronisation(base_tick_ns: int, target: int) -> None:
     clock.synchronise(to_time_sync(target, base_tick_ns))
     assert clock.now_ns == target * base_tick_ns
     # The frame of that tick may have been lost or not: the next one is one tick later in both cases.
-    assert clock.feed(FRAMES[41 % 16])
+    assert clock.feed(TELEGRAMS[41 % 16])
     assert clock.tick == target + 1
 
 
@@ -174,7 +186,7 @@ def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
     clock = BusClock(TICK_NS)
     for tick in range(300):
         if tick not in lost:
-            clock.feed(FRAMES[tick % 16])
+            clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
             clock.synchronise(to_time_sync(tick, TICK_NS))
         if tick not in lost:
@@ -188,7 +200,7 @@ def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
     for tick in range(300):
         lost = first <= tick < first + count
         if not lost:
-            clock.feed(FRAMES[tick % 16])
+            clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
             clock.synchronise(to_time_sync(tick, TICK_NS))
         if tick % POLL_TICKS == 0:
@@ -201,7 +213,7 @@ def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
 def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
     clock = BusClock(TICK_NS)
     for tick in range(1000, 1200):
-        clock.feed(FRAMES[tick % 16])
+        clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
             clock.synchronise(to_time_sync(tick, TICK_NS))
         if tick >= 1024:

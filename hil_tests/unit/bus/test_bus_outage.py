@@ -262,9 +262,9 @@ def test_error_frames_in_words():
 
 def clock_at(tick: int, rate_10th: int) -> BusClock:
     clock = BusClock(_TICK_NS)
-    clock.feed(speeds(tick % 16)[0])
+    clock.feed(speeds(tick % 16)[0].data)
     clock.synchronise(to_time_sync(tick, _TICK_NS, rate_10th=rate_10th))
-    clock.feed(speeds((tick + 1) % 16)[0])
+    clock.feed(speeds((tick + 1) % 16)[0].data)
     return clock
 
 
@@ -276,7 +276,7 @@ def test_after_an_outage_the_clock_is_right_at_once(ticks_out, error_ticks):
     before = clock.tick
     clock.silence((ticks_out + error_ticks) * _TICK_NS)
     for later in range(ticks_out, ticks_out + 20):
-        clock.feed(speeds((before + later) % 16)[0])
+        clock.feed(speeds((before + later) % 16)[0].data)
     assert clock.tick == before + ticks_out + 19
 
 

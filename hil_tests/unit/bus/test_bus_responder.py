@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from railhil.bus import clock, store
 from railhil.bus.clock import to_time_sync
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import TelegramSource, master_frame, parse_device_status
-from railhil.bus.responder import Responder
+from railhil.bus.mvb import TelegramSource, check_sequence, master_frame, parse_device_status
+from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
+from railhil.bus.store import NEVER_NS
 from railhil.bus.telegrams import CtlStat, NotchCmd, SupCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.dbc import wire_contract
 
@@ -20,19 +25,20 @@ DEVICE = 1
 
 
 class Node:
-    """A responder with two own ports and a list of what it committed."""
+    """A responder with two own ports and a list of what it has read."""
 
     def __init__(self, fd: bool = False) -> None:
         self.made: list[str] = []
-        self.committed: list[str] = []
+        self.read: list[Reading[Any]] = []
         self.responder = Responder(
             DEVICE,
             Schedule.from_contract(TICK_NS, {}),
             [TrnSpeed.port(), TrnPos.port(), TimeSync.port()],
             {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status},
             fd=fd,
-            on_commit=self.committed.append,
         )
+        for telegram in (TrnSpeed, TrnPos):
+            self.responder.on(telegram, lambda reading: self.read.append(reading))
 
     def _notch(self) -> Telegram:
         self.made.append(NotchCmd.PORT)
@@ -116,16 +122,16 @@ def test_a_poll_in_a_wrong_kind_of_frame_is_none(flags: int, cause: str) -> None
     assert node.responder.store.counters == {cause: 1}
 
 
-def test_on_commit_names_whole_telegrams_in_order() -> None:
+def test_handlers_get_whole_telegrams_in_order() -> None:
     node = Node()
     node.feed(TrnSpeed(5))
     first, trailer = TelegramSource(TrnPos.port()).frames(TrnPos(1).encode())
     node.responder.handle(first)
-    assert node.committed == ["TRN_SPEED"]
+    assert node.read == [Reading(TrnSpeed(5), 0, None)]
     node.responder.handle(trailer)
     node.responder.handle(trailer)
     node.feed(SupCmd())
-    assert node.committed == ["TRN_SPEED", "TRN_POS"]
+    assert node.read == [Reading(TrnSpeed(5), 0, None), Reading(TrnPos(1), 0, None)]
     assert node.responder.store.counters == {"missing_block": 1, "unknown_id": 1}
 
 
@@ -173,3 +179,34 @@ def test_a_slow_port_is_no_clock() -> None:
     for _ in range(5):
         assert responder.handle(poll(SupCmd))
     assert responder.clock.tick == 0
+
+
+def test_ports_of_one_layout_have_each_its_own_mailbox_and_handler() -> None:
+    """Two units: one telegram class, two ports; the same telegram on the one is none of the other."""
+    units = [replace(TrnSpeed.port(), name=f"TRN_SPEED_{unit}", address=0x300 + 8 * unit) for unit in (1, 2)]
+    responder = Responder(DEVICE, Schedule.from_contract(TICK_NS, {}), [TrnSpeed.port(), *units], {})
+    read: dict[str, list[int]] = {port.name: [] for port in units}
+    for port in units:
+        responder.on(
+            TrnSpeed, lambda reading, own=read[port.name]: own.append(reading.telegram.speed_01mmps), port.name
+        )
+    for port, speed_01mmps in zip(units, (11, 22), strict=True):
+        for frame in TelegramSource(port).frames(TrnSpeed(speed_01mmps, life=3).encode()):
+            responder.handle(frame)
+    assert read == {"TRN_SPEED_1": [11], "TRN_SPEED_2": [22]}
+    assert responder.store.read(TrnSpeed, 7, "TRN_SPEED_2") == (TrnSpeed(22, life=3), 7)
+    assert responder.store.read(TrnSpeed, 7) == (None, NEVER_NS)
+    assert not responder.clock.running
+    with pytest.raises(KeyError, match="TRN_SPEED_3"):
+        responder.on(TrnSpeed, print, "TRN_SPEED_3")
+
+
+def test_a_check_sequence_is_computed_once_for_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also of the clock port, whose frames two take: the store and the clock."""
+    blocks: list[bytes] = []
+    monkeypatch.setattr(store, "check_sequence", lambda block: blocks.append(block) or check_sequence(block))
+    node = Node()
+    node.feed(TrnSpeed(5, life=1))
+    node.feed(TrnPos(7))
+    assert blocks == [TrnSpeed(5, life=1).encode(), TrnPos(7).encode()]
+    assert not hasattr(clock, "check_sequence")

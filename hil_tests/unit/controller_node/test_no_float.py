@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from hil_tests.unit.controller_node.test_ipfc_controller import SCENARIO, closed_loop, flat
+from railhil.bus.responder import Reading
 from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
@@ -206,9 +207,8 @@ def test_no_float_in_the_node(run: Any) -> None:
         now_ns = k * period_ns
         telegram = TrnPos(NoFloat(position // 10), life=k & 0xF)  # type: ignore[arg-type]
         node._clock = SimpleNamespace(now_ns=now_ns, running=True)
-        node._store = SimpleNamespace(read=lambda kind, now_ns, telegram=telegram: (telegram, 0))
         node.guard.speed(TrnSpeed(NoFloat(speed), life=k & 0xF), now_ns)  # type: ignore[arg-type]
-        node._committed(TrnPos.PORT)
+        node._position(Reading(telegram, now_ns, None))
         notch = node._notch().notch_256th
         assert node.guard.level is Level.NORMAL
         assert type(notch) is NoFloat
