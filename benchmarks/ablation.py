@@ -61,10 +61,10 @@ class Figures:
             return float(np.median(worst)), float(np.percentile(worst, 95, method="higher"))
 
         return cls(
-            both(result.stop_error_m),
-            both(result.punctuality_s),
-            both(result.itae)[0],
-            both(result.comfort),
+            both(result.values["stop_error_m"]),
+            both(result.values["punctuality_s"]),
+            both(result.values["itae"])[0],
+            both(result.values["comfort"]),
             int(np.count_nonzero(result.passed)),
         )
 

@@ -131,7 +131,7 @@ def measure(setting: Setting) -> list[Figure]:
     for name, peer in (("ipfc", False), ("do-mpc", True)):
         run, taken_us = _driven(setting.scenario, peer)
         found = run.score
-        if not setting.quick and found.stop_error_m is None:
+        if not setting.quick and found.values["stop_error_m"] is None:
             raise MeasurementError(f"{name} did not stop the train")
         typical = median(taken_us)
         ours_us = ours_us or typical
@@ -139,8 +139,8 @@ def measure(setting: Setting) -> list[Figure]:
         figures += [
             Figure(f"{name}: step, median", typical, "us", *ratio),
             Figure(f"{name}: step, p99", p99(taken_us), "us"),
-            Figure(f"{name}: ITAE of the nominal run", found.itae or 0.0, "km/h s2"),
-            Figure(f"{name}: comfort of the nominal run", found.comfort or 0.0, "m/s2/km"),
-            Figure(f"{name}: stop error of the nominal run", found.stop_error_m or 0.0, "m"),
+            Figure(f"{name}: ITAE of the nominal run", found.values["itae"] or 0.0, "km/h s2"),
+            Figure(f"{name}: comfort of the nominal run", found.values["comfort"] or 0.0, "m/s2/km"),
+            Figure(f"{name}: stop error of the nominal run", found.values["stop_error_m"] or 0.0, "m"),
         ]
     return figures

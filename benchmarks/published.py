@@ -68,17 +68,27 @@ def tabulated(scenario: Scenario, runs: Sequence[Alternating]) -> Table:
     for run in runs:
         name = f"ipfc +-{run.notches:g} notch, alternating" if run.notches else "ipfc"
         found = run.score
-        others = ((found.energy_kj, 0), (found.punctuality_s, 3), (found.stop_error_m, 3), (found.comfort, 2))
-        _row(table, name, found.itae, *others)
+        others = (
+            (found.values["energy_kj"], 0),
+            (found.values["punctuality_s"], 3),
+            (found.values["stop_error_m"], 3),
+            (found.values["comfort"], 2),
+        )
+        _row(table, name, found.values["itae"], *others)
     for row in scenario.published:
         if row.controller == "ipfc":
             cells = (
-                f"{row.energy_kj:.0f}",
-                f"{row.punctuality_s:.3f}",
-                f"{row.stop_error_m:.3f}",
-                f"{row.comfort:.2f}",
+                f"{row.values['energy_kj']:.0f}",
+                f"{row.values['punctuality_s']:.3f}",
+                f"{row.values['stop_error_m']:.3f}",
+                f"{row.values['comfort']:.2f}",
             )
-            table.add_row("ipfc, published (unit of ITAE not stated)", f"{row.itae:.0f}", f"{row.itae:.0f}", *cells)
+            table.add_row(
+                "ipfc, published (unit of ITAE not stated)",
+                f"{row.values['itae']:.0f}",
+                f"{row.values['itae']:.0f}",
+                *cells,
+            )
     return table
 
 

@@ -181,7 +181,7 @@ def _build(parts: Parts) -> model.Scenario:
         energy=convert.energy(file.energy),
         watch=watch,
         perturbations=perturbations,
-        published=tuple(model.PublishedScore(**row.model_dump()) for row in file.published),
+        published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
     )
     check.check_run(scenario, target, refuse)

@@ -10,7 +10,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Protocol
+from typing import Any, Protocol
 
 #: A step profile: rows ``(from_m, value)``, each valid until the next row; before the first row its value
 #: holds.
@@ -189,14 +189,19 @@ class Perturbations:
 
 @dataclass(frozen=True, slots=True)
 class PublishedScore:
-    """One row of a published result table, to be printed beside the measured scores."""
+    """One row of a published result table, to be printed beside the measured scores: law, values by criterion."""
 
     controller: str
-    itae: float
-    energy_kj: float
-    punctuality_s: float
-    stop_error_m: float
-    comfort: float
+    values: Mapping[str, float]
+
+    def as_table(self) -> dict[str, str | float]:
+        """The row as files have it, the values beside the law."""
+        return {"controller": self.controller, **self.values}
+
+    @classmethod
+    def of(cls, table: Mapping[str, Any]) -> PublishedScore:
+        """The row of such a table."""
+        return cls(table["controller"], {key: value for key, value in table.items() if key != "controller"})
 
 
 class AnyScenario(Protocol):
@@ -221,6 +226,10 @@ class AnyScenario(Protocol):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """Sentences that say what is chosen rather than published or measured."""
+
+    @property
+    def published(self) -> tuple[PublishedScore, ...]:
+        """Rows of a published result table."""
 
     @property
     def sha256(self) -> str:

@@ -17,7 +17,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios.layers import DATA
-from railhil.scenarios.model import AnyScenario, Scenario
+from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.system import DEFAULT, system_named
 
 #: Name in a run folder.
@@ -34,7 +34,7 @@ def _adapter() -> TypeAdapter[Scenario]:
 
 def document(scenario: Scenario) -> dict[str, Any]:
     """Every field of a scenario of ``ato`` as JSON can hold it."""
-    return dataclasses.asdict(scenario)
+    return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
 
 
 def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
@@ -44,7 +44,7 @@ def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
     :raises InputError: a field is missing, unknown or of another kind.
     """
     try:
-        scenario = _adapter().validate_json(json.dumps(fields))
+        scenario = _adapter().validate_json(json.dumps(fields | {"published": _published(fields.get("published", []))}))
     except ValidationError as error:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"])
@@ -53,6 +53,17 @@ def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
     if unknown:
         raise InputError(file, unknown, Words("a key that no scenario has"), _ALLOWED)
     return scenario
+
+
+def _published(rows: object) -> object:
+    """Published rows with their values apart from the law; what is no such row is left for the check."""
+    if not isinstance(rows, list):
+        return rows
+    apart = []
+    for row in rows:
+        known = isinstance(row, dict) and "controller" in row
+        apart.append(dataclasses.asdict(PublishedScore.of(row)) if known else row)
+    return apart
 
 
 def _unknown(given: object, known: object, key: str = "") -> str:

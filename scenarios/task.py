@@ -15,7 +15,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol
@@ -26,7 +25,7 @@ from railhil.common.errors import InputError, Words
 from railhil.scenarios import convert
 from railhil.scenarios.canonical import text_sha256
 from railhil.scenarios.layers import Layers
-from railhil.scenarios.model import AnyScenario, Timing
+from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.schema import RUNNING_TIME_MAX_S, Name, Number, Table, Text, TimingTable
 from railhil.scenarios.system import System
 from railhil.scenarios.validation import dotted, validated
@@ -76,14 +75,14 @@ class TaskFile(Table):
 
 @dataclass(frozen=True, slots=True)
 class TaskScenario:
-    """A scenario with a section of its system's own. ``published``: rows by criterion, and ``controller``."""
+    """A scenario with a section of its system's own."""
 
     name: str
     title: str
     system: str
     timing: Timing
     task: Any
-    published: tuple[Mapping[str, Any], ...] = ()
+    published: tuple[PublishedScore, ...] = ()
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
 
@@ -127,7 +126,14 @@ class TaskScenarios:
         for row, published in enumerate(file.published):
             if not isinstance(published.get("controller"), str):
                 raise refuse(("published", row, "controller"), published.get("controller"), "the name of a law")
-        return self._hashed(file.name, file.title, timing, file.task, tuple(file.published), tuple(file.assumptions))
+        return self._hashed(
+            file.name,
+            file.title,
+            timing,
+            file.task,
+            tuple(map(PublishedScore.of, file.published)),
+            tuple(file.assumptions),
+        )
 
     def _hashed(self, name: str, title: str, timing: Timing, task: Any, *rest: Any) -> TaskScenario:
         made = TaskScenario(name, title, self._system.name, timing, task, *rest)
@@ -154,7 +160,7 @@ class TaskScenarios:
                 "port_period_ns": dict(timing.port_period_ns),
             },
             "task": scenario.task.model_dump(mode="json"),
-            "published": [dict(row) for row in scenario.published],
+            "published": [row.as_table() for row in scenario.published],
             "assumptions": list(scenario.assumptions),
             "sha256": scenario.sha256,
         }
@@ -165,7 +171,7 @@ class TaskScenarios:
             timing = Timing(**fields["timing"])
             # Through JSON, so that arrays become what the table makes of them.
             task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
-            rest = tuple(fields["published"]), tuple(fields["assumptions"])
+            rest = tuple(map(PublishedScore.of, fields["published"])), tuple(fields["assumptions"])
             return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, *rest)
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(file, "", Words(f"{type(error).__name__}: {error}"), _ALLOWED) from None

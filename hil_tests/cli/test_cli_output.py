@@ -21,6 +21,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, command, railhil, wait_for
+from hil_tests.support.scores import made_score, with_values
 from railhil.audit import __main__ as audit
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.mvb import TelegramSource
@@ -37,11 +38,10 @@ from railhil.supervisor.folder import RecordFailed, write_folder
 from railhil.supervisor.framelog import FrameLog, log_line, read_log, sha256_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.run import Run
-from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace
 from railhil.tuning import command as tune
 
-_SCORE = Score("FAIL", 50652.7, 107441.0, 12.0718, 10.1449, 31.143, -12.0718, 10.1449, 0.0, ("late",), "complete")
+_SCORE = made_score("FAIL", 50652.7, 107441.0, -12.0718, 10.1449, 31.143, ("late",))
 
 
 @pytest.fixture(scope="module")
@@ -194,7 +194,7 @@ def test_timing_that_python_can_prints_does_not_spoil_json():
 def test_score_table_cuts_nothing(monkeypatch, columns, lvshun):
     monkeypatch.setenv("COLUMNS", str(columns))
     label = "ipfc float64 (measured)" if columns > 60 else "from the log"
-    other = replace(_SCORE, energy_kj=107442.0)
+    other = with_values(_SCORE, energy_kj=107442.0)
     long = "ipfc_plus+1a2b3c4d tuned (on this seed) (measured)"
     with redirect_stdout(io.StringIO()) as text:
         print_scores(Output(), lvshun, [(label, _SCORE), (long, other)])

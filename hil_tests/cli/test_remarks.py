@@ -8,14 +8,15 @@ from typing import Any
 
 import pytest
 
+from hil_tests.support.scores import made_score
 from railhil.cli.remarks import assumed, next_step
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import WRAP_FAILURE, Score
+from railhil.supervisor.score import WRAP_FAILURE
 from railhil.supervisor.trace import Trace
 
 _STOP = "stop error -0.219 m, allowed +-0.2 m"
-_SCORE = Score("FAIL", 1.0, 1.0, 0.1, 0.219, 1.0, 0.1, -0.219, 0.0, (_STOP,), "complete")
+_SCORE = made_score("FAIL", 1.0, 1.0, 0.1, -0.219, 1.0, (_STOP,))
 
 
 def run(scenario: Scenario, *failures: str, verdict: str = "FAIL", **certificate: Any) -> RecordedRun:

@@ -121,7 +121,7 @@ def test_burst_loss_of_speed(
         assert left_s == pytest.approx((first + count + 5) / 100, abs=0.021)
     # The clock lost nothing: the law ran in every control period, the stop is where it was.
     assert run.ended is Event.ENDED_COMPLETE
-    assert run.score.stop_error_m == pytest.approx(clean.score.stop_error_m, abs=0.05)
+    assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
     assert run.refused == {"controller.gap": 1} if count < 20 else set(run.refused) <= {"controller.gap"}
     assert wire.sent == wire.passed + count
 
@@ -190,7 +190,7 @@ def test_exchanged_neighbours_are_counted_and_the_old_one_is_not_used(
     assert run.refused == {"controller.gap": exchanged, "controller.out_of_order": exchanged}
     assert run.ended is Event.ENDED_COMPLETE
     assert set(notch_table(run)[1]) == {CtlMode.RUNNING}
-    assert run.score.stop_error_m == pytest.approx(clean.score.stop_error_m, abs=0.05)
+    assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
 def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, clean: BenchRun, tmp_path: Path) -> None:
@@ -221,7 +221,7 @@ def test_flipped_bits_are_refused_and_the_run_stays_healthy(short: Scenario, cle
     assert flipped[SPEED_ID] <= in_store <= flipped.total()
     assert run.ended is Event.ENDED_COMPLETE
     assert set(notch_table(run)[1]) <= {CtlMode.RUNNING, CtlMode.HOLD}
-    assert run.score.stop_error_m == pytest.approx(clean.score.stop_error_m, abs=0.05)
+    assert run.score.values["stop_error_m"] == pytest.approx(clean.score.values["stop_error_m"], abs=0.05)
 
 
 def test_a_right_telegram_under_a_wrong_identifier_is_not_used(

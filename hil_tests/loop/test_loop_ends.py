@@ -199,7 +199,7 @@ def test_score_survives_repeated_telegrams_and_unknown_events(lvshun):
     trace.add(RunEvent.PORT, 0, RunEvent(Event.ENDED_COMPLETE, 0, 0, 3).encode())
     found = score(lvshun, trace)
     assert found.verdict == "PASS"
-    assert np.isfinite([found.itae, found.energy_kj, found.comfort]).all()
+    assert np.isfinite([found.values["itae"], found.values["energy_kj"], found.values["comfort"]]).all()
 
 
 @pytest.mark.parametrize(("lost_ticks", "verdict"), [(98, "FAIL"), (100, "INVALID")])
@@ -215,4 +215,4 @@ def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
     if verdict == "INVALID":
         assert found.failures == ("record: no SIM_TRUTH for 1.02 s from 5.00 s on, allowed 1 s",)
         assert found.overspeed_mps == 0.0
-        assert found.itae is None
+        assert found.values["itae"] is None

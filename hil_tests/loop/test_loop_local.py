@@ -35,10 +35,10 @@ def test_nominal_run_is_healthy_and_complete(nominal, healthy):
 
 def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     found = nominal.score
-    assert found.itae == pytest.approx(2120, rel=0.10)
-    assert found.punctuality_s == pytest.approx(0.078, abs=0.02)
-    assert found.stop_error_m == pytest.approx(0.26, abs=0.05)
-    assert found.comfort == pytest.approx(1.8, abs=0.15)
+    assert found.values["itae"] == pytest.approx(2120, rel=0.10)
+    assert found.values["punctuality_s"] == pytest.approx(0.078, abs=0.02)
+    assert found.values["stop_error_m"] == pytest.approx(0.26, abs=0.05)
+    assert found.values["comfort"] == pytest.approx(1.8, abs=0.15)
     assert found.overspeed_mps == 0
 
 

@@ -98,8 +98,8 @@ def assert_braked(run: BenchRun, begin_s: float) -> None:
     truth_s = run.trace.times_s(SimTruth.PORT)
     assert (run.trace.raw(SimTruth.PORT, "TractionForce")[truth_s > entered_s + 4.0] == 0).all()
     assert run.ended is Event.ENDED_COMPLETE
-    assert run.score.signed_stop_error_m is not None
-    assert run.score.signed_stop_error_m < 0.0
+    assert run.score.signed["stop_error_m"] is not None
+    assert run.score.signed["stop_error_m"] < 0.0
     assert run.score.overspeed_mps == 0.0
     assert not any("emergency" in failure for failure in run.score.failures)
 
@@ -133,8 +133,8 @@ def test_a_position_that_is_wrong_is_as_good_as_none(
 def test_lost_half_a_second_before_the_stop(tmp_path: Path) -> None:
     """Reckoned to the stop."""
     run = run_with(tmp_path, TrnPos, silent(145.5))
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.1
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.1
 
 
 @pytest.mark.parametrize("fault", [silent(60, 60.6), changed(60, 60.8, off_mm=-20_000)], ids=["silent", "jump"])
@@ -142,8 +142,8 @@ def test_less_than_a_second_is_bridged(tmp_path: Path, fault: Fault) -> None:
     run = run_with(tmp_path, TrnPos, fault)
     assert set(run.trace.raw(NotchCmd.PORT, "CtlMode")) == {CtlMode.RUNNING}
     assert run.score.failures == ()
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.05
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.05
 
 
 def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
@@ -154,8 +154,8 @@ def test_position_that_comes_back_is_used_again(tmp_path: Path) -> None:
     assert 65.0 < braking_s[-1] < 65.5
     assert set(modes[times_s > braking_s[-1]]) == {CtlMode.RUNNING}
     assert run.score.failures == ()
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.05
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.05
 
 
 def test_position_that_never_comes_holds_the_train(tmp_path: Path) -> None:
@@ -183,8 +183,8 @@ def test_late_balises_are_placed_or_not_used(tmp_path: Path) -> None:
     run = run_with(tmp_path, BalisePassed, late(3), slope, seed=0, drawn=False)
     # At one of them the train is faster than 65 m in 3 s.
     assert run.refused == {"controller.balise_late": 1}
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.05
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.05
 
 
 @pytest.mark.parametrize("wrong", [{"balise_id": 0}, {"check": 3}])
@@ -198,8 +198,8 @@ def test_balise_telegrams_that_say_nothing_are_not_used(tmp_path: Path, wrong: d
 
     run = run_with(tmp_path, BalisePassed, fault)
     assert set(run.refused) == {"controller.balise_check" if "check" in wrong else "controller.balise_number"}
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.1
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.1
 
 
 def test_a_scenario_numbers_its_balises_from_1(tmp_path: Path) -> None:

@@ -31,13 +31,13 @@ def test_law_takes_a_train_from_station_to_station(law: str, scenario_name: str)
     perturbed = run_batch(Case(scenario, law, "iq"), SEEDS)
     for runs in (nominal, perturbed):
         assert set(runs.ended) == {"ended_complete"}
-        assert not np.isnan(runs.stop_error_m).any()
+        assert not np.isnan(runs.values["stop_error_m"]).any()
         assert runs.overspeed_mps.max() == 0.0
         assert not any("emergency" in text for texts in runs.failures for text in texts)
         assert runs.wraps.max() == 0
     # A wheel that is half a percent off puts the train that trusts it some ten metres off, not more.
-    assert perturbed.stop_error_m.max() < 20.0
-    assert nominal.stop_error_m[0] < 1.5
+    assert perturbed.values["stop_error_m"].max() < 20.0
+    assert nominal.values["stop_error_m"][0] < 1.5
 
 
 @pytest.mark.parametrize("law", names())
@@ -50,14 +50,16 @@ def test_bus_direct_coupling_and_batch_give_the_same_notches(law: str, tmp_path:
     assert over_bus.notches == coupled.notches
     assert over_bus.score == coupled.score
     assert trace_digest(scenario, over_bus.trace) == batch.notch_digest[0]
-    assert batch.itae[0] == over_bus.score.itae
-    assert batch.signed_stop_error_m[0] == over_bus.score.signed_stop_error_m
+    assert batch.values["itae"][0] == over_bus.score.values["itae"]
+    assert batch.signed["stop_error_m"][0] == over_bus.score.signed["stop_error_m"]
     assert over_bus.refused == {}
 
 
 def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
     """The inputs of track laws arrive: with worn wheels nothing else can know where the train is."""
     scenario = load("lvshun_tieshan_worn_wheels")
-    worst = {law: run_batch(Case(scenario, law, "iq"), SEEDS).stop_error_m.max() for law in ("ipfc", "ipfc_plus")}
+    worst = {
+        law: run_batch(Case(scenario, law, "iq"), SEEDS).values["stop_error_m"].max() for law in ("ipfc", "ipfc_plus")
+    }
     assert load_law("ipfc_plus").track
     assert worst["ipfc_plus"] < 0.1 < 5.0 < worst["ipfc"]

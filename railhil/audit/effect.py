@@ -1,17 +1,17 @@
-"""Effect on the five scores: medians over perturbed runs in the audited arithmetic and in float64, same draws."""
+"""Effect on the scores: medians over perturbed runs in the audited arithmetic and in float64, same draws."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from statistics import median
 
-from railhil.batch.perturbed_runs import SCORES, Outcomes, outcomes
+from railhil.batch.perturbed_runs import Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import ATO_CRITERIA, Criterion
 from railhil.supervisor.score import Score
 
-#: How far a median may be from that of float64: in the unit of the score, else relative.
-_ALLOWED = {"stop_error_m": 0.01, "punctuality_s": 0.01}
+#: How far a median may be from that of float64, as a share of it, where the criterion does not say.
 _ALLOWED_SHARE = 0.01
 
 
@@ -50,16 +50,17 @@ class Effect:
     counters: Counters
 
 
-def _effect(name: str, audited: list[Score], reference: list[Score]) -> ScoreEffect:
-    pairs = [(getattr(a, name), getattr(b, name)) for a, b in zip(audited, reference, strict=True)]
+def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) -> ScoreEffect:
+    name, allowed = criterion.key, criterion.audit_allowed
+    pairs = [(a.values[name], b.values[name]) for a, b in zip(audited, reference, strict=True)]
     ours, theirs = [a for a, _ in pairs if a is not None], [b for _, b in pairs if b is not None]
     wanted = median(theirs) if theirs else None
     return ScoreEffect(
         name,
-        SCORES[name],
+        criterion.unit,
         median(ours) if ours else None,
         wanted,
-        _ALLOWED[name] if name in _ALLOWED else _ALLOWED_SHARE * abs(wanted or 0.0),
+        _ALLOWED_SHARE * abs(wanted or 0.0) if allowed is None else allowed,
         max((abs(a - b) for a, b in pairs if a is not None and b is not None), default=0.0),
         sum((a is None) != (b is None) for a, b in pairs),
     )
@@ -76,4 +77,6 @@ def effect(scenario: Scenario, runs: int, *, controller: str, arithmetic: str, i
 
 def compared(audited: Outcomes, reference: Outcomes) -> Effect:
     """Compare the scores of the same draws."""
-    return Effect([_effect(name, audited.scores, reference.scores) for name in SCORES], audited.arithmetic)
+    return Effect(
+        [_effect(criterion, audited.scores, reference.scores) for criterion in ATO_CRITERIA], audited.arithmetic
+    )

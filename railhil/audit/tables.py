@@ -9,10 +9,10 @@ from rich.table import Table
 from railhil.audit.effect import Effect
 from railhil.audit.result import Floor, Result
 from railhil.audit.shadow import QuantityError
-from railhil.batch.perturbed_runs import SCORES
 from railhil.common.output import Output, table
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
+from railhil.supervisor.criteria import ATO_CRITERIA
 from railhil.supervisor.score import Score
 
 #: Bits of headroom below which a quantity is flagged.
@@ -114,8 +114,9 @@ def _scores(result: Result) -> Table:
         names.append("floored products")
         columns.append(result.floor.score)
     made = _columns(f"Scores of the run (nominal train, seed {result.options.seed})", ("score", "unit"), names)
-    for name, unit in SCORES.items():
-        made.add_row(name, unit, *(_number(getattr(score, name), 6) for score in columns))
+    for criterion in ATO_CRITERIA:
+        values = (score.values[criterion.key] for score in columns)
+        made.add_row(criterion.key, criterion.unit, *(_number(value, 6) for value in values))
     return made
 
 

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railhil.batch.case import BatchResult, Case, notch_digest, trace_digest
+from railhil.batch.case import BatchResult, Case, column, notch_digest, trace_digest
 from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.supervisor.criteria import ATO_CRITERIA, with_sign
 
 if TYPE_CHECKING:
     from railhil.batch.engine import Chunk
@@ -79,21 +80,12 @@ def _result(case: Case, seeds: Sequence[int], chunks: list[Chunk], keep_notches:
             for kind, count in counted.items():
                 counts[kind][run] = count
 
-    def column(name: str) -> np.ndarray:
-        values = [getattr(score, name) for score in scores]
-        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-
     return BatchResult(
         seed=np.array(seeds, dtype=np.int64),
         scores=tuple(scores),
-        itae=column("itae"),
-        energy_kj=column("energy_kj"),
-        punctuality_s=column("punctuality_s"),
-        stop_error_m=column("stop_error_m"),
-        comfort=column("comfort"),
-        signed_time_error_s=column("signed_time_error_s"),
-        signed_stop_error_m=column("signed_stop_error_m"),
-        overspeed_mps=column("overspeed_mps"),
+        values={criterion.key: column([score.values[criterion.key] for score in scores]) for criterion in ATO_CRITERIA},
+        signed={key: column([score.signed[key] for score in scores]) for key in with_sign()},
+        overspeed_mps=column([score.overspeed_mps for score in scores]),
         passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
         ended=tuple(score.ended for score in scores),
         failures=tuple(score.failures for score in scores),

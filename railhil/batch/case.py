@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,20 +41,15 @@ class Case:
 class BatchResult:
     """What N runs give, arrays of shape (N,), in the order of the seeds.
 
-    Scores in the units of :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``, ``saturations``
-    and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16) only when asked
-    for: one array for each run, one code for each control period.
+    ``values`` and ``signed`` as in :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``,
+    ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16)
+    only when asked for: one array for each run, one code for each control period.
     """
 
     seed: Ints
     scores: tuple[Score, ...]
-    itae: Floats
-    energy_kj: Floats
-    punctuality_s: Floats
-    stop_error_m: Floats
-    comfort: Floats
-    signed_time_error_s: Floats
-    signed_stop_error_m: Floats
+    values: Mapping[str, Floats]
+    signed: Mapping[str, Floats]
     overspeed_mps: Floats
     passed: NDArray[np.bool_]
     ended: tuple[str, ...]
@@ -63,6 +59,11 @@ class BatchResult:
     zero_divisions: Ints
     notch_digest: tuple[str, ...]
     notch_codes: tuple[NDArray[np.int16], ...] | None = None
+
+
+def column(values: Sequence[float | None]) -> Floats:
+    """Values of the runs as an array, NaN for none."""
+    return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 
 def notch_digest(codes: ArrayLike) -> str:

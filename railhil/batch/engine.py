@@ -20,7 +20,8 @@ from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
 from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
-from railhil.supervisor.score import WRAP_FAILURE, ErrorGrid, Measured, Score, judged
+from railhil.supervisor.journey import ErrorGrid, stop_error_m, stops_of, time_error_s
+from railhil.supervisor.score import WRAP_FAILURE, Measured, Score, judged
 
 Ints = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.
@@ -113,22 +114,29 @@ class Engine:
         comfort = measures.comfort_mps2_per_km(accel, scenario.plan.distance_m)
         stop_m = records["stop_01mm"] * _LSB
         emergency_s = records["emergency_01ms"] * _LSB
-        return [
-            judged(
+
+        def one(i: int) -> Score:
+            stops = stops_of(scenario.plan, [(float(stop_s[i]), float(stop_m[i]))] if stopped[i] else [])
+            values = {
+                "itae": float(itae[i]),
+                "energy_kj": float(energy[i]),
+                "punctuality_s": time_error_s(scenario.plan, stops),
+                "stop_error_m": stop_error_m(scenario.plan, stops),
+                "comfort": float(comfort[i]),
+            }
+            return judged(
                 scenario,
                 Measured(
                     ended=Event(int(records["ended"][i])),
-                    itae=float(itae[i]),
-                    energy_kj=float(energy[i]),
-                    comfort=float(comfort[i]),
+                    values=values,
                     overspeed_mps=float(records["overspeed_mps"][i]),
-                    stop=(float(stop_s[i]), float(stop_m[i])) if stopped[i] else None,
+                    stops=stops,
                     emergency_s=float(emergency_s[i]) if emergency_s[i] >= 0 else None,
                     wrap=self._wrap(watch, i, int(records["end_tick"][i])),
                 ),
             )
-            for i in range(records.size)
-        ]
+
+        return [one(i) for i in range(records.size)]
 
     def _wrap(self, watch: _Watch, train: int, end_tick: int) -> str:
         step = int(watch.first_wrap[train])

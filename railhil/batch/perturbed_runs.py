@@ -11,8 +11,6 @@ from railhil.supervisor.score import Score
 
 #: Seed of the first run; the others follow.
 FIRST_SEED = 1000
-#: The five scores, and the unit of each.
-SCORES = {"itae": "km/h s2", "energy_kj": "kJ", "punctuality_s": "s", "stop_error_m": "m", "comfort": "m/s2/km"}
 
 
 @dataclass(frozen=True, slots=True)

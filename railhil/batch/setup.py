@@ -25,7 +25,7 @@ from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit
 from railhil.scenarios.target import Target
-from railhil.supervisor.score import ErrorGrid
+from railhil.supervisor.journey import ErrorGrid
 
 Ints = NDArray[np.int64]
 

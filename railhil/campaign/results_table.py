@@ -12,10 +12,13 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from railhil.batch.perturbed_runs import SCORES
+from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, with_sign
 
+_VALUES = tuple(criterion.key for criterion in ATO_CRITERIA)
+#: Column -> key of the value with its sign.
+SIGNED = {f"signed_{key}": key for key in with_sign()}
 #: Numbers that may be missing: null in the file (no stop, no stop error).
-_NUMBERS = (*SCORES, "signed_time_error_s", "signed_stop_error_m", "overspeed_mps")
+_NUMBERS = (*_VALUES, *SIGNED, "overspeed_mps")
 _COUNTS = ("wraps", "saturations", "zero_divisions")
 SCHEMA = pa.schema(
     [
@@ -52,8 +55,12 @@ def table_of(label: str, result: Any, training: Sequence[int]) -> pa.Table:
         "training": np.isin(seeds, list(training)),
     }
     columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
+    found = {name: result.values[name] for name in _VALUES} | {name: result.signed[key] for name, key in SIGNED.items()}
     # Missing is null, not a number that is none: averages of every tool leave it out.
-    columns |= {name: pa.array(np.asarray(getattr(result, name), dtype=float), from_pandas=True) for name in _NUMBERS}
+    columns |= {
+        name: pa.array(np.asarray(values, dtype=float), from_pandas=True)
+        for name, values in (found | {"overspeed_mps": result.overspeed_mps}).items()
+    }
     return pa.table(columns, schema=SCHEMA)
 
 
@@ -106,6 +113,11 @@ def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]
     """A column as float64, NaN where it is null."""
     column: np.ndarray[Any, np.dtype[np.float64]] = table[name].to_numpy(zero_copy_only=False).astype(np.float64)
     return column
+
+
+def column_of(criterion: Criterion) -> str:
+    """Column of the value with its sign, or of the value itself where it has none."""
+    return criterion.key if criterion.signed is None else f"signed_{criterion.signed}"
 
 
 def rows_of(table: pa.Table, label: str) -> pa.Table:

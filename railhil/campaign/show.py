@@ -8,20 +8,12 @@ from typing import Any
 
 from rich.table import Table
 
-from railhil.campaign.summary import QUANTILES
+from railhil.campaign.summary import ALL_LIMITS, QUANTILES, key_of
 from railhil.common.output import Output, table
-from railhil.supervisor.score import STOP_WITHIN_M
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_WITHIN_M, Criterion, limit_key, limited
 
-_TITLES = {
-    "itae": "ITAE",
-    "energy_kj": "energy",
-    "punctuality_s": "time error",
-    "stop_error_m": "stop error",
-    "comfort": "comfort",
-}
-_DIGITS = {"itae": 1, "energy_kj": 0, "punctuality_s": 4, "stop_error_m": 4, "comfort": 4}
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
-_INSIDE = {"stop_limit": "stop limit", "time_limit": "time limit", "both": "both", "pass": "PASS"}
+_INSIDE = [key_of(criterion) for criterion in limited()] + [ALL_LIMITS]
 
 
 def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
@@ -44,6 +36,15 @@ def _interval(bounds: Sequence[float | str | None], digits: int) -> str:
     return f"{low}..{high}"
 
 
+def _digits(criterion: Criterion) -> int:
+    return criterion.digits if criterion.statistics_digits is None else criterion.statistics_digits
+
+
+def _limit(criterion: Criterion, limit: float) -> str:
+    sign = "+-" if criterion.signed else "<= " if criterion.better == "low" else ">= "
+    return f"{sign}{limit:g} {criterion.unit}"
+
+
 def _share(found: Mapping[str, Any]) -> str:
     low, high = found["interval"]
     return f"{found['share']:.2%}\n{100 * low:.2f}..{100 * high:.2f}"
@@ -54,25 +55,25 @@ def _scores(summary: Mapping[str, Any]) -> Table:
     titles = [title for name in QUANTILES for title in (_QUANTILE_TITLES[name], level)]
     made = _columns("Scores", ("law", "score", "unit"), titles)
     for label, law in summary["laws"].items():
-        for i, (name, title) in enumerate(_TITLES.items()):
-            score, digits = law["scores"][name], _DIGITS[name]
+        for i, criterion in enumerate(ATO_CRITERIA):
+            score, digits = law["scores"][criterion.key], _digits(criterion)
             cells = []
             for key in QUANTILES:
                 value = score[key]["value"]
                 cells.append("did not stop" if value == "inf" else _number(value, digits))
                 cells.append(_interval(score[key]["interval"], digits))
-            made.add_row("" if i else label, title, score["unit"], *cells)
+            made.add_row("" if i else label, criterion.title, score["unit"], *cells)
     return made
 
 
 def _inside(summary: Mapping[str, Any]) -> Table:
     limits = summary["limits"]
-    title = f"Runs inside +-{limits['stop_error_m']:g} m and +-{limits['time_error_s']:g} s"
+    title = "Runs inside " + " and ".join(_limit(criterion, limits[limit_key(criterion)]) for criterion in limited())
     counts = ("not_stopped", "overspeeds", "runs_with_wraps")
-    heads = [*_INSIDE.values(), "not\nstopped", "over-\nspeed", "with\nwraps"]
+    heads = [*(key.replace("_", " ") for key in _INSIDE), "PASS", "not\nstopped", "over-\nspeed", "with\nwraps"]
     made = _columns(title, ("law",), heads)
     for label, law in summary["laws"].items():
-        shares = [_share(law["inside"][key]) for key in _INSIDE]
+        shares = [_share(law["inside"][key]) for key in (*_INSIDE, "pass")]
         made.add_row(label, *shares, *(f"{law[key]:,}" for key in counts))
     return made
 
@@ -90,12 +91,12 @@ def _against(summary: Mapping[str, Any]) -> Table:
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
     made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
     for label, scores in summary["against_baseline"].items():
-        for i, (name, title) in enumerate(_TITLES.items()):
-            score, digits = scores[name], _DIGITS[name]
+        for i, criterion in enumerate(ATO_CRITERIA):
+            score, digits = scores[criterion.key], _digits(criterion)
             apart = score["median_difference"]
             made.add_row(
                 "" if i else label,
-                title,
+                criterion.title,
                 score["unit"],
                 f"{float(apart['value']):+.{digits}f}",
                 _interval(apart["interval"], digits),
@@ -106,9 +107,10 @@ def _against(summary: Mapping[str, Any]) -> Table:
 
 
 def _errors(run: Mapping[str, Any]) -> str:
-    if run["stop_error_m"] is None:
+    values = {criterion: run[limit_key(criterion)] for criterion in limited()}
+    if None in values.values():
         return "no stop"
-    return f"stop {run['stop_error_m']:+.3f} m, time {run['time_error_s']:+.3f} s"
+    return ", ".join(f"{criterion.brief} {value:+.3f} {criterion.unit}" for criterion, value in values.items())
 
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path) -> None:

@@ -9,14 +9,15 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from railhil.batch.perturbed_runs import SCORES
 from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, estimate, share
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import worst_runs
 from railhil.scenarios.canonical import judged_sha256
-from railhil.supervisor.score import STOP_WITHIN_M
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
 
+#: Key of the share of runs inside all limits.
+ALL_LIMITS = "both" if len(limited()) == 2 else "all_limits"
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
 _NOTES = [
@@ -40,8 +41,18 @@ def _share(found: Share) -> dict[str, Any]:
     return {"runs": found.count, "share": found.share, "interval": [found.low, found.high]}
 
 
-def _quantiles(values: NDArray[np.float64]) -> dict[str, Any]:
-    return {name: _estimate(estimate(values, q)) for name, q in QUANTILES.items()}
+def _turned(criterion: Criterion, found: Estimate) -> dict[str, Any]:
+    """An estimate that was made with less as better."""
+    if criterion.better == "low":
+        return _estimate(found)
+    ends = (None if end is None else -end for end in (found.high, found.low))
+    return _estimate(Estimate(-found.value, *ends))
+
+
+def _quantiles(criterion: Criterion, values: NDArray[np.float64]) -> dict[str, Any]:
+    """Of the runs from the best to the worst, so that p95 is a bad one whether less or more is better."""
+    worse = criterion.badness(values)
+    return {name: _turned(criterion, estimate(worse, q)) for name, q in QUANTILES.items()}
 
 
 def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
@@ -49,21 +60,29 @@ def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
     return np.asarray(np.nan_to_num(values, nan=math.inf) <= limit, dtype=np.bool_)
 
 
+def key_of(criterion: Criterion) -> str:
+    """Key of the share of runs inside one limit."""
+    return f"{criterion.brief.replace(' ', '_')}_limit"
+
+
 def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
-    stop_errors_m = numbers(rows, "stop_error_m")
-    stops = _within(stop_errors_m, plan.scenario.plan.stop_error_max_m)
-    in_time = _within(numbers(rows, "punctuality_s"), plan.scenario.plan.time_error_max_s)
+    stop_errors_m = numbers(rows, STOP_ERROR.key)
+    inside = {
+        key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key)) for criterion in limited()
+    }
     passed = np.array(rows["verdict"].to_pylist()) == "PASS"
     wraps = rows["wraps"].to_numpy()
     return {
         "controller": entry.law,
         "parameters_sha256": None if entry.parameters is None else entry.parameters.sha256,
         "training_runs": int(np.count_nonzero(rows["training"].to_numpy(zero_copy_only=False))),
-        "scores": {name: {"unit": unit} | _quantiles(numbers(rows, name)) for name, unit in SCORES.items()},
+        "scores": {
+            criterion.key: {"unit": criterion.unit} | _quantiles(criterion, numbers(rows, criterion.key))
+            for criterion in ATO_CRITERIA
+        },
         "inside": {
-            "stop_limit": _share(share(stops)),
-            "time_limit": _share(share(in_time)),
-            "both": _share(share(stops & in_time)),
+            **{key: _share(share(hits)) for key, hits in inside.items()},
+            ALL_LIMITS: _share(share(np.logical_and.reduce(list(inside.values())))),
             "pass": _share(share(passed)),
         },
         "stopped_within_m": {f"{limit:g}": _share(share(_within(stop_errors_m, limit))) for limit in STOP_WITHIN_M},
@@ -80,11 +99,12 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
 def _against(rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
     """Paired: both laws have run the same seeds, so the same trains."""
     found = {}
-    for name, unit in SCORES.items():
-        apart = differences(numbers(rows, name), numbers(baseline, name))
-        found[name] = {
-            "unit": unit,
-            "median_difference": _estimate(estimate(apart, 0.5)),
+    for criterion in ATO_CRITERIA:
+        ours, theirs = (criterion.badness(numbers(side, criterion.key)) for side in (rows, baseline))
+        apart = differences(ours, theirs)
+        found[criterion.key] = {
+            "unit": criterion.unit,
+            "median_difference": _turned(criterion, estimate(apart, 0.5)),
             "better": _share(share(apart < 0)),
             "equal_runs": int(np.count_nonzero(apart == 0)),
         }
@@ -121,8 +141,7 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
         "warnings": [] if warning is None else [warning],
         "notes": _NOTES,
         "limits": {
-            "stop_error_m": plan.scenario.plan.stop_error_max_m,
-            "time_error_s": plan.scenario.plan.time_error_max_s,
+            limit_key(criterion): criterion.limit.of(plan.scenario) for criterion in limited() if criterion.limit
         },
         "laws": {entry.label: _law(plan, entry, rows[entry.label]) for entry in plan.entries},
         "baseline": first,

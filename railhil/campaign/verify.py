@@ -17,7 +17,7 @@ from railhil.batch import trace_digest
 from railhil.campaign.folder import RESULTS
 from railhil.campaign.manifest import MANIFEST, read_manifest
 from railhil.campaign.plan import Plan, make_plan
-from railhil.campaign.results_table import NotThePart, read_results, row
+from railhil.campaign.results_table import SIGNED, NotThePart, read_results, row
 from railhil.campaign.worst import rerun_words
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
@@ -79,8 +79,7 @@ def bench_run(plan: Plan, words: list[str]) -> dict[str, Any]:
         digest = trace_digest(plan.scenario, trace_of(read_log(folder / "frames.log")))
     return {
         **found["scores"],
-        "signed_time_error_s": found["signed"]["time_error_s"],
-        "signed_stop_error_m": found["signed"]["stop_error_m"],
+        **{name: found["signed"][key] for name, key in SIGNED.items()},
         **{name: found[name] for name in ("verdict", "ended", "overspeed_mps", "failures")},
         "notch_digest": digest,
     }

@@ -9,8 +9,9 @@ import numpy as np
 import pyarrow as pa
 
 from railhil.campaign.plan import Entry, Plan
-from railhil.campaign.results_table import numbers, row
+from railhil.campaign.results_table import column_of, numbers, row
 from railhil.scenarios.settings import set_words
+from railhil.supervisor.criteria import STOP_ERROR, Criterion, limit_key, limited
 
 #: Runs listed per law and error.
 _LARGEST = 3
@@ -28,24 +29,22 @@ def rerun_words(plan: Plan, entry: Entry, seed: int) -> list[str]:
         "--perturbed",
         "--seed",
         str(seed),
-        "--controller",
-        entry.law,
     ]
     words += ["--controller", entry.law, "--arithmetic", request.arithmetic, "--indexing", request.indexing]
     return words + ([] if entry.parameters is None else ["--parameters", str(entry.parameters.source)])
 
 
-def _largest(rows: pa.Table, name: str) -> list[int]:
-    """Rows with the largest values, largest first, equal ones by seed; runs without a value left out."""
-    values = numbers(rows, name)
-    order = np.argsort(-np.nan_to_num(values, nan=-1.0), kind="stable")[:_LARGEST]
+def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
+    """Rows with the worst values, worst first, equal ones by seed; runs without a value left out."""
+    values = numbers(rows, criterion.key)
+    order = np.argsort(-np.nan_to_num(criterion.badness(values), nan=-np.inf), kind="stable")[:_LARGEST]
     return [int(index) for index in order if not np.isnan(values[index])]
 
 
 def _broken(rows: pa.Table) -> list[tuple[int, str]]:
     """Rows in which something happened that must not, worst first, equal ones by seed, and what it was."""
     how_bad = {
-        "did not stop": np.isnan(numbers(rows, "stop_error_m")).astype(np.float64),
+        "did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64),
         "overspeed": np.nan_to_num(numbers(rows, "overspeed_mps")),
         "wraps": numbers(rows, "wraps"),
     }
@@ -62,9 +61,9 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
     :param rows: of the law, by seed.
     """
     reasons: dict[int, list[str]] = {}
-    for name, words in (("stop_error_m", "stop error"), ("punctuality_s", "time error")):
-        for rank, index in enumerate(_largest(rows, name), 1):
-            reasons.setdefault(index, []).append(f"{words} {rank}")
+    for criterion in limited():
+        for rank, index in enumerate(_worst(rows, criterion), 1):
+            reasons.setdefault(index, []).append(f"{criterion.title} {rank}")
     for index, why in _broken(rows):
         reasons.setdefault(index, []).append(why)
     found = []
@@ -74,8 +73,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
             {
                 "seed": run["seed"],
                 "why": why_all,
-                "stop_error_m": run["signed_stop_error_m"],
-                "time_error_s": run["signed_time_error_s"],
+                **{limit_key(criterion): run[column_of(criterion)] for criterion in limited()},
                 "overspeed_mps": run["overspeed_mps"],
                 "ended": run["ended"],
                 "failures": run["failures"],

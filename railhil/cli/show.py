@@ -10,10 +10,11 @@ from rich.table import Table
 from railhil.cli.remarks import assumed, next_step
 from railhil.common.output import Output, table
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import ATO_CRITERIA
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import COLUMNS, shown, value_of
+from railhil.supervisor.report.score_table import published_text
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import Score
 
@@ -26,19 +27,20 @@ def score_table(scenario: Scenario, found: Sequence[tuple[str, Score]], tight: b
     """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
     rows = table(tight)
     rows.add_column("")
-    for column in COLUMNS:
-        rows.add_column(column.heading, justify="right", no_wrap=True)
+    for criterion in ATO_CRITERIA:
+        rows.add_column(criterion.heading, justify="right", no_wrap=True)
     for label, score in found:
-        rows.add_row(label, *(shown(value_of(score, column), column.digits) for column in COLUMNS), style="bold")
+        values = (criterion.shown(score.values[criterion.key]) for criterion in ATO_CRITERIA)
+        rows.add_row(label, *values, style="bold")
     for row in scenario.published:
-        values = (shown(value_of(row, column), column.published_digits) for column in COLUMNS)
+        values = (published_text(row, criterion) for criterion in ATO_CRITERIA)
         rows.add_row(f"{row.controller} (published)", *values)
     return rows
 
 
 def print_scores(console: Output, scenario: Scenario, found: Sequence[tuple[str, Score]]) -> None:
     """Title and table of runs that came to their end; nothing when none did."""
-    if any(score.itae is not None for _, score in found):
+    if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
 

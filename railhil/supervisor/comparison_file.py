@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import COLUMNS, stopped_within
+from railhil.supervisor.report.score_table import stopped_within
 
 #: Name in the folder of a comparison, beside ``compare.json``.
 _TABLE = "compare.csv"
@@ -32,9 +31,9 @@ def _row(folder: Path, run: RecordedRun) -> dict[str, Any]:
         "seed_was_trained": run.seed_was_trained,
         "verdict": run.verdict,
         "line": run.line,
-        "scores": {column.key: getattr(found, column.key) for column in COLUMNS},
-        "signed": {"time_error_s": found.signed_time_error_s, "stop_error_m": found.signed_stop_error_m},
-        "published": None if row is None else {column.key: getattr(row, column.key) for column in COLUMNS},
+        "scores": dict(found.values),
+        "signed": dict(found.signed),
+        "published": None if row is None else dict(row.values),
         "frames_sha256": run.certificate.get("frames_sha256"),
         "folder": folder.name,
     }
@@ -46,7 +45,7 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
         **{key: row[key] for key in ("label", "controller", "parameters_sha256", "seed_was_trained", "verdict")},
         **row["scores"],
         **{f"signed_{key}": value for key, value in row["signed"].items()},
-        **{f"published_{column.key}": published.get(column.key) for column in COLUMNS},
+        **{f"published_{key}": published.get(key) for key in row["scores"]},
         **{key: row[key] for key in ("frames_sha256", "folder")},
     }
 
@@ -79,7 +78,7 @@ def write_comparison(
             f"{limit:g}": {"runs": count, "share": count / len(runs)}
             for limit, count in stopped_within([run.score for _, run in runs]).items()
         },
-        "published": [asdict(row) for row in scenario.published],
+        "published": [row.as_table() for row in scenario.published],
     }
     try:
         with whole_file(folder / _TABLE) as draft, draft.open("w", encoding="utf-8", newline="") as stream:

@@ -24,6 +24,7 @@ from railhil.common.whole_file import whole_file
 from railhil.dbc import wire_contract
 from railhil.scenarios.canonical import judged_sha256
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
@@ -229,13 +230,12 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
-    plan, found = scenario.plan, result.score
+    found = result.score
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
-            ("stops", "" if found.signed_stop_error_m is not None else "did not stop"),
-            ("stop_error", _beyond(found.signed_stop_error_m, plan.stop_error_max_m, "m")),
-            ("time_error", _beyond(found.signed_time_error_s, plan.time_error_max_s, "s")),
+            ("stops", "" if found.stops else "did not stop"),
+            *((criterion.name, criterion.missed(scenario, found.with_sign(criterion))) for criterion in limited()),
             ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
             ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
             ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
@@ -272,12 +272,6 @@ def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.Elem
 def _xml(text: str) -> str:
     """Text as XML can hold it, which has no way to write a control character."""
     return plain(" ".join(text.split()))
-
-
-def _beyond(value: float | None, limit: float, unit: str) -> str:
-    if value is None or abs(value) <= limit:
-        return ""
-    return f"{value:+.3f} {unit}, allowed +-{limit:g} {unit}"
 
 
 def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:

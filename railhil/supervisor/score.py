@@ -1,26 +1,24 @@
 """The score: a pure function of the scenario and the recorded telegrams.
 
-Definitions: eqs. (4) to (8) of Wang et al., "An improved predictive function control algorithm for velocity curve of
-urban rail vehicle", with the readings of the bench's notes (ITAE in km/h, comfort with the last drop to zero).
+What is measured stands in :mod:`railhil.supervisor.criteria`; here is whether the record holds a whole run, and the
+verdict.
 """
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.target import Target
 from railhil.supervisor import measures
+from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limited, scores, unscored
+from railhil.supervisor.journey import Journey, Stop, planned_stop, stops_of
 from railhil.supervisor.measures import limits_under_train
-from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
 
 #: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
@@ -29,124 +27,49 @@ HOLE_MAX_S = 1.0
 #: How the failure of a run begins in which the controller's fixed point has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
 
-#: Stop errors, in m, by which runs are counted beside the scenario's own limit: the stricter figures stay visible.
-STOP_WITHIN_M = (0.1, 0.2, 0.3)
-
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Scores of one run; ``None`` where the run never got there (a train that did not stop has no stop error).
+    """Scores of one run by the keys of its criteria; ``None`` where the run never got there (a train that did not stop
+    has no stop error).
 
-    ``itae`` km/h s^2, ``energy_kj`` kJ, ``punctuality_s`` s, ``stop_error_m`` m, ``comfort`` m/s^2 per km;
-    signed: positive ``time_error_s`` is late, positive ``stop_error_m`` is past the stopping point.
+    ``signed``: those that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
+    stopping point. ``stops``: every standstill of the record, in order; the verdict is on the planned one.
     """
 
     verdict: str
-    itae: float | None
-    energy_kj: float | None
-    punctuality_s: float | None
-    stop_error_m: float | None
-    comfort: float | None
-    signed_time_error_s: float | None
-    signed_stop_error_m: float | None
+    values: Mapping[str, float | None]
+    signed: Mapping[str, float | None]
     overspeed_mps: float
     failures: tuple[str, ...]
     ended: str
+    stops: tuple[Stop, ...] = ()
+
+    def with_sign(self, criterion: Criterion) -> float | None:
+        """Value of a criterion, with its sign if it has one."""
+        return self.values[criterion.key] if criterion.signed is None else self.signed[criterion.signed]
 
     def as_json(self) -> dict[str, object]:
         """The part of ``score.json`` that comes from the log alone."""
         return {
             "verdict": self.verdict,
-            "scores": {
-                "itae": self.itae,
-                "energy_kj": self.energy_kj,
-                "punctuality_s": self.punctuality_s,
-                "stop_error_m": self.stop_error_m,
-                "comfort": self.comfort,
-            },
-            "signed": {"time_error_s": self.signed_time_error_s, "stop_error_m": self.signed_stop_error_m},
+            "scores": dict(self.values),
+            "signed": dict(self.signed),
             "overspeed_mps": self.overspeed_mps,
             "failures": list(self.failures),
             "ended": self.ended,
         }
 
 
-def _samples(scenario: Scenario) -> float:
-    """Time between two SIM_TRUTH telegrams in s."""
-    timing = scenario.timing
-    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
-    return schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorGrid:
-    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the timetable's end.
-
-    ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,), ``counts`` (cycles,) says how many
-    there are in each cycle.
-    """
-
-    step_s: float
-    period_s: float
-    time_s: FloatArray
-    cycle: npt.NDArray[np.int64]
-    counts: npt.NDArray[np.int64]
-
-    @classmethod
-    def of(cls, scenario: Scenario) -> ErrorGrid:
-        """Grid of a scenario."""
-        period_s = scenario.timing.control_period_ns / 1e9
-        cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
-        step_s = _samples(scenario)
-        time_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
-        cycle = np.ceil(np.round(time_s / period_s, 9)).astype(np.int64) - 1
-        inside = (cycle >= 0) & (cycle < cycles)
-        time_s, cycle = time_s[inside], cycle[inside]
-        return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles))
-
-
-def _itae(scenario: Scenario, target: Target, indexing: str, time_s: FloatArray, truth: dict[str, FloatArray]) -> float:
-    """Eq. (4), e in km/h; standstill counts to the timetable's end."""
-    grid = ErrorGrid.of(scenario)
-    index = np.minimum(np.searchsorted(time_s, grid.time_s - grid.step_s / 2), len(time_s) - 1)
-    speed = np.where(grid.time_s > time_s[-1] + grid.step_s / 2, 0.0, truth["speed"][index])
-    if indexing == "distance":
-        wanted = np.asarray(target.speed_mps(target.time_s(truth["position"][index])))
-    else:
-        wanted = np.asarray(target.speed_mps(grid.time_s))
-    sums = np.bincount(grid.cycle, weights=measures.error_kmh(wanted, speed), minlength=len(grid.counts))
-    return float(measures.itae_kmh_s2(sums, grid.counts, grid.period_s))
-
-
-def _energy_kj(scenario: Scenario, time_s: FloatArray, truth: dict[str, FloatArray], stop_s: float) -> float:
-    """Eq. (5) up to the stop."""
-    moving = time_s <= stop_s
-    steps_s = np.diff(time_s[moving])
-
-    def work_j(force: str) -> Any:
-        power_w = (truth[force] * truth["speed"])[moving]
-        return measures.total(measures.work_j(steps_s, power_w[:-1], power_w[1:]))
-
-    return float(measures.energy_kj(scenario.energy, work_j("traction"), work_j("brake"), stop_s))
-
-
-def _comfort(scenario: Scenario, time_s: FloatArray, accel_mps2: FloatArray) -> float:
-    """Eq. (6), from the first SIM_TRUTH of each control period on."""
-    period_s = scenario.timing.control_period_ns / 1e9
-    ticks_s = np.arange(0, int(time_s[-1] / period_s) + 1) * period_s
-    samples = accel_mps2[np.minimum(np.searchsorted(time_s, ticks_s - 1e-9), len(time_s) - 1)]
-    return float(measures.comfort_mps2_per_km(samples, scenario.plan.distance_m))
-
-
-def _events(trace: Trace) -> dict[Event, tuple[float, float]]:
-    """First ``(instant s, true position m)`` of each kind of event."""
+def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
+    """``(instant s, true position m)`` of each event, by its kind, as often as it was told."""
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     instants = trace.values(RunEvent.PORT, "EventTime")
     positions = trace.values(RunEvent.PORT, "EventPos")
-    found: dict[Event, tuple[float, float]] = {}
+    found: dict[Event, list[tuple[float, float]]] = {}
     for code, instant_s, position_m in zip(codes, instants, positions, strict=True):
         if int(code) in Event._value2member_map_:
-            found.setdefault(Event(int(code)), (float(instant_s), float(position_m)))
+            found.setdefault(Event(int(code)), []).append((float(instant_s), float(position_m)))
     return found
 
 
@@ -158,59 +81,49 @@ def _wrap(trace: Trace) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What a whole run has been measured to be: see :class:`Score`.
+    """What a whole run has been measured to be.
 
-    ``stop``: instant in s and true position in m of the first stop, ``emergency_s`` instant of the first emergency
-    brake, ``wrap`` the failure of a controller whose arithmetic has wrapped.
+    ``values``: by criterion, with the sign where there is one. ``stops``: see :class:`Score`; ``emergency_s`` instant
+    of the first emergency brake, ``wrap`` the failure of a controller whose arithmetic has wrapped.
     """
 
     ended: Event
-    itae: float
-    energy_kj: float
-    comfort: float
+    values: Mapping[str, float | None]
     overspeed_mps: float
-    stop: tuple[float, float] | None
+    stops: tuple[Stop, ...]
     emergency_s: float | None
     wrap: str = ""
 
 
 def judged(scenario: Scenario, run: Measured) -> Score:
     """Score of a whole run with its verdict: what of the limits in the plan it misses."""
-    plan = scenario.plan
-    time_error = run.stop[0] - plan.running_time_s if run.stop else None
-    stop_error = run.stop[1] - plan.distance_m if run.stop else None
     failures = []
-    if stop_error is None or time_error is None:
-        failures.append(f"not stopped {plan.overtime_max_s:g} s after the timetable")
-    else:
-        if abs(stop_error) > plan.stop_error_max_m:
-            failures.append(f"stop error {stop_error:+.3f} m, allowed +-{plan.stop_error_max_m:g} m")
-        if abs(time_error) > plan.time_error_max_s:
-            failures.append(f"time error {time_error:+.3f} s, allowed +-{plan.time_error_max_s:g} s")
+    if planned_stop(run.stops) is None:
+        failures.append(f"not stopped {scenario.plan.overtime_max_s:g} s after the timetable")
+    for criterion in limited():
+        if missed := criterion.missed(scenario, run.values[criterion.key]):
+            failures.append(f"{criterion.title} {missed}")
     if run.overspeed_mps > 0:
         failures.append(f"overspeed {run.overspeed_mps * measures.KMH:.2f} km/h, allowed 0")
     if run.emergency_s is not None:
         failures.append(f"emergency brake at {run.emergency_s:.2f} s")
     if run.wrap:
         failures.append(run.wrap)
+    values, signed = scores(run.values)
     return Score(
         verdict="FAIL" if failures else "PASS",
-        itae=run.itae,
-        energy_kj=run.energy_kj,
-        punctuality_s=None if time_error is None else abs(time_error),
-        stop_error_m=None if stop_error is None else abs(stop_error),
-        comfort=run.comfort,
-        signed_time_error_s=time_error,
-        signed_stop_error_m=stop_error,
+        values=values,
+        signed=signed,
         overspeed_mps=run.overspeed_mps,
         failures=tuple(failures),
         ended=run.ended.name.lower(),
+        stops=run.stops,
     )
 
 
 def _unscored(reason: str, ended: str) -> Score:
     """What is said of a record that does not show a whole run."""
-    return Score("INVALID", None, None, None, None, None, None, None, 0.0, (reason,), ended)
+    return Score("INVALID", *unscored(), 0.0, (reason,), ended)
 
 
 def score(scenario: Scenario, trace: Trace) -> Score:
@@ -248,22 +161,27 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     if unclear:
         return _unscored(unclear, ended.name.lower())
     ident = trace.ident(CtlIdent)
-    indexing = INDEXINGS[ident.indexing] if ident is not None and ident.indexing < len(INDEXINGS) else "time"
-    over = truth["speed"] - limits_under_train(
-        scenario.line.speed_limit_mps, truth["position"], scenario.train.length_m
+    run = Journey(
+        scenario=scenario,
+        indexing=INDEXINGS[ident.indexing] if ident is not None and ident.indexing < len(INDEXINGS) else "time",
+        time_s=time_s,
+        position_m=truth["position"],
+        speed_mps=truth["speed"],
+        accel_mps2=truth["accel"],
+        traction_n=truth["traction"],
+        brake_n=truth["brake"],
+        stops=stops_of(scenario.plan, events.get(Event.STOPPED, [])),
     )
-    stop = events.get(Event.STOPPED)
+    over = run.speed_mps - limits_under_train(scenario.line.speed_limit_mps, run.position_m, scenario.train.length_m)
     emergency = events.get(Event.EMERGENCY)
     return judged(
         scenario,
         Measured(
             ended=ended,
-            itae=_itae(scenario, Target(scenario.target), indexing, time_s, truth),
-            energy_kj=_energy_kj(scenario, time_s, truth, stop[0] if stop else float(time_s[-1])),
-            comfort=_comfort(scenario, time_s, truth["accel"]),
+            values={criterion.key: criterion.measure(run) for criterion in ATO_CRITERIA},
             overspeed_mps=float(max(0.0, over.max())),
-            stop=stop,
-            emergency_s=emergency[0] if emergency else None,
+            stops=run.stops,
+            emergency_s=emergency[0][0] if emergency else None,
             wrap=_wrap(trace),
         ),
     )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
@@ -60,7 +59,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
 
 def document(protocol: Protocol, found: Found) -> str:
     """The file."""
-    scale = {key: _rounded(value) for key, value in asdict(found.scale).items()}
+    scale = {key: _rounded(value) for key, value in {**found.scale.limits, **found.scale.medians}.items()}
     return (
         _HEAD
         + f"law = {_toml(protocol.law)}\n"

@@ -14,16 +14,9 @@ from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
 from railhil.scenarios.parameters import ParameterSet
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, Criterion, limited
 from railhil.tuning.objective import Scale, objective
 
-#: Score -> its title, unit and digits.
-_SCORES = {
-    "itae": ("ITAE", "km/h s2", 0),
-    "energy_kj": ("energy", "kJ", 0),
-    "punctuality_s": ("time error", "s", 3),
-    "stop_error_m": ("stop error", "m", 3),
-    "comfort": ("comfort", "m/s2/km", 3),
-}
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
 
 
@@ -69,11 +62,17 @@ def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds
     return Evaluation(case, given, tuple(sorted({*given.seen(seeds), *_designed_on(case, seeds)})), default, tuned)
 
 
-def quantiles(result: BatchResult, score: str) -> list[float]:
-    """Median and 95th percentile; a run that did not stop is infinitely bad in stop and time error."""
-    values = np.asarray(getattr(result, score), dtype=np.float64)
-    ordered = np.sort(np.where(np.isnan(values), np.inf, values))
-    return [quantile(ordered, share) for _, share in _QUANTILES]
+def quantiles(result: BatchResult, criterion: Criterion) -> list[float]:
+    """Median and 95th percentile, from the best run to the worst; one that did not stop is infinitely bad in stop and
+    time error."""
+    worse = criterion.badness(np.asarray(result.values[criterion.key], dtype=np.float64))
+    ordered = np.sort(np.where(np.isnan(worse), np.inf, worse))
+    found = criterion.badness(np.array([quantile(ordered, share) for _, share in _QUANTILES]))
+    return [float(value) for value in found]
+
+
+def _digits(criterion: Criterion) -> int:
+    return criterion.digits if criterion.tuning_digits is None else criterion.tuning_digits
 
 
 def worse(found: Evaluation, scale: Scale) -> list[str]:
@@ -86,12 +85,13 @@ def worse(found: Evaluation, scale: Scale) -> list[str]:
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []
     passes = [int(result.passed.sum()) for result in (found.default, found.tuned)]
     said += [f"PASS {passes[0]} -> {passes[1]}"] if passes[1] < passes[0] else []
-    plan = found.case.scenario.plan
-    for name, limit in (("stop_error_m", plan.stop_error_max_m), ("punctuality_s", plan.time_error_max_s)):
-        own, tuned = (quantiles(result, name)[0] for result in (found.default, found.tuned))
-        if tuned > max(own, limit):
-            title, unit, digits = _SCORES[name]
-            said.append(f"median {title} {own:.{digits}f} -> {tuned:.{digits}f} {unit}")
+    for criterion in limited():
+        own, tuned = (np.array(quantiles(result, criterion)[:1]) for result in (found.default, found.tuned))
+        grown = criterion.badness(tuned) > criterion.badness(own)
+        if (grown & ~criterion.inside(found.case.scenario, tuned)).any():
+            digits = _digits(criterion)
+            change = f"{own[0]:.{digits}f} -> {tuned[0]:.{digits}f} {criterion.unit}"
+            said.append(f"median {criterion.title} {change}")
     return said
 
 
@@ -113,15 +113,16 @@ def _cells(found: Evaluation) -> Table:
     for who in ("default", "tuned"):
         for name, _ in _QUANTILES:
             made.add_column(f"{who}\n{name}", justify="right", no_wrap=True)
-    for name, (title, unit, digits) in _SCORES.items():
-        values = [*quantiles(found.default, name), *quantiles(found.tuned, name)]
-        made.add_row(title, unit, *(f"{value:.{digits}f}" if np.isfinite(value) else "no stop" for value in values))
+    for criterion in ATO_CRITERIA:
+        values = [*quantiles(found.default, criterion), *quantiles(found.tuned, criterion)]
+        cells = (criterion.shown(value, _digits(criterion)) if np.isfinite(value) else "no stop" for value in values)
+        made.add_row(criterion.title, criterion.unit, *cells)
     return made
 
 
 def _shares(result: BatchResult) -> str:
     runs = len(result.seed)
-    stopped = int(np.isfinite(result.stop_error_m).sum())
+    stopped = int(np.isfinite(result.values[STOP_ERROR.key]).sum())
     over = int((result.overspeed_mps > 0).sum())
     return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
 
@@ -131,16 +132,16 @@ def document(found: Evaluation) -> dict[str, Any]:
 
     def of(result: BatchResult) -> dict[str, Any]:
         scores = {
-            name: {
-                key: value if np.isfinite(value) else "inf"
-                for (key, _), value in zip(_QUANTILES, quantiles(result, name), strict=True)
+            criterion.key: {
+                key: value if np.isfinite(value) else str(value)
+                for (key, _), value in zip(_QUANTILES, quantiles(result, criterion), strict=True)
             }
-            for name in _SCORES
+            for criterion in ATO_CRITERIA
         }
         return {
             "scores": scores,
             "passed": int(result.passed.sum()),
-            "stopped": int(np.isfinite(result.stop_error_m).sum()),
+            "stopped": int(np.isfinite(result.values[STOP_ERROR.key]).sum()),
             "overspeeds": int((result.overspeed_mps > 0).sum()),
         }
 

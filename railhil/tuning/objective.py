@@ -4,19 +4,20 @@ Of each run::
 
     stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
 
-with the limits of the scenario's plan, and I, E, C the medians of IPFC with its published parameters on the same runs:
-a fixed scale on which every score is about 1 for a law that drives well. A train that does not stop has the largest
-stop and time term there are (``TERM_MAX`` each); overspeed adds ``OVERSPEED`` and its size in km/h. The objective is
-the mean over the runs, so that every run matters.
+(each criterion of :data:`railhil.supervisor.criteria.ATO_CRITERIA`), with the limits of the scenario's plan, and I, E,
+C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score is about 1 for
+a law that drives well. A train that does not stop has the largest stop and time term there are (``TERM_MAX`` each);
+overspeed adds ``OVERSPEED`` and its size in km/h. The objective is the mean over the runs, so that every run matters.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from statistics import fmean, median
 
-from railhil.scenarios.model import RunPlan
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limit_key, limited
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.score import Score
 
@@ -26,40 +27,54 @@ VERSION = 1
 TERM_MAX = 100.0
 #: Added for a run with overspeed, besides the overspeed in km/h.
 OVERSPEED = 10.0
+#: Criteria without a limit: they are held against the reference.
+_UNLIMITED = tuple(criterion for criterion in ATO_CRITERIA if criterion.limit is None)
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """What each score is divided by: m, s, km/h s2, kJ, m/s2 per km."""
+    """What each score is divided by, in its unit.
 
-    stop_error_m: float
-    time_error_s: float
-    itae: float
-    energy_kj: float
-    comfort: float
+    ``limits``: those of the scenario, by the key under which a limit stands; ``medians``: of the reference's runs, by
+    criterion.
+    """
+
+    limits: Mapping[str, float]
+    medians: Mapping[str, float]
 
     @classmethod
-    def of(cls, plan: RunPlan, reference: Sequence[Score]) -> Scale:
-        """Limits of the plan, and medians of the reference law's runs."""
+    def of(cls, scenario: Scenario, reference: Sequence[Score]) -> Scale:
+        """Limits of the scenario, and medians of the reference law's runs."""
         return cls(
-            plan.stop_error_max_m,
-            plan.time_error_max_s,
-            median(float(score.itae or 0.0) for score in reference),
-            median(float(score.energy_kj or 0.0) for score in reference),
-            median(float(score.comfort or 0.0) for score in reference),
+            {limit_key(criterion): criterion.limit.of(scenario) for criterion in limited() if criterion.limit},
+            {
+                criterion.key: median(float(score.values[criterion.key] or 0.0) for score in reference)
+                for criterion in _UNLIMITED
+            },
         )
+
+
+def _share(criterion: Criterion, value: float, scale: float) -> float:
+    """About 1 for a run that is as good as the scale, less for a better one."""
+    if criterion.better == "low":
+        return value / scale
+    return scale / value if value > 0 else TERM_MAX
 
 
 def run_cost(scale: Scale, score: Score) -> float:
     """The sum above, of one run. Raises ``ValueError`` for a run that is no whole run."""
-    if score.itae is None or score.energy_kj is None or score.comfort is None:
-        raise ValueError(f"a run without scores: {', '.join(score.failures)}")
-    cost = score.itae / scale.itae + score.energy_kj / scale.energy_kj + score.comfort / scale.comfort
-    if score.stop_error_m is None or score.punctuality_s is None:
-        cost += 2 * TERM_MAX
+    cost = 0.0
+    for criterion in _UNLIMITED:
+        value = score.values[criterion.key]
+        if value is None:
+            raise ValueError(f"a run without scores: {', '.join(score.failures)}")
+        cost += _share(criterion, value, scale.medians[criterion.key])
+    values = [(criterion, score.values[criterion.key]) for criterion in limited()]
+    if any(value is None for _, value in values):
+        cost += len(values) * TERM_MAX
     else:
-        cost += min(score.stop_error_m / scale.stop_error_m, TERM_MAX)
-        cost += min(score.punctuality_s / scale.time_error_s, TERM_MAX)
+        for criterion, value in values:
+            cost += min(_share(criterion, value or 0.0, scale.limits[limit_key(criterion)]), TERM_MAX)
     if score.overspeed_mps > 0:
         cost += OVERSPEED + score.overspeed_mps * KMH
     return cost

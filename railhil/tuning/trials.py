@@ -37,7 +37,7 @@ class Trials:
         #: How often the law gave which reason for refusing parameters.
         self.refusals: Counter[str] = Counter()
         published = record(scenario, REFERENCE, indexing, wide=True)
-        self.scale = Scale.of(scenario.plan, self._runs(REFERENCE, [published])[0])
+        self.scale = Scale.of(scenario, self._runs(REFERENCE, [published])[0])
 
     def of_defaults(self) -> float | None:
         """Objective of the law's own parameters, None when the law cannot be made with them for this scenario."""

@@ -100,7 +100,7 @@ def assert_whole(result: RunResult, folder: Path, move_file: Path) -> None:
     assert set((np.diff(trace.raw("TRN_SPEED", "SpeedLife")) % 16).tolist()) == {1}
     again = railhil("score", folder / "frames.log", "--scenario", move_file, "--json").json
     assert again["verdict"] == result.score.verdict
-    assert again["scores"]["itae"] == result.score.itae
+    assert again["scores"]["itae"] == result.score.values["itae"]
 
 
 def events(trace: Trace) -> list[Event]:

@@ -49,8 +49,8 @@ def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:
     )
     for run in (wide, fixed, single):
         assert run.score.overspeed_mps == 0
-        assert abs(run.score.signed_stop_error_m or 99) < 1
-        assert run.score.itae < 5000
+        assert abs(run.score.signed["stop_error_m"] or 99) < 1
+        assert run.score.values["itae"] < 5000
     assert fixed.arithmetic is not None
     assert fixed.arithmetic.flags == 0
     equal = sum(a == b for a, b in zip(wide.notches, fixed.notches, strict=False))

@@ -64,9 +64,9 @@ def test_a_run_through_the_telegrams_stops(tmp_path: Path) -> None:
     run = local_run(SCENARIO, tmp_path, arithmetic="float32")
     assert run.ended is Event.ENDED_COMPLETE
     assert run.refused == {}
-    assert run.score.stop_error_m is not None
-    assert run.score.stop_error_m < 0.5
-    assert run.score.punctuality_s < 0.2
+    assert run.score.values["stop_error_m"] is not None
+    assert run.score.values["stop_error_m"] < 0.5
+    assert run.score.values["punctuality_s"] < 0.2
 
 
 @pytest.mark.parametrize("arithmetic", NOTCH_TOLERANCE)

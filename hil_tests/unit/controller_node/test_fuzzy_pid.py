@@ -148,8 +148,8 @@ def test_no_traction_next_to_the_stop() -> None:
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
     done = direct_run(load(name), controller="fuzzy_pid", indexing=indexing)
-    assert done.score.stop_error_m is not None
-    assert done.score.stop_error_m < 1
+    assert done.score.values["stop_error_m"] is not None
+    assert done.score.values["stop_error_m"] < 1
     assert done.score.overspeed_mps == 0
     assert done.arithmetic == Counters()
 
@@ -163,7 +163,7 @@ def test_rules_help_the_train() -> None:
         direct_run(SCENARIO, controller="fuzzy_pid", arithmetic="float64", parameters=parameters).score
         for parameters in (None, none)
     )
-    assert fuzzy.itae < 0.9 * plain.itae
+    assert fuzzy.values["itae"] < 0.9 * plain.values["itae"]
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])

@@ -132,12 +132,12 @@ def faulty(fault: str, seed: int) -> BenchRun:
 )
 def test_arrives_in_spite_of(fault: str, seed: int, stop_error_m: float, punctuality_s: float) -> None:
     score = faulty(fault, seed).score
-    assert score.stop_error_m is not None
-    assert score.stop_error_m < stop_error_m
-    assert score.punctuality_s is not None
-    assert score.punctuality_s < punctuality_s
-    assert score.comfort is not None
-    assert score.comfort < 2.0
+    assert score.values["stop_error_m"] is not None
+    assert score.values["stop_error_m"] < stop_error_m
+    assert score.values["punctuality_s"] is not None
+    assert score.values["punctuality_s"] < punctuality_s
+    assert score.values["comfort"] is not None
+    assert score.values["comfort"] < 2.0
 
 
 # -- fixed point, many trains, bad input ------------------------------------------------------------------------------

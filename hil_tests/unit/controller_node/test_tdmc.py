@@ -155,18 +155,18 @@ def run(**changes: float) -> Any:
 
 def test_train_needs_the_ramp_in_the_correction() -> None:
     with_ramp, without = run(), run(correction_ramp=0.0)
-    assert with_ramp.stop_error_m < 0.5
-    assert with_ramp.punctuality_s < 0.3
-    assert without.stop_error_m > 10
-    assert without.itae > 5 * with_ramp.itae
+    assert with_ramp.values["stop_error_m"] < 0.5
+    assert with_ramp.values["punctuality_s"] < 0.3
+    assert without.values["stop_error_m"] > 10
+    assert without.values["itae"] > 5 * with_ramp.values["itae"]
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
     done = direct_run(load(name), controller="tdmc", indexing=indexing)
-    assert done.score.stop_error_m is not None
-    assert done.score.stop_error_m < 0.5
+    assert done.score.values["stop_error_m"] is not None
+    assert done.score.values["stop_error_m"] < 0.5
     assert done.score.overspeed_mps == 0
     assert done.arithmetic == Counters()
 

@@ -185,12 +185,12 @@ def test_closed_loop_stops_near_the_mark(name: str, scenario: str) -> None:
     found = next(full for full in shipped() if full.startswith(scenario))
     score = direct_run(load(found), controller=name, arithmetic="iq").score
     assert score.overspeed_mps == 0
-    assert score.signed_stop_error_m is not None
+    assert score.signed["stop_error_m"] is not None
     # TPFC1 comes to rest before the mark, TPFC2 behind it.
     low, high = (-1.3, -0.3) if name == "tpfc1" else (0.3, 0.9)
-    assert low < score.signed_stop_error_m < high
-    assert abs(score.signed_time_error_s) < 0.15
-    assert 300 < score.itae < 2500
+    assert low < score.signed["stop_error_m"] < high
+    assert abs(score.signed["time_error_s"]) < 0.15
+    assert 300 < score.values["itae"] < 2500
     assert not [text for text in score.failures if "stop error" not in text]
 
 
@@ -203,7 +203,7 @@ def test_softening_from_a_file_reaches_the_reference_trajectory() -> None:
         direct_run(SCENARIO, controller="tpfc2", arithmetic="float64", parameters=p).score
         for p in (None, given("tpfc2", softening=0.85))
     )
-    assert soft.itae > 1.3 * own.itae
+    assert soft.values["itae"] > 1.3 * own.values["itae"]
 
 
 @pytest.mark.parametrize("softening", [1.0, -0.1])

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from benchmarks.figures import QUICK_TOML
+from hil_tests.support.scores import with_values
 from railhil.audit.bounds import bounds_of
 from railhil.audit.document import document
 from railhil.audit.effect import ScoreEffect, compared, effect
@@ -61,7 +62,7 @@ def missed(shadow: ShadowRun, arithmetic: Any = None) -> set[str]:
 
 def test_the_shipped_arithmetic_meets_every_bar(sound):
     assert missed(sound) == set()
-    assert sound.run.score.stop_error_m is not None
+    assert sound.run.score.values["stop_error_m"] is not None
 
 
 def test_figures_of_the_shipped_arithmetic(sound):
@@ -236,7 +237,10 @@ def test_effect_runs_the_same_draws_in_both(short):
 def test_effect_compares_each_draw_with_its_own_twin(sound):
     """Fixed point: ITAE 12, 11, 10, no stop in the last; float64: 10, 10, 10."""
     fixed, real = (
-        [replace(sound.run.score, itae=itae, stop_error_m=stop_m) for itae, stop_m in zip(itaes, stops_m, strict=True)]
+        [
+            with_values(sound.run.score, itae=itae, stop_error_m=stop_m)
+            for itae, stop_m in zip(itaes, stops_m, strict=True)
+        ]
         for itaes, stops_m in (((12.0, 11.0, 10.0), (0.1, 0.1, None)), ((10.0,) * 3, (0.1,) * 3))
     )
     over_runs = compared(Outcomes(fixed, Counters(3, 30, 300)), Outcomes(real, Counters(7, 7, 7)))

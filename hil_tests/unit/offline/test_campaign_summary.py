@@ -27,13 +27,14 @@ def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
     stopped = ~np.isnan(stop)
     return SimpleNamespace(
         seed=np.array(list(seeds)),
-        itae=2000 * full,
-        energy_kj=70_000 * full,
-        punctuality_s=abs(time),
-        stop_error_m=abs(stop),
-        comfort=1.5 * full,
-        signed_time_error_s=time,
-        signed_stop_error_m=stop,
+        values={
+            "itae": 2000 * full,
+            "energy_kj": 70_000 * full,
+            "punctuality_s": abs(time),
+            "stop_error_m": abs(stop),
+            "comfort": 1.5 * full,
+        },
+        signed={"time_error_s": time, "stop_error_m": stop},
         overspeed_mps=overspeed_mps * full,
         passed=stopped & (abs(stop) <= 0.2),
         ended=tuple("ended_complete" if one else "ended_not_stopped" for one in stopped),

@@ -38,13 +38,13 @@ def energy_tolerance_kj(found: list[float]) -> float:
 @pytest.mark.parametrize("arithmetic", ["iq", "float64", "float32"])
 def test_medians_of_200_perturbed_runs(arithmetic):
     found = outcomes(load("lvshun_tieshan"), RUNS, arithmetic=arithmetic).scores
-    assert all(run.stop_error_m is not None for run in found), "every run stops"
+    assert all(run.values["stop_error_m"] is not None for run in found), "every run stops"
     assert max(run.overspeed_mps for run in found) == 0.0
-    medians = {name: median(getattr(run, name) for run in found) for name in BANDS}
+    medians = {name: median(run.values[name] for run in found) for name in BANDS}
     print({name: round(value, 4) for name, value in medians.items()})
     for name, (centre, tolerance) in BANDS.items():
         assert abs(medians[name] - centre) <= tolerance, f"{name}: median {medians[name]}, band {centre} +- {tolerance}"
-    energies = [run.energy_kj for run in found if run.energy_kj is not None]
+    energies = [run.values["energy_kj"] for run in found if run.values["energy_kj"] is not None]
     tolerance = energy_tolerance_kj(energies)
     assert 900 < tolerance < 1100, "2 sigma of a sample of 200, less than 1.5 % of the energy"
     assert abs(median(energies) - ENERGY_KJ) <= tolerance

@@ -13,6 +13,7 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.plug import plug_in
+from hil_tests.support.scores import made_score, with_values
 from railhil.batch import Case, run_batch
 from railhil.bench import local_run
 from railhil.common.errors import InputError
@@ -204,22 +205,22 @@ def test_budget_is_the_same_for_every_law() -> None:
         assert protocol.generations >= 2
 
 
-SCALE = Scale(0.2, 0.3, 2000.0, 75000.0, 2.0)
-GOOD = Score("PASS", 2000.0, 75000.0, 0.3, 0.2, 2.0, 0.3, -0.2, 0.0, (), "ended_complete")
+SCALE = Scale({"stop_error_m": 0.2, "time_error_s": 0.3}, {"itae": 2000.0, "energy_kj": 75000.0, "comfort": 2.0})
+GOOD = made_score("PASS", 2000.0, 75000.0, 0.3, -0.2, 2.0)
 
 
 def test_objective() -> None:
     assert run_cost(SCALE, GOOD) == pytest.approx(5.0)
-    assert run_cost(SCALE, replace(GOOD, itae=4000.0)) == pytest.approx(6.0)
-    assert run_cost(SCALE, replace(GOOD, stop_error_m=0.3)) == pytest.approx(5.5)
-    assert run_cost(SCALE, replace(GOOD, stop_error_m=1e6)) == pytest.approx(4.0 + TERM_MAX)
-    never = replace(GOOD, stop_error_m=None, punctuality_s=None)
+    assert run_cost(SCALE, with_values(GOOD, itae=4000.0)) == pytest.approx(6.0)
+    assert run_cost(SCALE, with_values(GOOD, stop_error_m=0.3)) == pytest.approx(5.5)
+    assert run_cost(SCALE, with_values(GOOD, stop_error_m=1e6)) == pytest.approx(4.0 + TERM_MAX)
+    never = with_values(GOOD, stop_error_m=None, punctuality_s=None)
     assert run_cost(SCALE, never) == pytest.approx(3.0 + 2 * TERM_MAX)
     assert run_cost(SCALE, replace(GOOD, overspeed_mps=1 / 3.6)) == pytest.approx(5.0 + OVERSPEED + 1.0)
     # Every run counts: one that never stops cannot hide behind a median.
     assert objective(SCALE, [GOOD] * 7 + [never]) == pytest.approx(5.0 + (2 * TERM_MAX - 2) / 8)
     with pytest.raises(ValueError, match="without scores"):
-        run_cost(SCALE, replace(GOOD, itae=None))
+        run_cost(SCALE, with_values(GOOD, itae=None))
 
 
 def test_file_drives_a_run(given: ParameterSet, found: tuple[Protocol, Found], short: Scenario, tmp_path: Path) -> None:

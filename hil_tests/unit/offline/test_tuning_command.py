@@ -13,12 +13,14 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import railhil
+from hil_tests.support.scores import with_values
 from railhil.batch import Case, run_batch
 from railhil.common.errors import InputError
 from railhil.controller_node import laws
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.tuning import __main__ as tool
 from railhil.tuning.command import seed_list
 from railhil.tuning.evaluation import Evaluation, evaluate, quantiles, worse
@@ -78,20 +80,20 @@ def test_a_set_that_is_worse_on_other_runs_is_laid_aside(
 def test_what_counts_as_worse(short: Scenario) -> None:
     result = run_batch(Case(short, "ipfc"), (2, 3, 4))
     given = ParameterSet("ipfc", {}, Path("tuned.toml"))
-    scale = Scale.of(short.plan, result.scores)
+    scale = Scale.of(short, result.scores)
 
     def said(**changes: object) -> list[str]:
         return worse(Evaluation(Case(short, "ipfc"), given, (), result, replace(result, **changes)), scale)
 
     assert said() == []
-    more = tuple(replace(score, itae=2 * score.itae) for score in result.scores)
+    more = tuple(with_values(score, itae=2 * score.values["itae"]) for score in result.scores)
     assert [text.split()[0] for text in said(scores=more)] == ["objective"]
-    assert said(scores=tuple(replace(score, itae=0.5 * score.itae) for score in result.scores)) == []
+    assert said(scores=tuple(with_values(score, itae=0.5 * score.values["itae"]) for score in result.scores)) == []
     beyond = np.full(3, 1e3)
-    (text,) = said(stop_error_m=beyond)
+    (text,) = said(values=result.values | {"stop_error_m": beyond})
     assert text.endswith("-> 1000.000 m")
     # Inside the limit an error may grow: the objective weighs it.
-    assert said(punctuality_s=np.full(3, short.plan.time_error_max_s)) == []
+    assert said(values=result.values | {"punctuality_s": np.full(3, short.plan.time_error_max_s)}) == []
     if result.passed.any():
         assert said(passed=np.zeros(3, dtype=bool)) != []
 
@@ -106,11 +108,11 @@ def test_parameters_that_no_candidate_can_mend_are_named(short: Scenario) -> Non
 
 def test_a_run_that_does_not_stop_is_infinitely_bad(short: Scenario) -> None:
     result = run_batch(Case(short, "ipfc"), (2, 3, 4))
-    stop = result.stop_error_m.copy()
+    stop = result.values["stop_error_m"].copy()
     stop[1] = np.nan
-    spoiled = replace(result, stop_error_m=stop)
-    assert quantiles(spoiled, "stop_error_m") == [max(stop[0], stop[2]), math.inf]
-    assert quantiles(spoiled, "itae") == quantiles(result, "itae")
+    spoiled = replace(result, values=result.values | {"stop_error_m": stop})
+    assert quantiles(spoiled, STOP_ERROR) == [max(stop[0], stop[2]), math.inf]
+    assert quantiles(spoiled, ATO_CRITERIA[0]) == quantiles(result, ATO_CRITERIA[0])
 
 
 def test_seed_list() -> None:

@@ -71,7 +71,7 @@ def test_lvshun_has_the_numbers_of_table_1() -> None:
     assert scenario.sensors.speed_noise_sigma_mps * 3.6 == pytest.approx(0.01)
     assert [balise.surveyed_m for balise in scenario.line.balises] == [0, 600, 1500, 2400, 2800, 2915]
     assert [row.controller for row in scenario.published] == ["ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid"]
-    assert scenario.published[0].energy_kj == 74075
+    assert scenario.published[0].values["energy_kj"] == 74075
     assert scenario.perturbations.wheel_factor is None
 
 

@@ -15,6 +15,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from hil_tests.support.recordings import recorded_folder
+from hil_tests.support.scores import with_values
 from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.telegrams import CtlStat, NotchCmd
 from railhil.dbc import wire_contract
@@ -180,7 +181,7 @@ def test_facts_are_there(lvshun: Scenario, run: RecordedRun, single: str) -> Non
         LIMITS["railhil"],
         "railhil run lvshun_tieshan --controller ipfc --arithmetic iq --indexing time --seed 3 --pace lockstep",
         "least headroom 1 bit (alpha), 0 wraps, 0 saturations",
-        f"{run.score.stop_error_m:.4f} m short of the stopping point",
+        f"{run.score.values['stop_error_m']:.4f} m short of the stopping point",
         *lvshun.assumptions,
     ):
         assert " ".join(text.split()) in found, text
@@ -204,11 +205,11 @@ def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, ot
     table = rows(lvshun, [run, other])
     assert [row.label for row in table[:2]] == [run.label, other.label]
     assert [cell.published for cell in table[0].cells] == ["262", "74075", "0.0439", "0.0464", "20.658"]
-    assert table[0].cells[0].measured == f"{run.score.itae:.1f}"
+    assert table[0].cells[0].measured == f"{run.score.values['itae']:.1f}"
     assert [row.label for row in table[2:]] == ["tpfc2", "tpfc1", "tdmc", "fuzzy_pid"]
     assert table[2].cells[4].published == "24.570"
     for index, key in enumerate(("itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort")):
-        values = [getattr(item.score, key) for item in (run, other)]
+        values = [item.score.values[key] for item in (run, other)]
         best = [row.cells[index].best for row in table[:2]]
         assert best[values.index(min(values))]
     own = replace(run, certificate={**run.certificate, "controller": "mine"})
@@ -220,8 +221,8 @@ def test_the_page_says_how_many_runs_stopped_within_strict_figures(
     lvshun: Scenario, run: RecordedRun, other: RecordedRun
 ) -> None:
     """Whatever the scenario allows; a run that never stopped is within none."""
-    near, far = (replace(run, score=replace(run.score, stop_error_m=error)) for error in (0.1, 0.25))
-    never = replace(other, score=replace(other.score, stop_error_m=None))
+    near, far = (replace(run, score=with_values(run.score, stop_error_m=error)) for error in (0.1, 0.25))
+    never = replace(other, score=with_values(other.score, stop_error_m=None))
     text = words(page([near, far, never]))
     assert "Runs that stopped within 0.1 m: 1 of 3, 0.2 m: 1 of 3, 0.3 m: 2 of 3." in text
     assert stopped_within([]) == {0.1: 0, 0.2: 0, 0.3: 0}
@@ -366,7 +367,7 @@ def test_a_record_that_breaks_off_is_drawn_as_far_as_it_goes(run: RecordedRun, o
 
 
 def test_a_stop_far_off_is_said_instead_of_drawn(run: RecordedRun) -> None:
-    far = replace(run, label="far", score=replace(run.score, stop_error_m=12.0, signed_stop_error_m=12.0))
+    far = replace(run, label="far", score=with_values(run.score, stop_error_m=12.0))
     assert "Outside the right-hand picture: far." in words(page([run, far]))
     assert "Outside" not in words(page([run]))
 

@@ -14,6 +14,7 @@ from typing import Any
 
 from railhil.bus.limits import limits_of
 from railhil.scenarios.parameters import DIGEST_DIGITS
+from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
 from railhil.supervisor.report.jitter_panel import timing_rows
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
@@ -92,7 +93,7 @@ def _settings(certificate: dict[str, Any]) -> str:
 
 
 def _signed(run: RecordedRun) -> str:
-    late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
+    late_s, past_m = (run.score.with_sign(criterion) for criterion in (TIME_ERROR, STOP_ERROR))
     if late_s is None or past_m is None:
         return "did not stop"
     return (

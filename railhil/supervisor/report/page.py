@@ -10,12 +10,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
+from railhil.supervisor.criteria import ATO_CRITERIA
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
-from railhil.supervisor.report.score_table import COLUMNS, rows, stops_sentence
+from railhil.supervisor.report.score_table import better_sentence, rows, stops_sentence
 
 
 def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
@@ -42,7 +43,9 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         scenario=scenario,
         runs=runs,
         notes=notes,
-        columns=COLUMNS,
+        columns=ATO_CRITERIA,
+        better=better_sentence(),
+        best="least" if all(criterion.better == "low" for criterion in ATO_CRITERIA) else "best",
         rows=rows(scenario, runs),
         stops=stops_sentence([run.score for run in runs]),
         facts=facts(runs),

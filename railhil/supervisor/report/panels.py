@@ -15,6 +15,7 @@ from matplotlib.ticker import MultipleLocator
 
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
+from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
 from railhil.supervisor.measures import KMH, limits_under_train
 from railhil.supervisor.report.recorded import Curves
 from railhil.supervisor.report.styles import Style
@@ -198,8 +199,8 @@ def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) ->
 def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float]:
     """Half width in s and half height in m of the picture of the stop: all stops, as far as that stays readable."""
     plan = scenario.plan
-    errors_m = [run.score.stop_error_m for run in runs if run.score.stop_error_m is not None]
-    errors_s = [run.score.punctuality_s for run in runs if run.score.punctuality_s is not None]
+    errors_m = [error for run in runs if (error := run.score.values[STOP_ERROR.key]) is not None]
+    errors_s = [error for run in runs if (error := run.score.values[TIME_ERROR.key]) is not None]
     half_m = max([1.4 * plan.stop_error_max_m, *(1.3 * error for error in errors_m)])
     half_s = max([1.4 * plan.time_error_max_s, *(1.3 * error for error in errors_s)])
     return max(0.5, min(half_s, 6.0)), min(max(half_m, _STOP_MIN_M), _STOP_MAX_M)
@@ -208,14 +209,12 @@ def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float
 def outside_window(scenario: Scenario, runs: Sequence[Drawn]) -> list[str]:
     """Labels of the runs whose stop the picture of the stop does not show."""
     half_s, half_m = stop_window(scenario, runs)
-    return [
-        run.label
-        for run in runs
-        if run.score.stop_error_m is None
-        or run.score.punctuality_s is None
-        or run.score.stop_error_m > half_m
-        or run.score.punctuality_s > half_s
-    ]
+    windows = {STOP_ERROR.key: half_m, TIME_ERROR.key: half_s}
+
+    def outside(score: Score) -> bool:
+        return any((error := score.values[key]) is None or error > half for key, half in windows.items())
+
+    return [run.label for run in runs if outside(run.score)]
 
 
 def stop(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
@@ -236,7 +235,7 @@ def stop(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:
     for run in runs:
         near = np.abs(run.curves.time_s - plan.running_time_s) < 2 * half_s
         axes.plot(run.curves.time_s[near], run.curves.position_m[near], **run.style.line)
-        late_s, past_m = run.score.signed_time_error_s, run.score.signed_stop_error_m
+        late_s, past_m = (run.score.with_sign(criterion) for criterion in (TIME_ERROR, STOP_ERROR))
         if late_s is not None and past_m is not None:
             point = (plan.running_time_s + late_s, plan.distance_m + past_m)
             axes.plot(*point, zorder=4, **run.style.marker)

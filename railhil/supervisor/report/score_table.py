@@ -6,37 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railhil.scenarios.model import PublishedScore, Scenario
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, Criterion
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import STOP_WITHIN_M, Score
-
-
-@dataclass(frozen=True, slots=True)
-class Column:
-    """One score: ``key`` in ``score.json``, title and unit, digits shown of a measured and of a published value.
-
-    ``heading`` is title and unit in two lines for a terminal.
-    """
-
-    key: str
-    title: str
-    unit: str
-    digits: int
-    published_digits: int
-    heading: str
-
-
-COLUMNS = (
-    Column("itae", "ITAE", "km/h s²", 1, 0, "ITAE\nkm/h s2"),
-    Column("energy_kj", "energy", "kJ", 0, 0, "energy\nkJ"),
-    Column("punctuality_s", "time error", "s", 4, 4, "time\nerror s"),
-    Column("stop_error_m", "stop error", "m", 4, 4, "stop\nerror m"),
-    Column("comfort", "comfort", "m/s²/km", 3, 3, "comfort\nm/s2/km"),
-)
+from railhil.supervisor.score import Score
 
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A measured value and the published one, as text (empty: none); ``best``: the least measured value of all runs
+    """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs
     that are an evaluation."""
 
     measured: str
@@ -46,27 +23,21 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One law: its cells in the order of :data:`COLUMNS`; no verdict when it is only published."""
+    """One law: its cells in the order of :data:`ATO_CRITERIA`; no verdict when it is only published."""
 
     label: str
     verdict: str
     cells: tuple[Cell, ...]
 
 
-def value_of(found: Score | PublishedScore, column: Column) -> float | None:
-    """Value of a column, None when the run never got there."""
-    value: float | None = getattr(found, column.key)
-    return value
-
-
-def shown(value: float | None, digits: int) -> str:
-    """A value with its digits; ``-`` for none."""
-    return "-" if value is None else f"{value:.{digits}f}"
+def published_text(row: PublishedScore, criterion: Criterion) -> str:
+    """A published value with its digits; ``-`` where the row has none."""
+    return criterion.shown(row.values.get(criterion.key), criterion.published_digits)
 
 
 def stopped_within(found: Sequence[Score]) -> dict[float, int]:
     """How many of the runs stopped within each of ``STOP_WITHIN_M``; one that never stopped is within none."""
-    errors_m = [score.stop_error_m for score in found if score.stop_error_m is not None]
+    errors_m = [error for score in found if (error := score.values[STOP_ERROR.key]) is not None]
     return {limit: sum(error <= limit for error in errors_m) for limit in STOP_WITHIN_M}
 
 
@@ -76,27 +47,38 @@ def stops_sentence(found: Sequence[Score]) -> str:
     return f"stopped within {', '.join(parts)}"
 
 
-def _cell(run: RecordedRun, column: Column, best: str) -> Cell:
-    text = shown(value_of(run.score, column), column.digits)
-    row = run.published
+def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
+    text = criterion.shown(run.score.values[criterion.key])
     is_best = text == best and not run.seed_was_trained
-    return Cell(text, shown(value_of(row, column), column.published_digits) if row else "", is_best)
+    return Cell(text, published_text(run.published, criterion) if run.published else "", is_best)
 
 
 def rows(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Row]:
     """Rows of the runs in their order, then the published rows of laws that were not run."""
     best = []
-    for column in COLUMNS:
-        judged = [run.score for run in runs if not run.seed_was_trained]
-        values = [value for score in judged if (value := value_of(score, column)) is not None]
-        best.append(shown(min(values), column.digits) if len(values) > 1 else "")
+    judged = [run.score for run in runs if not run.seed_was_trained]
+    for criterion in ATO_CRITERIA:
+        values = [value for score in judged if (value := score.values[criterion.key]) is not None]
+        best.append(criterion.shown(criterion.best(values)) if len(values) > 1 else "")
+    pairs = list(zip(ATO_CRITERIA, best, strict=True))
     found = [
-        Row(run.label, run.verdict, tuple(_cell(run, column, text) for column, text in zip(COLUMNS, best, strict=True)))
-        for run in runs
+        Row(run.label, run.verdict, tuple(_cell(run, criterion, text) for criterion, text in pairs)) for run in runs
     ]
     run_here = {run.controller for run in runs}
     for row in scenario.published:
         if row.controller not in run_here:
-            cells = (Cell("", shown(value_of(row, column), column.published_digits), False) for column in COLUMNS)
+            cells = (Cell("", published_text(row, criterion), False) for criterion in ATO_CRITERIA)
             found.append(Row(row.controller, "", tuple(cells)))
     return found
+
+
+def better_sentence() -> str:
+    """Which way each column counts, and which stand without their sign."""
+    more = [criterion.title for criterion in ATO_CRITERIA if criterion.better == "high"]
+    bare = [criterion.title.removesuffix(" error") for criterion in ATO_CRITERIA if criterion.signed]
+    text = f"Less is better in every column{f' but {_listed(more)}' if more else ''}"
+    return f"{text}; {_listed(bare)} error stand without sign." if bare else f"{text}."
+
+
+def _listed(words: Sequence[str]) -> str:
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"

@@ -1,0 +1,34 @@
+"""Scores that no run has made, for what only looks at them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from railhil.supervisor.criteria import limited, scores
+from railhil.supervisor.score import Score
+
+
+def made_score(
+    verdict: str,
+    itae: float | None,
+    energy_kj: float | None,
+    time_error_s: float | None,
+    stop_error_m: float | None,
+    comfort: float | None,
+    failures: tuple[str, ...] = (),
+) -> Score:
+    """A score with these figures, the errors with their signs."""
+    measured = {
+        "itae": itae,
+        "energy_kj": energy_kj,
+        "punctuality_s": time_error_s,
+        "stop_error_m": stop_error_m,
+        "comfort": comfort,
+    }
+    return Score(verdict, *scores(measured), 0.0, failures, "ended_complete")
+
+
+def with_values(score: Score, **changes: float | None) -> Score:
+    """The score with other values; one that has a sign gets that of the change, too."""
+    signed = {one.signed: changes[one.key] for one in limited() if one.signed and one.key in changes}
+    return replace(score, values={**score.values, **changes}, signed={**score.signed, **signed})

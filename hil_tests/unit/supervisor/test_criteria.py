@@ -1,0 +1,118 @@
+"""The registry of criteria: what is derived from an entry, and that no other module knows a score by its name."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import railhil
+from railhil.batch import Case, run_batch
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.criteria import (
+    ATO_CRITERIA,
+    STOP_ERROR,
+    TIME_ERROR,
+    Criterion,
+    Limit,
+    limited,
+    scores,
+    unscored,
+    with_sign,
+)
+from railhil.supervisor.journey import planned_stop, stop_error_m, stops_of, time_error_s
+
+HEADROOM = Criterion("headroom_m", "headroom", "m3", 1, lambda run: 3.0, "high", Limit(lambda scenario: 2.0, 2))
+
+
+def test_documented_keys() -> None:
+    assert [criterion.key for criterion in ATO_CRITERIA] == [
+        "itae", "energy_kj", "punctuality_s", "stop_error_m", "comfort",
+    ]  # fmt: skip
+    assert list(with_sign()) == ["time_error_s", "stop_error_m"]
+    assert limited() == [STOP_ERROR, TIME_ERROR]
+    assert [criterion.heading for criterion in ATO_CRITERIA] == [
+        "ITAE\nkm/h s2", "energy\nkJ", "time\nerror s", "stop\nerror m", "comfort\nm/s2/km",
+    ]  # fmt: skip
+    assert [criterion.unit_typeset for criterion in ATO_CRITERIA] == ["km/h s²", "kJ", "s", "m", "m/s²/km"]
+
+
+def test_no_other_module_knows_a_score_by_its_name() -> None:
+    root = Path(railhil.__file__).parent
+    # The batch measures in its compiled loop; the schema says what a published row may hold.
+    known = {
+        "supervisor/criteria.py",
+        "batch/engine.py",
+        "scenarios/schema.py",
+        "scenarios/keys.py",
+    }
+    name = re.compile(r"[\"'.](itae|energy_kj|punctuality_s|comfort)(?![\w(])")
+    found = {
+        str(path.relative_to(root))
+        for path in root.rglob("*.py")
+        if name.search(re.sub(r'""".*?"""', "", path.read_text(encoding="utf-8"), flags=re.DOTALL))
+    }
+    assert found <= known
+
+
+def test_a_value_with_a_sign_is_scored_without_it() -> None:
+    values, signed = scores({"stop_error_m": -0.25, "headroom_m": 3.0}, (STOP_ERROR, HEADROOM))
+    assert (values, signed) == ({"stop_error_m": 0.25, "headroom_m": 3.0}, {"stop_error_m": -0.25})
+    assert unscored((STOP_ERROR, HEADROOM)) == ({"stop_error_m": None, "headroom_m": None}, {"stop_error_m": None})
+
+
+@pytest.mark.parametrize(
+    ("criterion", "value", "said"),
+    [
+        (STOP_ERROR, -0.31, "-0.310 m, allowed +-0.3 m"),
+        (STOP_ERROR, 0.3, ""),
+        (STOP_ERROR, None, ""),
+        (HEADROOM, 1.0, "1.0 m3, allowed at least 2 m3"),
+        (HEADROOM, 2.0, ""),
+        (replace(HEADROOM, better="low"), 2.5, "2.5 m3, allowed at most 2 m3"),
+        (ATO_CRITERIA[0], 1e9, ""),
+    ],
+)
+def test_what_is_said_of_a_limit(lvshun: Scenario, criterion: Criterion, value: float | None, said: str) -> None:
+    assert criterion.missed(lvshun, value) == said
+
+
+def test_more_may_be_better(lvshun: Scenario) -> None:
+    assert (HEADROOM.best([1.0, 3.0]), STOP_ERROR.best([1.0, 3.0])) == (3.0, 1.0)
+    assert HEADROOM.inside(lvshun, np.array([1.0, 2.0, np.nan])).tolist() == [False, True, False]
+    assert STOP_ERROR.inside(lvshun, np.array([1.0, 0.2, np.nan])).tolist() == [False, True, False]
+    assert limited((HEADROOM, TIME_ERROR, STOP_ERROR)) == [STOP_ERROR, TIME_ERROR, HEADROOM]
+
+
+@pytest.mark.parametrize(
+    ("reached", "kept", "planned"),
+    [
+        ([], 0, None),
+        # A milestone is repeated on the bus.
+        ([(195.0, 2940.1), (195.0, 2940.1), (195.5, 2940.1)], 1, 0),
+        # A signal on the way, the station, and rolling on from it.
+        ([(60.0, 900.0), (195.2, 2939.9), (260.0, 2950.0)], 3, 1),
+    ],
+)
+def test_the_verdict_is_on_the_planned_stop_of_several(
+    lvshun: Scenario, reached: Sequence[tuple[float, float]], kept: int, planned: int | None
+) -> None:
+    stops = stops_of(lvshun.plan, reached)
+    assert len(stops) == kept
+    if planned is None:
+        assert planned_stop(stops) is time_error_s(lvshun.plan, stops) is stop_error_m(lvshun.plan, stops) is None
+    else:
+        assert planned_stop(stops) == stops[planned]
+        assert time_error_s(lvshun.plan, stops) == reached[planned][0] - 195
+        assert stop_error_m(lvshun.plan, stops) == reached[planned][1] - 2940
+
+
+def test_the_batch_gives_every_criterion_and_the_stop(lvshun: Scenario) -> None:
+    (score,) = run_batch(Case(lvshun), (1,)).scores
+    assert list(score.values) == [criterion.key for criterion in ATO_CRITERIA]
+    (stop,) = score.stops
+    assert stop.error_m == score.signed["stop_error_m"]

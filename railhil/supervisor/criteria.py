@@ -1,0 +1,164 @@
+"""What a run is judged by: every criterion stated once.
+
+Score, tables, JUnit cases, campaign, tuning, audit and report walk such a tuple and know no criterion by name. A
+criterion more is an entry here; the batch, which measures in its compiled loop, has to give it as well.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from railhil.scenarios.model import Scenario
+from railhil.supervisor import journey
+from railhil.supervisor.journey import Journey
+
+#: Stop errors, in m, by which runs are counted beside the scenario's own limit: the stricter figures stay visible.
+STOP_WITHIN_M = (0.1, 0.2, 0.3)
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """What a scenario allows: ``of`` reads it, ``place`` is its place among the limits where they are named in turn."""
+
+    of: Callable[[Scenario], float]
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
+class Criterion:
+    """One score of a run.
+
+    ``key`` names it in ``score.json`` and in columns, ``title`` for readers; ``unit`` in plain letters. ``measure``
+    gives its value, with the sign if it has one; None: the run never got there. ``digits`` are those of one run in a
+    table; those of published rows, of statistics over runs and of a tuning's table are the same unless given.
+
+    ``signed``: key of the same value with its sign; the score itself is then without it. ``limit``: None where the
+    scenario has none. ``audit_allowed``: how far a median in fixed point may be from that of float64, in ``unit``;
+    None: by a share of it.
+    """
+
+    key: str
+    title: str
+    unit: str
+    digits: int
+    measure: Callable[[Journey], float | None]
+    better: Literal["low", "high"] = "low"
+    limit: Limit | None = None
+    signed: str | None = None
+    published_digits: int | None = None
+    statistics_digits: int | None = None
+    tuning_digits: int | None = None
+    audit_allowed: float | None = None
+
+    @property
+    def unit_typeset(self) -> str:
+        """The unit for a page: m/s²."""
+        return re.sub(r"(?<=[a-z])[23]", lambda power: {"2": "²", "3": "³"}[power[0]], self.unit)
+
+    @property
+    def heading(self) -> str:
+        """Title and unit in two lines for a terminal."""
+        return f"{self.title} {self.unit}".replace(" ", "\n", 1)
+
+    @property
+    def brief(self) -> str:
+        """The title without the word that an error has."""
+        return self.title.removesuffix(" error")
+
+    @property
+    def name(self) -> str:
+        """The title as one word, for JUnit."""
+        return self.title.replace(" ", "_")
+
+    def shown(self, value: float | None, digits: int | None = None) -> str:
+        """A value with its digits; ``-`` for none."""
+        return "-" if value is None else f"{value:.{self.digits if digits is None else digits}f}"
+
+    def best(self, values: Sequence[float]) -> float:
+        """The best of the values."""
+        return min(values) if self.better == "low" else max(values)
+
+    def badness(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values turned so that less is better, NaN as it is."""
+        return values if self.better == "low" else -values
+
+    def inside(self, scenario: Scenario, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which values (without sign) the scenario allows; NaN, a run that never got there, is not allowed."""
+        assert self.limit is not None
+        limit = self.limit.of(scenario)
+        return np.asarray(values <= limit if self.better == "low" else values >= limit, dtype=np.bool_)
+
+    def missed(self, scenario: Scenario, value: float | None) -> str:
+        """What of the limit a value (with its sign) misses, in words; empty when nothing, or when there is none."""
+        if value is None or self.limit is None:
+            return ""
+        limit = self.limit.of(scenario)
+        if self.signed is not None:
+            return "" if abs(value) <= limit else f"{value:+.3f} {self.unit}, allowed +-{limit:g} {self.unit}"
+        if value <= limit if self.better == "low" else value >= limit:
+            return ""
+        bound = "at most" if self.better == "low" else "at least"
+        return f"{value:.{self.digits}f} {self.unit}, allowed {bound} {limit:g} {self.unit}"
+
+
+#: Eq. (8): how far from its point the train stands.
+STOP_ERROR = Criterion(
+    "stop_error_m", "stop error", "m", 4, lambda run: journey.stop_error_m(run.scenario.plan, run.stops),
+    limit=Limit(lambda scenario: scenario.plan.stop_error_max_m, 0), signed="stop_error_m", tuning_digits=3,
+    audit_allowed=0.01,
+)  # fmt: skip
+#: Eq. (7): how far from the timetable it comes to its stand.
+TIME_ERROR = Criterion(
+    "punctuality_s", "time error", "s", 4, lambda run: journey.time_error_s(run.scenario.plan, run.stops),
+    limit=Limit(lambda scenario: scenario.plan.time_error_max_s, 1), signed="time_error_s", tuning_digits=3,
+    audit_allowed=0.01,
+)  # fmt: skip
+#: The five of the paper, for a train that drives itself from one stop to the next, in the order of their columns.
+ATO_CRITERIA = (
+    Criterion("itae", "ITAE", "km/h s2", 1, journey.itae_kmh_s2, published_digits=0, tuning_digits=0),
+    Criterion("energy_kj", "energy", "kJ", 0, journey.energy_kj),
+    TIME_ERROR,
+    STOP_ERROR,
+    Criterion("comfort", "comfort", "m/s2/km", 3, journey.comfort_mps2_per_km, statistics_digits=4),
+)
+
+
+def limited(criteria: Sequence[Criterion] = ATO_CRITERIA) -> list[Criterion]:
+    """Those with a limit, in the order in which limits are named."""
+    placed = [(criterion.limit.place, criterion) for criterion in criteria if criterion.limit is not None]
+    return [criterion for _, criterion in sorted(placed, key=lambda pair: pair[0])]
+
+
+def limit_key(criterion: Criterion) -> str:
+    """Key under which a limit stands in documents: that of the value it is on, with its sign if it has one."""
+    return criterion.signed or criterion.key
+
+
+def with_sign(criteria: Sequence[Criterion] = ATO_CRITERIA) -> dict[str, Criterion]:
+    """Those that have a sign, by the key of the value with it."""
+    return {criterion.signed: criterion for criterion in criteria if criterion.signed is not None}
+
+
+def scores(
+    measured: Mapping[str, float | None], criteria: Sequence[Criterion] = ATO_CRITERIA
+) -> tuple[dict[str, float | None], dict[str, float | None]]:
+    """Scores by key, and those that have a sign by its key, from what was measured (by key, with sign)."""
+    values: dict[str, float | None] = {}
+    signed: dict[str, float | None] = {}
+    for criterion in criteria:
+        value = values[criterion.key] = measured[criterion.key]
+        if criterion.signed is not None:
+            signed[criterion.signed] = value
+            values[criterion.key] = None if value is None else abs(value)
+    return values, signed
+
+
+def unscored(criteria: Sequence[Criterion] = ATO_CRITERIA) -> tuple[dict[str, float | None], dict[str, float | None]]:
+    """As :func:`scores`, of a run that was none."""
+    return scores(dict.fromkeys(criterion.key for criterion in criteria), criteria)

@@ -1,0 +1,148 @@
+"""A whole recorded run as arrays, and what is measured of it: each measure a pure function of the journey.
+
+Definitions: eqs. (4) to (8) of Wang et al., "An improved predictive function control algorithm for velocity curve of
+urban rail vehicle", with the readings of the bench's notes (ITAE in km/h, comfort with the last drop to zero).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import SimTruth
+from railhil.scenarios.model import RunPlan, Scenario
+from railhil.scenarios.target import Target
+from railhil.supervisor import measures
+from railhil.supervisor.trace import FloatArray
+
+#: Standstills reported nearer to each other than this are one stop.
+_SAME_STOP_M = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A standstill: instant in s, true position in m, and how far past the plan's stopping point that is, in m."""
+
+    instant_s: float
+    position_m: float
+    error_m: float
+
+
+def stops_of(plan: RunPlan, reached: Sequence[tuple[float, float]]) -> tuple[Stop, ...]:
+    """The stops behind the milestones ``(instant s, position m)``, in their order; one told twice counts once."""
+    found: list[Stop] = []
+    for instant_s, position_m in reached:
+        if all(abs(position_m - known.position_m) > _SAME_STOP_M for known in found):
+            found.append(Stop(instant_s, position_m, position_m - plan.distance_m))
+    return tuple(found)
+
+
+def planned_stop(stops: Sequence[Stop]) -> Stop | None:
+    """The stop that the plan means: the nearest to its stopping point, the first of equals; None without any."""
+    return min(stops, key=lambda stop: abs(stop.error_m), default=None)
+
+
+def time_error_s(plan: RunPlan, stops: Sequence[Stop]) -> float | None:
+    """How late the train was at its planned stop; None without a stop."""
+    stop = planned_stop(stops)
+    return None if stop is None else stop.instant_s - plan.running_time_s
+
+
+def stop_error_m(plan: RunPlan, stops: Sequence[Stop]) -> float | None:
+    """How far past its planned stopping point the train stood; None without a stop."""
+    stop = planned_stop(stops)
+    return None if stop is None else stop.error_m
+
+
+@dataclass(frozen=True, slots=True)
+class Journey:
+    """What SIM_TRUTH and the milestones show of a whole run.
+
+    ``indexing``: ``time`` or ``distance``, over what the law took its set-point. Arrays of shape (n,): ``time_s``
+    (increasing), ``position_m``, ``speed_mps``, ``accel_mps2``, ``traction_n``, ``brake_n``.
+    """
+
+    scenario: Scenario
+    indexing: str
+    time_s: FloatArray
+    position_m: FloatArray
+    speed_mps: FloatArray
+    accel_mps2: FloatArray
+    traction_n: FloatArray
+    brake_n: FloatArray
+    stops: tuple[Stop, ...]
+
+
+def _samples(scenario: Scenario) -> float:
+    """Time between two SIM_TRUTH telegrams in s."""
+    timing = scenario.timing
+    schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+    return schedule.ticks(SimTruth.PORT) * timing.base_tick_ns / 1e9
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorGrid:
+    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the timetable's end.
+
+    ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,), ``counts`` (cycles,) says how many
+    there are in each cycle.
+    """
+
+    step_s: float
+    period_s: float
+    time_s: FloatArray
+    cycle: npt.NDArray[np.int64]
+    counts: npt.NDArray[np.int64]
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> ErrorGrid:
+        """Grid of a scenario."""
+        period_s = scenario.timing.control_period_ns / 1e9
+        cycles = math.ceil(round(scenario.plan.running_time_s / period_s, 9))
+        step_s = _samples(scenario)
+        time_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
+        cycle = np.ceil(np.round(time_s / period_s, 9)).astype(np.int64) - 1
+        inside = (cycle >= 0) & (cycle < cycles)
+        time_s, cycle = time_s[inside], cycle[inside]
+        return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles))
+
+
+def itae_kmh_s2(run: Journey) -> float:
+    """Eq. (4), e in km/h; standstill counts to the timetable's end."""
+    grid, target = ErrorGrid.of(run.scenario), Target(run.scenario.target)
+    index = np.minimum(np.searchsorted(run.time_s, grid.time_s - grid.step_s / 2), len(run.time_s) - 1)
+    speed = np.where(grid.time_s > run.time_s[-1] + grid.step_s / 2, 0.0, run.speed_mps[index])
+    if run.indexing == "distance":
+        wanted = np.asarray(target.speed_mps(target.time_s(run.position_m[index])))
+    else:
+        wanted = np.asarray(target.speed_mps(grid.time_s))
+    sums = np.bincount(grid.cycle, weights=measures.error_kmh(wanted, speed), minlength=len(grid.counts))
+    return float(measures.itae_kmh_s2(sums, grid.counts, grid.period_s))
+
+
+def energy_kj(run: Journey) -> float:
+    """Eq. (5) up to the planned stop, or to the end of a run without one."""
+    stop = planned_stop(run.stops)
+    end_s = float(run.time_s[-1]) if stop is None else stop.instant_s
+    moving = run.time_s <= end_s
+    steps_s = np.diff(run.time_s[moving])
+
+    def work_j(force_n: FloatArray) -> FloatArray:
+        power_w = (force_n * run.speed_mps)[moving]
+        work: FloatArray = measures.total(measures.work_j(steps_s, power_w[:-1], power_w[1:]))
+        return work
+
+    return float(measures.energy_kj(run.scenario.energy, work_j(run.traction_n), work_j(run.brake_n), end_s))
+
+
+def comfort_mps2_per_km(run: Journey) -> float:
+    """Eq. (6), from the first SIM_TRUTH of each control period on."""
+    period_s = run.scenario.timing.control_period_ns / 1e9
+    ticks_s = np.arange(0, int(run.time_s[-1] / period_s) + 1) * period_s
+    samples = run.accel_mps2[np.minimum(np.searchsorted(run.time_s, ticks_s - 1e-9), len(run.time_s) - 1)]
+    return float(measures.comfort_mps2_per_km(samples, run.scenario.plan.distance_m))
