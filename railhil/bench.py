@@ -18,11 +18,12 @@ from railhil.bus.local import LocalBus
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
-from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.node import ControllerOptions
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
@@ -31,10 +32,12 @@ from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.telegrams import TrainTelegrams
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import Trace, trace_of
@@ -72,27 +75,30 @@ class BenchRun:
 
 
 def local_run(
-    scenario: Scenario,
+    scenario: AnyScenario,
     folder: Path,
     *,
     seed: int = 0,
     drawn: bool = False,
-    controller: str = "ipfc",
+    controller: str = "",
     arithmetic: str = "iq",
     indexing: str = "time",
     parameters: ParameterSet | None = None,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
     task_period_ms: int = 0,
-    law: Controller | None = None,
+    law: Any = None,
 ) -> BenchRun:
-    """One run through codec and stores.
+    """One run through codec and stores, of whatever system.
 
+    :param controller: name of the law; empty: that of the system.
     :param law: what computes the notch in the place of the law that the other options name.
     :param task_period_ms: as the controller's option.
     :param drawn: draw the scenario's perturbations with the seed.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
     """
+    system = system_named(scenario.system)
+    controller = controller or system.law
     log = FrameLog(folder)
     session = Session(
         scenario,
@@ -105,7 +111,7 @@ def local_run(
         fd=fd,
     )
     options = ControllerOptions(controller, arithmetic, indexing, fd, task_period_ms, parameters=parameters)
-    node = ControllerNode(scenario, options, law)
+    node: AnyController = system.part("controller")(scenario, options, law)
 
     def to_controller(frame: Frame) -> list[Frame]:
         frames = [frame] if wire is None else wire(frame)
@@ -116,17 +122,17 @@ def local_run(
     )
     ended = plant.run()
     sha256 = log.close()
-    trace = trace_of(read_log(log.path))
+    trace = trace_of(read_log(log.path), system.contract)
     return BenchRun(
         trace,
-        score(scenario, trace),
+        judging_of(scenario).score(scenario, trace),
         log.path,
         sha256,
         ended,
         {
             "plant": dict(plant.counters),
             "gate": dict(plant.plant.refused),
-            "controller": node.counters,
+            "controller": dict(node.counters),
             "supervisor": session.counters,
         },
         telemetry_document(node),

@@ -13,6 +13,6 @@ ATO = System(
     controller="railhil.controller_node.node:ControllerNode",
     laws="railhil.laws",
     law="ipfc",
-    score="railhil.supervisor.score:score",
-    panels="railhil.supervisor.report.panels:PANELS",
+    judging="railhil.supervisor.ato:JUDGING",
+    pictures="railhil.supervisor.report.figures:pictures",
 )

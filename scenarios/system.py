@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.law_order import in_order
 from railhil.dbc import Contract, system_contract
 
 GROUP = "railhil.systems"
@@ -33,8 +34,8 @@ class System:
     (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus, of
     (scenario, options) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``: entry point group of
     its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by name, numbers in
-    :data:`OWN_EVENTS`. ``score``: (scenario, trace) -> score. ``panels``: figures of its report. ``own``: parts that
-    only modules of the system itself look at.
+    :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``: figures of its
+    report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task`` and ``interface``.
     """
 
     name: str
@@ -44,8 +45,8 @@ class System:
     controller: str
     laws: str
     law: str
-    score: str
-    panels: str
+    judging: str
+    pictures: str
     scenarios: str = "railhil.scenarios.task:TaskScenarios"
     events: Mapping[str, int] = field(default_factory=dict)
     own: Mapping[str, str] = field(default_factory=dict)
@@ -88,8 +89,8 @@ class System:
         return system_contract(self.port_table)
 
     def law_names(self) -> list[str]:
-        """Names of the installed laws that drive this system, sorted."""
-        return sorted(entry.name for entry in entry_points(group=self.laws))
+        """Names of the installed laws that drive this system, in the order of every table."""
+        return in_order(entry.name for entry in entry_points(group=self.laws))
 
 
 def names() -> list[str]:

@@ -6,7 +6,6 @@ import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from importlib.metadata import entry_points
 from pathlib import Path
 
 import can
@@ -18,13 +17,13 @@ from railhil.bus.select import BusChoice, choose_bus
 from railhil.common.command_line import RATE, add_run_arguments, add_task_argument
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
-from railhil.common.law_order import in_order
 from railhil.common.output import Output
-from railhil.scenarios.load import load, stable_name
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.extras import install_command
@@ -64,18 +63,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus_arguments(parser)
 
 
-def law_names() -> list[str]:
-    """Names of the registered control laws, in the order of every table."""
-    return in_order(entry.name for entry in entry_points(group="railhil.laws"))
+def law_names(system: System | None = None) -> list[str]:
+    """Names of the installed laws of a system, in the order of every table; None: of railhil's own train."""
+    return (system or system_named(DEFAULT)).law_names()
 
 
-def check_law(name: str, key: str) -> None:
+def run_system(namespace: argparse.Namespace) -> System:
+    """The system of the scenario on the command line.
+
+    :raises InputError: it cannot be loaded.
+    """
+    return system_named(load_any(namespace.scenario, namespace.set).system)
+
+
+def check_law(name: str, key: str, system: System | None = None) -> None:
     """Refuse a name that no law has.
 
     :param key: the option that gave it.
     :raises InputError: there is no such law.
     """
-    known = law_names()
+    known = law_names(system)
     if name not in known:
         raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
 
@@ -103,12 +110,12 @@ def run_options(
     )
 
 
-def run_scenario(options: RunOptions) -> Scenario:
+def run_scenario(options: RunOptions) -> AnyScenario:
     """The scenario of a run.
 
     :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
     """
-    scenario = load(options.scenario, options.settings)
+    scenario = load_any(options.scenario, options.settings)
     if options.perturbed:
         require_perturbations(scenario, "--perturbed")
     return scenario
@@ -145,7 +152,13 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
 
 def recorded(
-    scenario: Scenario, options: RunOptions, choice: BusChoice, folder: Path, made: bool, console: Output, quiet: bool
+    scenario: AnyScenario,
+    options: RunOptions,
+    choice: BusChoice,
+    folder: Path,
+    made: bool,
+    console: Output,
+    quiet: bool,
 ) -> tuple[Run, RunResult]:
     """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
@@ -206,7 +219,7 @@ def _executed(run: Run, folder: Path, made: bool) -> RunResult:
 
 @contextmanager
 def _progress(
-    scenario: Scenario, options: RunOptions, console: Output, quiet: bool
+    scenario: AnyScenario, options: RunOptions, console: Output, quiet: bool
 ) -> Iterator[Callable[[float], None] | None]:
     """What the run calls with its simulation time in s; None when nothing is to be shown."""
     if quiet:
@@ -218,7 +231,7 @@ def _progress(
         TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
     )
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(options.controller, total=scenario.plan.running_time_s)
+        task = progress.add_task(options.controller, total=scenario.planned_s)
         shown_s = -1e9
 
         def on_progress(sim_time_s: float) -> None:

@@ -16,20 +16,22 @@ from railhil.cli.bus_run import (
     report_line,
     run_options,
     run_scenario,
+    run_system,
 )
 from railhil.cli.controller_check import check_controllers
 from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.system import System
 from railhil.supervisor.comparison_file import write_comparison
 from railhil.supervisor.folder import run_folder
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import stops_sentence
 from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"
@@ -57,10 +59,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _laws(text: str) -> list[str]:
-    names = law_names() if text == _ALL else [name.strip() for name in text.split(",")]
+def _laws(text: str, system: System) -> list[str]:
+    names = law_names(system) if text == _ALL else [name.strip() for name in text.split(",")]
     for name in names:
-        check_law(name, "--laws")
+        check_law(name, "--laws", system)
     if len(set(names)) < len(names):
         raise InputError("command line", "--laws", text, "each law once")
     return names
@@ -84,7 +86,7 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
 
 
 def _planned(namespace: argparse.Namespace) -> list[RunOptions]:
-    laws = _laws(namespace.laws)
+    laws = _laws(namespace.laws, run_system(namespace))
     files = _parameter_sets(namespace, laws)
     found = []
     for law in laws:
@@ -96,7 +98,7 @@ def _planned(namespace: argparse.Namespace) -> list[RunOptions]:
 
 
 def _checked(
-    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunOptions]
+    namespace: argparse.Namespace, scenario: AnyScenario, wanted: Sequence[RunOptions]
 ) -> tuple[list[RunOptions], list[str]]:
     """The runs that will be made, and sentences on those that are left out.
 
@@ -163,7 +165,8 @@ def work(namespace: argparse.Namespace) -> int:
     document = write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     report = "" if namespace.no_report else report_line(found, folder, notes)
-    console.say(f"runs that {stops_sentence([run.score for run in found])}")
+    if remark := judging_of(scenario).remark([run.score for run in found]):
+        console.say(f"runs that {remark}")
     for line in assumed(scenario, folder, namespace.verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)

@@ -16,6 +16,7 @@ from railhil.cli.bus_run import (
     report_line,
     run_options,
     run_scenario,
+    run_system,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.cli.show import print_result
@@ -31,7 +32,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
     add_arguments(parser)
-    parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
+    parser.add_argument(
+        "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; of another system: one of its own"
+    )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
@@ -45,7 +48,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _options(namespace: argparse.Namespace) -> RunOptions:
-    check_law(namespace.controller, "--controller")
+    system = run_system(namespace)
+    controller = namespace.controller or system.law
+    check_law(controller, "--controller", system)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     if len(given) > 1:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
@@ -54,7 +59,7 @@ def _options(namespace: argparse.Namespace) -> RunOptions:
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
-    options = run_options(namespace, namespace.controller, parameters, namespace.attach)
+    options = run_options(namespace, controller, parameters, namespace.attach)
     return dataclasses.replace(options, foreign=namespace.no_controller, rerun_command=namespace.rerun_command)
 
 

@@ -16,44 +16,25 @@ import numpy as np
 
 import railhil
 from railhil.bus.ident import PROFILES
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.common.patience import PATIENCE_S
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
-from railhil.dbc import wire_contract
-from railhil.scenarios.canonical import judged_sha256
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
+from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import WRAP_FAILURE
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
-#: Columns of ``signals.csv``: header and the signal behind it.
-_COLUMNS = (
-    ("true_position_m", SimTruth.PORT, "TruePos"),
-    ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
-    ("true_accel_mps2", SimTruth.PORT, "TrueAccel"),
-    ("traction_n", SimTruth.PORT, "TractionForce"),
-    ("brake_n", SimTruth.PORT, "BrakeForce"),
-    ("grade_permil", SimTruth.PORT, "TrueGrade"),
-    ("measured_speed_mps", TrnSpeed.PORT, "TrainSpeed"),
-    ("odometer_m", TrnPos.PORT, "TrainPos"),
-    ("notch_command", NotchCmd.PORT, "NotchCmd"),
-    ("controller_mode", NotchCmd.PORT, "CtlMode"),
-    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
-    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
-    ("satisfaction", CtlStat.PORT, "Satisfaction"),
-    ("ladder_level", CtlStat.PORT, "LadderLevel"),
-)
-
 
 #: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
@@ -156,7 +137,7 @@ def rerun_needs(options: RunOptions) -> str | None:
     return None
 
 
-def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
+def score_json(scenario: AnyScenario, result: RunResult, options: RunOptions) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
     document["verdict"] = result.verdict
@@ -185,7 +166,9 @@ def score_json(scenario: Scenario, result: RunResult, options: RunOptions) -> di
     return document
 
 
-def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_arguments: list[str]) -> dict[str, Any]:
+def certificate(
+    scenario: AnyScenario, options: RunOptions, result: RunResult, bus_arguments: list[str]
+) -> dict[str, Any]:
     """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
     return {
         "railhil": version("railhil"),
@@ -193,8 +176,9 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "settings": list(options.settings),
         "scenario_sha256": scenario.sha256,
         # With the limits and factors that the record is judged by.
-        "judged_sha256": judged_sha256(scenario),
-        "dbc_sha256": wire_contract().sha256,
+        "judged_sha256": any_judged_sha256(scenario),
+        "system": scenario.system,
+        "dbc_sha256": system_named(scenario.system).contract.sha256,
         "code_sha256": code_sha256(),
         "seed": options.seed,
         "perturbed": options.perturbed,
@@ -220,26 +204,24 @@ def certificate(scenario: Scenario, options: RunOptions, result: RunResult, bus_
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
         # Limits of the watches above the usual ones; empty: none.
-        "watch_weakened": scenario.watch.weakened,
+        "watch_weakened": scenario.watch_weakened,
     }
 
 
-def junit(scenario: Scenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
+def junit(scenario: AnyScenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
-    found = result.score
+    found, judging = result.score, judging_of(scenario)
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
-            ("stops", "" if found.stops else "did not stop"),
-            *((criterion.name, criterion.missed(scenario, found.with_sign(criterion))) for criterion in limited()),
-            ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
-            ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
-            ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
+            (criterion.name, criterion.missed(scenario, found.with_sign(criterion)))
+            for criterion in limited(judging.criteria)
         ]
+        cases += judging.checks(scenario, found)
     suite = ET.Element(
         "testsuite",
         name=_xml(f"{scenario.name}.{options.controller}"),
@@ -274,28 +256,28 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def signal_table(trace: Trace) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values."""
-    time_s = trace.times_s(SimTruth.PORT)
+def signal_table(judging: Judging, trace: Trace) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per telegram of the truth, last known values."""
+    time_s = trace.times_s(judging.truth)
     columns = [time_s]
-    for _, port, signal in _COLUMNS:
-        if port == SimTruth.PORT:
+    for _, port, signal in judging.columns:
+        if port == judging.truth:
             columns.append(trace.values(port, signal))
             continue
         at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
         values = np.append(trace.values(port, signal), np.nan)
         columns.append(np.where(at >= 0, values[at], np.nan))
-    return ["time_s", *(header for header, _, _ in _COLUMNS)], np.column_stack(columns)
+    return ["time_s", *(header for header, _, _ in judging.columns)], np.column_stack(columns)
 
 
-def write_signals(trace: Trace, path: Path) -> None:
+def write_signals(judging: Judging, trace: Trace, path: Path) -> None:
     """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
-    header, rows = signal_table(trace)
+    header, rows = signal_table(judging, trace)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
 def write_folder(
-    folder: Path, scenario: Scenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
+    folder: Path, scenario: AnyScenario, options: RunOptions, result: RunResult, trace: Trace, bus_arguments: list[str]
 ) -> None:
     """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
 
@@ -303,9 +285,10 @@ def write_folder(
         said and measured) and nothing that looks like a result.
     """
     try:
-        if trace.count(SimTruth.PORT):
+        judging = judging_of(scenario)
+        if trace.count(judging.truth):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(trace, draft)
+                write_signals(judging, trace, draft)
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))

@@ -17,8 +17,8 @@ from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
-from railhil.dbc import wire_contract
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
 
 
@@ -31,7 +31,7 @@ class Session:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: AnyScenario,
         write: Callable[[str], object],
         *,
         seed: int,
@@ -43,7 +43,7 @@ class Session:
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        contract = wire_contract()
+        contract = system_named(scenario.system).contract
         self.ended: Event | None = None
         #: In what the nodes disagree, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
@@ -71,15 +71,17 @@ class Session:
             arithmetic=arithmetic,
             indexing=indexing,
             pace=pace,
+            contract=contract,
         )
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
         self._responder = Responder(
             Role.SUPERVISOR,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
+            contract=contract,
         )
         self._responder.on(PltIdent, self._take_ident)
         self._responder.on(CtlIdent, self._take_ident)
