@@ -244,6 +244,10 @@ class AnyScenario(Protocol):
         """Which limits of the watches are above the usual ones; empty: none."""
 
     @property
+    def described(self) -> Mapping[str, object]:
+        """What a list of scenarios says of it besides, by keys with units."""
+
+    @property
     def can_be_perturbed(self) -> bool:
         """Whether it says what a perturbed run draws."""
 
@@ -282,6 +286,11 @@ class Scenario:
     def watch_weakened(self) -> str:
         """See :attr:`WatchLimits.weakened`."""
         return self.watch.weakened
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """Train and distance."""
+        return {"train": self.train.name, "distance_m": self.plan.distance_m}
 
     @property
     def can_be_perturbed(self) -> bool:

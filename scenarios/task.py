@@ -15,6 +15,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Protocol
@@ -95,6 +96,11 @@ class TaskScenario:
     def watch_weakened(self) -> str:
         """Limits of the watches above the usual ones: the house knows none of this system."""
         return ""
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """Its system; the rest its task knows."""
+        return {"system": self.system}
 
     @property
     def can_be_perturbed(self) -> bool:

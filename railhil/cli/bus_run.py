@@ -171,6 +171,9 @@ def recorded(
         except OSError as error:
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
+        except BaseException:
+            discard_folder(folder, made)
+            raise
         run = Run(scenario, options, choice, folder, on_progress)
         with run.stop:
             result = _executed(run, folder, made)

@@ -23,6 +23,7 @@ from railhil.cli.show import print_result
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.system import system_named
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.options import RunOptions
 from railhil.supervisor.report.recorded import REPORT
@@ -68,7 +69,7 @@ def work(namespace: argparse.Namespace) -> int:
     options = _options(namespace)
     scenario = run_scenario(options)
     if namespace.dbc is not None:
-        check_foreign_dbc(namespace.dbc)
+        check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     console = Output(stderr=namespace.json)
     with chosen_bus(namespace, options.attach or options.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, options.controller)

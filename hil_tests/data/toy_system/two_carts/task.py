@@ -6,7 +6,10 @@ from pydantic import Field, Strict
 
 from railhil.scenarios.task import Task
 
-Two = Annotated[tuple[float, float], Strict(False)]
+Number = Annotated[float, Field(ge=-1000, le=1000)]
+Mass = Annotated[float, Field(gt=0, le=1000)]
+Two = Annotated[tuple[Number, Number], Strict(False)]
+Masses = Annotated[tuple[Mass, Mass], Strict(False)]
 
 
 class CartsTask(Task):
@@ -14,7 +17,7 @@ class CartsTask(Task):
 
     JUDGING: ClassVar[tuple[str, ...]] = ("error_max_m",)
 
-    mass_kg: Two
+    mass_kg: Masses
     spring_n_per_m: Annotated[float, Field(ge=0, le=1000)]
     damping_n_per_mps: Annotated[float, Field(ge=0, le=1000)] = 0.0
     target_m: Two
