@@ -17,7 +17,7 @@ from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, parse_master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.store import TrafficStore, Verdict
+from railhil.bus.store import FrameCheck, TrafficStore
 from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port, wire_contract
 
@@ -52,11 +52,11 @@ class CanModule(Protocol):
 
     has_task: bool
 
-    def receive(self, frame: Frame, verdict: Verdict | None, now_ns: int) -> int | None:
+    def receive(self, frame: Frame, checked: FrameCheck | None, now_ns: int) -> int | None:
         """Take a frame; returns its time stamp when it is read at once, None when it is lost or waits for a task."""
 
-    def read_due(self, now_ns: int) -> Sequence[tuple[Frame, Verdict | None, int, int]]:
-        """What a task reads now: frame, verdict, when it came (simulation time, ns), and its time stamp."""
+    def read_due(self, now_ns: int) -> Sequence[tuple[Frame, FrameCheck | None, int, int]]:
+        """What a task reads now: frame, its check if there was one, when it came (simulation time, ns), time stamp."""
 
 
 class Responder:
@@ -124,11 +124,11 @@ class Responder:
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order; returns the answer to a poll of this node, otherwise nothing."""
         can_id, data, flags = frame
-        verdict = None
+        checked = None
         if can_id in self._clock_ids:
             # Time goes on whoever reads the mailbox, and before anything is dated.
-            verdict = self.store.check(frame)
-            if not verdict.cause:
+            checked = self.store.check(frame)
+            if not checked.cause:
                 self.clock.feed(data)
         now_ns, stamp = self.clock.now_ns, None
         module = self._module
@@ -136,12 +136,12 @@ class Responder:
             if module.has_task:
                 # It is due at the tick; the tick's frames come after it.
                 self._read_due(module)
-            stamp = module.receive(frame, verdict, now_ns)
+            stamp = module.receive(frame, checked, now_ns)
             if stamp is None:
                 return []
         if can_id == self._poll_id and not flags:
             return self._answer(data)
-        self._deliver(frame, verdict, now_ns, stamp)
+        self._deliver(frame, checked, now_ns, stamp)
         return []
 
     def opens_tick(self, frame: Frame) -> bool:
@@ -149,11 +149,11 @@ class Responder:
         return not self.store.check(frame).cause and self.clock.feed(frame.data)
 
     def _read_due(self, module: CanModule) -> None:
-        for frame, verdict, received_ns, stamp in module.read_due(self.clock.now_ns):
-            self._deliver(frame, verdict, received_ns, stamp)
+        for frame, checked, received_ns, stamp in module.read_due(self.clock.now_ns):
+            self._deliver(frame, checked, received_ns, stamp)
 
-    def _deliver(self, frame: Frame, verdict: Verdict | None, received_ns: int, stamp: int | None) -> None:
-        port = self.store.feed(frame, received_ns, verdict)
+    def _deliver(self, frame: Frame, checked: FrameCheck | None, received_ns: int, stamp: int | None) -> None:
+        port = self.store.feed(frame, received_ns, checked)
         if port is not None and (found := self._handlers.get(port)):
             decode, handler = found
             handler(_quick_reading((decode(self.store.raw(port)), received_ns, stamp)))

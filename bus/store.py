@@ -69,8 +69,8 @@ class _Sink:
         self.accepted = 0
 
 
-class Verdict(NamedTuple):
-    """What one frame is by itself: kind, identifier, length and, of a whole telegram, check sequence are judged.
+class FrameCheck(NamedTuple):
+    """What one frame is by itself: kind, identifier, length and, of a whole telegram, check sequence are checked.
 
     ``cause``: why the frame is refused, one of :data:`CAUSES`; empty: it is not, and is ``part`` of the telegram of
     ``sink``: number of the block, -1 the trailer, -3 the CAN FD form.
@@ -81,7 +81,7 @@ class Verdict(NamedTuple):
     part: int = 0
 
 
-_REFUSED = {cause: Verdict(cause) for cause in CAUSES}
+_REFUSED = {cause: FrameCheck(cause) for cause in CAUSES}
 _UNKNOWN_ID = _REFUSED["unknown_id"]
 
 
@@ -96,23 +96,23 @@ class TrafficStore:
         self.counters: Counter[str] = Counter()
         self._assembly_ns = assembly_ns
         self._sinks: dict[str, _Sink] = {}
-        # CAN identifier -> verdict on a good frame.
-        self._by_id: dict[int, Verdict] = {}
+        # CAN identifier -> what a good frame is.
+        self._by_id: dict[int, FrameCheck] = {}
         for port in ports:
             sink = _Sink(port)
             self._sinks[port.name] = sink
             for block in range(port.blocks):
-                self._by_id[port.address + block] = Verdict("", sink, block)
+                self._by_id[port.address + block] = FrameCheck("", sink, block)
             if not port.single_frame:
-                self._by_id[port.address + 4] = Verdict("", sink, -1)
-            self._by_id[port.fd_id] = Verdict("", sink, -3)
+                self._by_id[port.address + 4] = FrameCheck("", sink, -1)
+            self._by_id[port.fd_id] = FrameCheck("", sink, -3)
 
-    def feed(self, frame: Frame, now_ns: int, verdict: Verdict | None = None) -> str | None:
+    def feed(self, frame: Frame, now_ns: int, checked: FrameCheck | None = None) -> str | None:
         """Take one frame at time ``now_ns``; returns the name of the port that it completed, else None.
 
-        :param verdict: of :meth:`check`, when the frame has been there before.
+        :param checked: of :meth:`check`, when the frame has been there before.
         """
-        cause, sink, part = verdict or self.check(frame)
+        cause, sink, part = checked or self.check(frame)
         if sink is None:
             return self._reject(cause)
         data = frame.data
@@ -132,7 +132,7 @@ class TrafficStore:
         sink.times_ns[part] = now_ns
         return None
 
-    def check(self, frame: Frame) -> Verdict:
+    def check(self, frame: Frame) -> FrameCheck:
         """Check one frame by itself; nothing is counted or kept before :meth:`feed`."""
         can_id, data, flags = frame
         if flags:
@@ -142,10 +142,10 @@ class TrafficStore:
                 return _REFUSED["remote_frame"]
             if flags & EXTENDED:
                 return _REFUSED["extended_id"]
-        verdict = self._by_id.get(can_id, _UNKNOWN_ID)
-        _, sink, part = verdict
+        found = self._by_id.get(can_id, _UNKNOWN_ID)
+        _, sink, part = found
         if sink is None:
-            return verdict
+            return found
         if part == -3:
             if not flags & FD or len(data) != sink.fd_bytes:
                 return _REFUSED["wrong_length"]
@@ -156,7 +156,7 @@ class TrafficStore:
                 return _REFUSED["wrong_check_sequence"]
             if data[5:] != sink.tail:
                 return _REFUSED["wrong_master_word"]
-        return verdict
+        return found
 
     def _reject(self, cause: str) -> str | None:
         self.counters[cause] += 1

@@ -25,7 +25,8 @@ from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.laws import find
-from railhil.controller_node.node import FIRST_FRAME_S, ControllerOptions, run_controller
+from railhil.controller_node.node import ControllerOptions
+from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import load_parameters

@@ -9,7 +9,15 @@ from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.telegrams import TrkInfo, TrnSpeed
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from railhil.controller_node.speed_watch import (
+    Ladder,
+    Reception,
+    Seen,
+    SpeedWatchLevel,
+    SpeedWatchState,
+    command,
+    observe,
+)
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 
@@ -33,7 +41,7 @@ class Guard:
         #: Speed of the last accepted telegram, None before the first.
         self.speed_01mmps: int | None = None
         self._ladder = Ladder.of(scenario)
-        self._state = WatchState()
+        self._state = SpeedWatchState()
         self._life = LifeSign()
         self._counter = counter or BitCounter(wire_contract().bit_rate)
         self._age = MessageAge(self._counter)
@@ -42,7 +50,7 @@ class Guard:
         self._limit_01mmps: int | None = None
 
     @property
-    def level(self) -> Level:
+    def level(self) -> SpeedWatchLevel:
         """Level of the reaction ladder."""
         return self._state.level
 
@@ -60,25 +68,25 @@ class Guard:
         if not life.fresh:
             # A repeated or old telegram is no news: the age goes on growing.
             self.counters[life.value] += 1
-            self._observe(Telegram.NONE, now_ns)
+            self._observe(Reception.NONE, now_ns)
             return
         if life is Life.GAP:
             self.counters["gap"] += 1
         self._life.accept(telegram.life)
         if telegram.check != CHECK_CORRECT:
             self.counters["check_variable"] += 1
-            self._observe(Telegram.BAD, now_ns)
+            self._observe(Reception.BAD, now_ns)
         elif not 0 <= telegram.speed_01mmps <= SPEED_MAX_01MMPS:
             self.counters["out_of_range"] += 1
-            self._observe(Telegram.BAD, now_ns)
+            self._observe(Reception.BAD, now_ns)
         else:
             self.speed_01mmps = telegram.speed_01mmps
             self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
             age_ns = self._age.ns(now_ns)
             self._odometer.speed(telegram.speed_01mmps, now_ns - age_ns)
-            self._observe(Telegram.GOOD, now_ns, age_ns)
+            self._observe(Reception.GOOD, now_ns, age_ns)
 
-    def _observe(self, telegram: Telegram, now_ns: int, age_ns: int | None = None) -> None:
+    def _observe(self, telegram: Reception, now_ns: int, age_ns: int | None = None) -> None:
         speed = self.speed_01mmps
         limit = self._limit_01mmps
         if age_ns is None:
@@ -90,7 +98,7 @@ class Guard:
 
     def look(self, now_ns: int) -> None:
         """Look at the age of the last speed, at ``now_ns``."""
-        self._observe(Telegram.NONE, now_ns)
+        self._observe(Reception.NONE, now_ns)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""

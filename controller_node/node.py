@@ -1,15 +1,12 @@
-"""The controller process on the bus: mailboxes in, control law, answers to the bus administrator's polls."""
+"""The controller on the bus: telegrams in, control law, answers to the bus administrator's polls."""
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 from typing import Any
 
-from railhil.bus.errors import PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
-from railhil.bus.link import Link
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import (
@@ -29,25 +26,23 @@ from railhil.bus.telegrams import (
     TrnSpeed,
 )
 from railhil.common.errors import InputError
-from railhil.common.patience import LATER_S, PATIENCE_S
-from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.balises import Balises
 from railhil.controller_node.controller import Controller, ControlOutput
 from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
 from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 
 _MODES = {
-    Level.NORMAL: CtlMode.RUNNING,
-    Level.HOLD: CtlMode.HOLD,
-    Level.TRACTION_CUT: CtlMode.TRACTION_CUT,
-    Level.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
-    Level.EMERGENCY: CtlMode.EMERGENCY,
+    SpeedWatchLevel.NORMAL: CtlMode.RUNNING,
+    SpeedWatchLevel.HOLD: CtlMode.HOLD,
+    SpeedWatchLevel.TRACTION_CUT: CtlMode.TRACTION_CUT,
+    SpeedWatchLevel.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
+    SpeedWatchLevel.EMERGENCY: CtlMode.EMERGENCY,
 }
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
@@ -55,10 +50,6 @@ MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEven
 ANSWERS = (NotchCmd, CtlStat, CtlIdent)
 _NS_PER_MS = 1_000_000
 _UINT16_MAX = 0xFFFF
-#: Realtime: a controller that hears nothing at all for this long on the wall clock ends.
-SILENCE_S = 3.0
-#: Before the first frame it waits longer: the other nodes may be started by hand, on a machine with a load of its own.
-FIRST_FRAME_S = 300.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -257,46 +248,3 @@ class ControllerNode:
 
     def _own_ident(self) -> Ident:
         return self._ident
-
-
-def serve(
-    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
-) -> None:
-    """Answer the bus administrator until the run has ended, also over outages of the interface.
-
-    :param appear_s: wall time for its first frame.
-    :param patience_s: its own with the other nodes, in lockstep.
-    :raises BusLost: the bus is gone.
-    :raises PeerSilent: nothing came for too long.
-    """
-    heard_s = time.monotonic()
-    limit_s = appear_s
-    while node.ended is None:
-        frames = endpoint.receive(0.5)
-        if gap_ns := endpoint.take_gap_ns():
-            node.was_out(gap_ns)
-        for frame in frames:
-            answers = node.handle(frame)
-            if answers:
-                endpoint.lossless = node.lockstep
-                endpoint.send(answers)
-        now_s = time.monotonic()
-        if frames:
-            heard_s, limit_s = now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
-        elif endpoint.is_down:
-            # The link itself gives up after a time.
-            heard_s = now_s
-        elif now_s - heard_s > limit_s:
-            raise PeerSilent(f"controller waits for the bus administrator: no frame for {limit_s:g} s")
-
-
-def run_controller(
-    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
-) -> int:
-    """As :func:`serve`, then leave the bus; returns an exit code."""
-    try:
-        serve(node, endpoint, appear_s=appear_s, patience_s=patience_s)
-    finally:
-        endpoint.close()
-        endpoint.tell_trouble()
-    return 0

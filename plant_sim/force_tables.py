@@ -6,17 +6,17 @@ from math import inf
 
 import numpy as np
 
-from railhil.plant_sim.forces import EffortTable, GradeTable, TrainConstants
+from railhil.plant_sim.forces import EffortLimit, GradeTable, TrainConstants
 from railhil.scenarios.model import Effort, Profile, Train
 from railhil.scenarios.profiles import Floats, MeanGrade
 
 _KMH = 3.6
 
 
-def effort_table(effort: Effort) -> EffortTable:
+def effort_table(effort: Effort) -> EffortLimit:
     """Table of a force limit."""
     power_w = inf if effort.power_max_w is None else effort.power_max_w
-    return EffortTable(
+    return EffortLimit(
         effort.force_max_n,
         power_w,
         tuple(speed for speed, _ in effort.curve),

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from railhil.common.compilable import compilable, smaller
 
 
-class EffortTable(NamedTuple):
+class EffortLimit(NamedTuple):
     """Force limit over speed; ``power_max_w`` is infinite and the curve empty when there is none."""
 
     force_max_n: float
@@ -30,8 +30,8 @@ class TrainConstants(NamedTuple):
     resistance_c_n_per_mps2: float
     grade_n_per_permil: float
     pole_per_s: float
-    traction: EffortTable
-    brake: EffortTable
+    traction: EffortLimit
+    brake: EffortLimit
 
 
 class GradeTable(NamedTuple):
@@ -52,7 +52,7 @@ def mean_grade_permil(table: GradeTable, front_m: float) -> float:
 
 
 @compilable
-def effort_limit_n(table: EffortTable, speed_mps: float) -> float:
+def effort_limit_n(table: EffortLimit, speed_mps: float) -> float:
     """Greatest force at a speed: ``min(F_max, P_max / v, curve(v))``, the curve held at both ends."""
     limit_n = table.force_max_n
     if limit_n * speed_mps > table.power_max_w:

@@ -8,11 +8,11 @@ from math import inf, isfinite
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.command_watch import INITIAL, CommandWatchLevel, watch_brake_mps2, watch_step, watch_ticks
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.plant_sim.status import TrainStatus
-from railhil.plant_sim.watch import INITIAL, Level, watch_brake_mps2, watch_step, watch_ticks
 from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
 from railhil.scenarios.profiles import front_speed_limit
 
@@ -142,11 +142,11 @@ class Plant:
         )
         self._watch = watch
         self._accepted = False
-        traction = status.traction_enabled and watch.level < Level.TRACTION_CUT
+        traction = status.traction_enabled and watch.level < CommandWatchLevel.TRACTION_CUT
         if traction and self._watch_brake_mps2 == 0.0:
             self._window = dynamics.FREE
             return
-        if watch.level is Level.EMERGENCY and before.level is not Level.EMERGENCY:
+        if watch.level is CommandWatchLevel.EMERGENCY and before.level is not CommandWatchLevel.EMERGENCY:
             self._event("emergency", 0.0, position_m)
         mass_kg = self._constants.mass_kg
         applied_n = dynamics.applied_n(self._constants, self._window, self._motion)
@@ -231,7 +231,7 @@ class Plant:
         return self._acting_code if self._window.traction else min(self._acting_code, 0)
 
     @property
-    def watch_level(self) -> Level:
+    def watch_level(self) -> CommandWatchLevel:
         """Level of the train's watch over the last tick."""
         return self._watch.level
 

@@ -20,7 +20,14 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub import wire
 from railhil.bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
-from railhil.bus.hub.link import HubLost, Link, PacketLink, ReadinessFd, SendTimeout, StreamLink
+from railhil.bus.hub.connection import (
+    HubConnection,
+    HubLost,
+    PacketConnection,
+    ReadinessFd,
+    SendTimeout,
+    StreamConnection,
+)
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
 CHANNEL_NAME = "railhil"
@@ -77,7 +84,7 @@ class HubBus(can.BusABC):
 
         Raises :class:`HubUnavailable`.
         """
-        self._link: Link | None = None
+        self._link: HubConnection | None = None
         self._readiness: ReadinessFd | None = None
         self._fd_enabled = fd
         self._is_passive = False
@@ -215,7 +222,7 @@ class HubBus(can.BusABC):
 
     # --- inside -------------------------------------------------------------------------------------------
 
-    def _open_link(self) -> Link:
+    def _open_link(self) -> HubConnection:
         if self._link is None:
             raise can.CanOperationError("the bus is shut down")
         return self._link
@@ -258,7 +265,7 @@ class HubBus(can.BusABC):
         return False
 
 
-def _connect(address: Address, deadline_s: float, while_connecting: Callable[[], object]) -> Link:
+def _connect(address: Address, deadline_s: float, while_connecting: Callable[[], object]) -> HubConnection:
     while True:
         sock = new_socket(address)
         try:
@@ -274,10 +281,12 @@ def _connect(address: Address, deadline_s: float, while_connecting: Callable[[],
                 continue
             raise HubUnavailable(f"no hub at {address}: {describe(error)}") from None
         sock.settimeout(None)
-        return PacketLink(sock, str(address)) if address.path is not None else StreamLink(sock, str(address))
+        return (
+            PacketConnection(sock, str(address)) if address.path is not None else StreamConnection(sock, str(address))
+        )
 
 
-def _exchange_hello(link: Link, hello: dict[str, object], deadline_s: float) -> dict[str, Any]:
+def _exchange_hello(link: HubConnection, hello: dict[str, object], deadline_s: float) -> dict[str, Any]:
     started_s = time.monotonic()
     try:
         link.send_packet(wire.encode_hello(**hello), deadline_s)

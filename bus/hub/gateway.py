@@ -31,7 +31,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import ERROR, FD, Frame
 from railhil.bus.hub.arrivals import Arrivals
 from railhil.bus.hub.backlog import Backlog
-from railhil.bus.hub.ports import Port
+from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_port_again
 from railhil.bus.hub.wire import pack_frames, unpack_frames
 from railhil.bus.link.batch import BatchLink
@@ -48,7 +48,7 @@ _READS_AT_ONCE = 256
 _SHOWN_FIRST = ("received", "sent", "outages")
 
 
-class BusPort(Port):
+class BusPort(SwitchPort):
     """A python-can bus as a port.
 
     ``counters``: ``dropped`` (frames that the bus did not take in time), ``fd_dropped`` (CAN FD frames for a bus
@@ -92,11 +92,11 @@ class BusPort(Port):
     # --- what the switch calls ----------------------------------------------------------------------------
 
     def fileno(self) -> int:
-        """See :meth:`Port.fileno`; stays the same when the bus is opened again."""
+        """See :meth:`SwitchPort.fileno`; stays the same when the bus is opened again."""
         return self._epoll.fileno()
 
     def receive(self) -> list[bytes]:
-        """See :meth:`Port.receive`."""
+        """See :meth:`SwitchPort.receive`."""
         frames = self._read() if self._thread is None else self._take_over()
         if any(frame[2] & ERROR for frame in frames):
             kept = [frame for frame in frames if not frame.flags & ERROR]
@@ -105,14 +105,14 @@ class BusPort(Port):
         return pack_frames(frames)
 
     def send(self, packet: bytes) -> bool:
-        """See :meth:`Port.send`."""
+        """See :meth:`SwitchPort.send`."""
         frames = self._suitable(unpack_frames(packet))
         if frames and not self.has_backlog and not self._is_down:
             frames = frames[self._offer(frames) :]
         return self._enqueue(frames) if frames or self._link.has_rest else False
 
     def flush(self) -> None:
-        """See :meth:`Port.flush`."""
+        """See :meth:`SwitchPort.flush`."""
         if self._is_down and not self._lossless:
             self.counters["dropped"] += self._backlog.drop_all()
         self._dropped(self._backlog.drop_stale())
@@ -128,7 +128,7 @@ class BusPort(Port):
         self._set_timer()
 
     def close(self) -> None:
-        """See :meth:`Port.close`."""
+        """See :meth:`SwitchPort.close`."""
         self._closing.set()
         if self._thread is not None:
             self._thread.join(1.0)
@@ -142,7 +142,7 @@ class BusPort(Port):
         self._arrivals.close()
 
     def statistics(self) -> str:
-        """See :meth:`Port.statistics`."""
+        """See :meth:`SwitchPort.statistics`."""
         # Copies in one step each: the thread may be counting.
         total = self.counters + Counter(dict(self._earlier)) + Counter(dict(self._link.counters))
         line = f"{total['received']} frames in, {total['sent']} out, {total['outages']} outages"

@@ -20,7 +20,7 @@ from collections import deque
 from typing import NamedTuple
 
 from railhil.bus.hub.bitlength import arbitration_key, frame_bits
-from railhil.bus.hub.ports import Port
+from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
 
 #: A client with this many frames waiting is not read until the wire has taken some: its ``send`` then
@@ -33,7 +33,7 @@ class _Pending(NamedTuple):
     sequence: int
     arrival_ns: int
     duration_ns: int
-    source: Port
+    source: SwitchPort
     packet: bytes
 
 
@@ -47,12 +47,12 @@ class WireModel:
         self._nominal_bit_ns = 0.0 if bitrate_bps is None else 1e9 / bitrate_bps
         self._data_bit_ns = 0.0 if data_bitrate_bps is None else 1e9 / data_bitrate_bps
         self._arbitration = arbitration
-        self._queues: dict[Port, deque[_Pending]] = {}
+        self._queues: dict[SwitchPort, deque[_Pending]] = {}
         self._sequence = 0
         self._on_wire: _Pending | None = None
         self._wire_free_ns = 0
 
-    def offer(self, source: Port, packet: bytes, arrival_ns: int) -> None:
+    def offer(self, source: SwitchPort, packet: bytes, arrival_ns: int) -> None:
         """Put the frames of a valid packet at the end of the source's queue."""
         queue = self._queues.setdefault(source, deque())
         step = len(packet) if len(packet) == FD_SIZE else CLASSIC_SIZE
@@ -64,13 +64,13 @@ class WireModel:
             queue.append(_Pending(key, self._sequence, arrival_ns, duration_ns, source, piece))
             self._sequence += 1
 
-    def is_full(self, source: Port) -> bool:
+    def is_full(self, source: SwitchPort) -> bool:
         """True when the source must wait before it offers more."""
         return len(self._queues.get(source, ())) >= PENDING_LIMIT_FRAMES
 
-    def due(self, now_ns: int) -> list[tuple[Port, bytes]]:
+    def due(self, now_ns: int) -> list[tuple[SwitchPort, bytes]]:
         """Frames whose end on the wire has come by ``now_ns``: (source, packet) in the order of the wire."""
-        delivered: list[tuple[Port, bytes]] = []
+        delivered: list[tuple[SwitchPort, bytes]] = []
         while True:
             if self._on_wire is None:
                 self._on_wire = self._next_on_wire()

@@ -1,6 +1,6 @@
 """The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
 
-:class:`Port` is all that the switch knows, so that another python-can bus can be a port too
+:class:`SwitchPort` is all that the switch knows, so that another python-can bus can be a port too
 (:mod:`railhil.bus.hub.gateway`).
 """
 
@@ -28,7 +28,7 @@ class PortFault(Exception):
     """The peer must be cut off; the text says why, in one line."""
 
 
-class Port(ABC):
+class SwitchPort(ABC):
     """One port of the switch.
 
     ``name`` is shown in messages. ``is_member`` says that packets flow: false until the hello is answered.
@@ -80,7 +80,7 @@ class Port(ABC):
         return ""
 
 
-class SocketPort(Port):
+class SocketPort(SwitchPort):
     """A client on a SEQPACKET socket: one record is one packet."""
 
     def __init__(self, sock: socket.socket, name: str, queue_limit_bytes: int) -> None:
@@ -97,16 +97,16 @@ class SocketPort(Port):
         self._is_deaf = False
 
     def fileno(self) -> int:
-        """See :meth:`Port.fileno`."""
+        """See :meth:`SwitchPort.fileno`."""
         return self._sock.fileno()
 
     def receive(self) -> list[bytes]:
-        """See :meth:`Port.receive`."""
+        """See :meth:`SwitchPort.receive`."""
         packet = self._receive_bytes(MAX_PACKET_SIZE + 1)
         return [] if packet is None else [packet]
 
     def send(self, packet: bytes) -> bool:
-        """See :meth:`Port.send`."""
+        """See :meth:`SwitchPort.send`."""
         if self._is_deaf:
             return False
         if not self.has_backlog:
@@ -122,7 +122,7 @@ class SocketPort(Port):
         return self._enqueue(packet)
 
     def flush(self) -> None:
-        """See :meth:`Port.flush`."""
+        """See :meth:`SwitchPort.flush`."""
         queue = self._queue
         try:
             while queue:
@@ -136,7 +136,7 @@ class SocketPort(Port):
         self.has_backlog = False
 
     def close(self) -> None:
-        """See :meth:`Port.close`."""
+        """See :meth:`SwitchPort.close`."""
         self._sock.close()
 
     def _flush_one(self, queue: deque[bytes]) -> None:
@@ -180,7 +180,7 @@ class StreamPort(SocketPort):
         self._incoming = bytearray()
 
     def receive(self) -> list[bytes]:
-        """See :meth:`Port.receive`."""
+        """See :meth:`SwitchPort.receive`."""
         chunk = self._receive_bytes(_STREAM_CHUNK_SIZE)
         if chunk is None:
             return []
@@ -203,7 +203,7 @@ class StreamPort(SocketPort):
         return packets
 
     def send(self, packet: bytes) -> bool:
-        """See :meth:`Port.send`."""
+        """See :meth:`SwitchPort.send`."""
         if self._is_deaf:
             return False
         chunk = len(packet).to_bytes(2, "big") + packet

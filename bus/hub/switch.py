@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from railhil.bus.hub.address import describe
 from railhil.bus.hub.coalesce import HOLD_S, coalescer_of
 from railhil.bus.hub.model import WireModel
-from railhil.bus.hub.ports import Port, PortClosed, PortFault, SocketPort, StreamPort
+from railhil.bus.hub.ports import PortClosed, PortFault, SocketPort, StreamPort, SwitchPort
 from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
 
 MAX_PORTS = 256
@@ -45,7 +45,7 @@ class Switch:
         report: Callable[[str], None],
         model: WireModel | None = None,
         once: bool = False,
-        bus_ports: Sequence[Port] = (),
+        bus_ports: Sequence[SwitchPort] = (),
     ) -> None:
         self._listener = listener
         self._queue_limit_bytes = queue_limit_bytes
@@ -53,13 +53,13 @@ class Switch:
         self._report = report
         self._model = model
         self._once = once
-        self._ports: dict[int, Port] = {}
+        self._ports: dict[int, SwitchPort] = {}
         #: Replaced, never changed in place: a port may be dropped while packets are carried.
-        self._members: list[Port] = list(bus_ports)
+        self._members: list[SwitchPort] = list(bus_ports)
         self._bus_ports = tuple(bus_ports)
         self._bulk_readers = False
         #: Event mask each port is registered with; 0 means that it is not registered.
-        self._watched: dict[Port, int] = {}
+        self._watched: dict[SwitchPort, int] = {}
         self._is_accepting = True
         self._had_member = False
         self._stopping = False
@@ -163,7 +163,7 @@ class Switch:
                 for packet in port.coalescer.flush():
                     self._hand_over(port, packet)
 
-    def _read(self, port: Port) -> None:
+    def _read(self, port: SwitchPort) -> None:
         try:
             packets = port.receive()
         except PortClosed:
@@ -187,7 +187,7 @@ class Switch:
                 self._model.offer(port, packet, time.monotonic_ns())
                 self._update(port)
 
-    def _carry(self, source: Port, packet: bytes) -> None:
+    def _carry(self, source: SwitchPort, packet: bytes) -> None:
         for port in self._members:
             if port is source:
                 if not source.receive_own:
@@ -201,7 +201,7 @@ class Switch:
             else:
                 self._hand_over(port, packet_for_port)
 
-    def _hand_over(self, port: Port, packet: bytes) -> None:
+    def _hand_over(self, port: SwitchPort, packet: bytes) -> None:
         try:
             if port.send(packet):
                 self._update(port)
@@ -216,12 +216,12 @@ class Switch:
         for port in [port for port, events in self._watched.items() if not events & _READ]:
             self._update(port)
 
-    def _flush(self, port: Port) -> None:
+    def _flush(self, port: SwitchPort) -> None:
         if port in self._watched:
             port.flush()
             self._update(port)
 
-    def _update(self, port: Port) -> None:
+    def _update(self, port: SwitchPort) -> None:
         """Let epoll watch the port's input unless the model is full, its output while it has a backlog."""
         before = self._watched.get(port)
         if before is None:
@@ -265,12 +265,12 @@ class Switch:
         kind = SocketPort if sock.family == socket.AF_UNIX else StreamPort
         self._watch(kind(sock, f"client {self._accepted}", self._queue_limit_bytes))
 
-    def _watch(self, port: Port) -> None:
+    def _watch(self, port: SwitchPort) -> None:
         self._ports[port.fileno()] = port
         self._watched[port] = _READ
         self._epoll.register(port.fileno(), _READ)
 
-    def _greet(self, port: Port, packet: bytes) -> bool:
+    def _greet(self, port: SwitchPort, packet: bytes) -> bool:
         """Answer the hello and let the port in; False when it is cut off instead."""
         try:
             hello = decode_hello(packet)
@@ -290,11 +290,11 @@ class Switch:
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
         return True
 
-    def _drop(self, port: Port, reason: str) -> None:
+    def _drop(self, port: SwitchPort, reason: str) -> None:
         self._report(f"{port.name} is disconnected: {reason}")
         self._leave(port)
 
-    def _leave(self, port: Port) -> None:
+    def _leave(self, port: SwitchPort) -> None:
         fd = port.fileno()
         if self._ports.get(fd) is not port:
             return

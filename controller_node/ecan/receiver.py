@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from railhil.bus.frame import Frame
-from railhil.bus.store import Verdict
+from railhil.bus.store import FrameCheck
 from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.controller_node.ecan.mailboxes import POLL, Mailbox
 from railhil.controller_node.ecan.module import Ecan
@@ -34,25 +34,25 @@ class Receiver:
         self.ecan = Ecan(table, counter, at_once)
         self._counter = counter
         # By mailbox number: what the store has said of its newest frame, when somebody has asked.
-        self._verdicts: dict[int, Verdict | None] = {}
+        self._checked: dict[int, FrameCheck | None] = {}
         self._task_period_ns = task_period_ns
         self._task_slot = -1
 
-    def receive(self, frame: Frame, verdict: Verdict | None, now_ns: int) -> int | None:
+    def receive(self, frame: Frame, checked: FrameCheck | None, now_ns: int) -> int | None:
         """Take a frame; returns its time stamp when it is read at once, None when it is lost or waits for the task."""
         ecan = self.ecan
         number = ecan.receive(frame, now_ns)
         if number < 0:
             return None
         if self.has_task and number in self._task_numbers:
-            self._verdicts[number] = verdict
+            self._checked[number] = checked
             return None
         return ecan.stamps[number]
 
-    def read_due(self, now_ns: int) -> Sequence[tuple[Frame, Verdict | None, int, int]]:
+    def read_due(self, now_ns: int) -> Sequence[tuple[Frame, FrameCheck | None, int, int]]:
         """The task: once per period, read every mailbox that holds a frame, in ascending order.
 
-        :returns: the frame with its verdict, when it came (simulation time, ns), and its time stamp.
+        :returns: the frame, its check if there was one, when it came (simulation time, ns), and its time stamp.
         """
         slot = now_ns // self._task_period_ns
         if slot == self._task_slot:
@@ -60,7 +60,7 @@ class Receiver:
         self._task_slot = slot
         stamps, age_ns = self.ecan.stamps, self._counter.age_ns
         return [
-            (frame, self._verdicts[number], now_ns - age_ns(stamps[number], now_ns), stamps[number])
+            (frame, self._checked[number], now_ns - age_ns(stamps[number], now_ns), stamps[number])
             for number in self._task_numbers
             if (frame := self.ecan.read(number)) is not None
         ]

@@ -13,7 +13,7 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.names import comment
 from railhil.controller_node.node import ANSWERS, MAILBOXES
 from railhil.controller_node.program.model import LawProgram
-from railhil.controller_node.watch import Ladder
+from railhil.controller_node.speed_watch import Ladder
 from railhil.dbc import Port, wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet

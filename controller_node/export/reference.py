@@ -40,7 +40,7 @@ _MASK = 2**32 - 1
 
 
 @dataclass(frozen=True, slots=True)
-class Record:
+class LogPeriod:
     """One control period of a log: flags, what is on the wire, notch sent (1/256)."""
 
     flags: int
@@ -83,7 +83,7 @@ class _Twin:
         self._inputs, self._start, self._step, self._sent = (Evaluator(part, other) for part in parts)
         self._state: dict[str, int] | None = None
 
-    def period(self, record: Record) -> tuple[int, ...]:
+    def period(self, record: LogPeriod) -> tuple[int, ...]:
         """Result words of one control period."""
         inputs, outputs = self.loop.step(record.k, record.speed_01mmps, record.position_01mm, record.balise)
         wire = {"k": record.k, "speed_01mmps": record.speed_01mmps, "position_01mm": record.position_01mm}
@@ -112,7 +112,7 @@ def _wire_speed(kmh_raw: int) -> int:
     return kmh_raw * 25_000 // (9 << SPEED_Q)
 
 
-def _following(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
+def _following(scenario: Scenario, twin: _Twin) -> Iterator[LogPeriod]:
     """A run near its set-points, with another notch sent now and then; then the train stands."""
     generator = _Generator(1)
     speed = position = 0
@@ -120,7 +120,7 @@ def _following(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
     period_ms = scenario.timing.control_period_ns // 1_000_000
     for k in range(_PERIODS):
         flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 3 else 0)
-        yield Record(flags, k, speed, position, generator.between(-256, 256), balise)
+        yield LogPeriod(flags, k, speed, position, generator.between(-256, 256), balise)
         set_point = _wire_speed(twin.loop.inputs(k, 0, position).set_point)
         speed = set_point + generator.between(-400, 400) if k < _PERIODS - 10 else 0
         position += speed * period_ms // 1000
@@ -128,7 +128,7 @@ def _following(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
             balise = BaliseReading(k // _BALISE_EVERY + 1, position + generator.between(-20_000, 20_000), position)
 
 
-def _settled(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
+def _settled(scenario: Scenario, twin: _Twin) -> Iterator[LogPeriod]:
     """At the steadiest set-point of the timetable, with notches near 0: every other speed is right to a few mm/s."""
     generator = _Generator(4)
     loop = twin.loop
@@ -145,10 +145,10 @@ def _settled(scenario: Scenario, twin: _Twin) -> Iterator[Record]:
         limit = _NEAR_01MMPS if k % 2 else _OFF_01MMPS
         off = generator.between(-limit, limit)
         flags = (FLAG_BEGIN if k == 0 else 0) | FLAG_SENT
-        yield Record(flags, steady, right + off, 0, generator.between(-8, 8))
+        yield LogPeriod(flags, steady, right + off, 0, generator.between(-8, 8))
 
 
-def _jumping() -> Iterator[Record]:
+def _jumping() -> Iterator[LogPeriod]:
     """Speeds and positions without any order, within what a train can have."""
     generator = _Generator(2)
     for k in range(_PERIODS):
@@ -156,10 +156,10 @@ def _jumping() -> Iterator[Record]:
         position = generator.between(0, 40_000_000)
         flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 5 else 0)
         balise = BaliseReading(*(generator.between(0, high) for high in (8, 40_000_000, 40_000_000)))
-        yield Record(flags, generator.between(0, 500), speed, position, generator.between(-2048, 2048), balise)
+        yield LogPeriod(flags, generator.between(0, 500), speed, position, generator.between(-2048, 2048), balise)
 
 
-def _limits() -> Iterator[Record]:
+def _limits() -> Iterator[LogPeriod]:
     """The limits of the wire and of int32."""
     generator = _Generator(3)
     speeds = (_SPEED_MIN, -1, 0, 1, _SPEED_MAX)
@@ -169,7 +169,7 @@ def _limits() -> Iterator[Record]:
         flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 2 else 0)
         k_, speed, position = [values[generator.between(0, len(values) - 1)] for values in (periods, speeds, positions)]
         balise = BaliseReading(*(positions[generator.between(0, len(positions) - 1)] for _ in range(3)))
-        yield Record(flags, k_, speed, position, (-32768, 32767)[k % 2], balise)
+        yield LogPeriod(flags, k_, speed, position, (-32768, 32767)[k % 2], balise)
 
 
 def _line(words: Sequence[int]) -> str:

@@ -45,7 +45,7 @@ DESIGN_SEEDS = dict.fromkeys(
 
 
 @dataclass(frozen=True)
-class Plan:
+class PlannedRun:
     """The run as planned, at the instants ``times_s`` (arrays of their shape): what the actuator has to do.
 
     ``force_mps2`` is the acceleration wanted plus ``drag_mps2``, that of running resistance and grade, both per
@@ -61,7 +61,7 @@ class Plan:
     brake_n: Matrix
 
 
-def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> Plan:
+def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> PlannedRun:
     """The target curve with the forces that the nominal train needs on the nominal line.
 
     After the stop the last deceleration goes on, position and speed run backwards, and the drag is that of standstill.
@@ -73,7 +73,7 @@ def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> Plan:
     forward_mps = np.maximum(speed_mps, 0.0)
     grade_permil = MeanGrade(scenario.line.grade_permil, train.length_m)(front_m)
     drag = resistance_n(train, forward_mps, grade_permil) / train.inertial_mass_kg * float(drag_known)
-    return Plan(
+    return PlannedRun(
         times_s,
         position_m,
         speed_mps,
@@ -157,7 +157,7 @@ def replanning_gains(
 
 
 @dataclass(frozen=True)
-class Lag:
+class ActuatorWeights:
     """Actuator with pole p between two control periods, as weights on [lagged notch, notch before, notch now].
 
     A notch acts ``delay_s`` after its control period begins. ``over_period``: the lagged notch one period later, and
@@ -168,7 +168,7 @@ class Lag:
     over_delay: tuple[tuple[float, float], tuple[float, float]]
 
 
-def lag(pole_per_s: float, period_s: float, delay_s: float) -> Lag:
+def lag(pole_per_s: float, period_s: float, delay_s: float) -> ActuatorWeights:
     """Exact for notches that are constant between the instants at which they begin to act."""
 
     def part(length_s: float) -> tuple[float, float]:
@@ -184,4 +184,4 @@ def lag(pole_per_s: float, period_s: float, delay_s: float) -> Lag:
         delay_s - first_sum + (1 - first) * rest_sum,
         rest_s - rest_sum,
     )
-    return Lag((lagged, integral), ((first, 1 - first), (first_sum, delay_s - first_sum)))
+    return ActuatorWeights((lagged, integral), ((first, 1 - first), (first_sum, delay_s - first_sum)))

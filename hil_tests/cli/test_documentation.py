@@ -80,3 +80,15 @@ def test_code_blocks_name_only_commands_that_exist():
                     seen += 1
                     assert match[0].strip().removeprefix("railhil ") in _options(), line
     assert seen > 50
+
+
+def test_a_frame_and_a_score_are_followed_through_files_that_are_there() -> None:
+    """Two numbered lists: each station is a file of its own, and none comes twice."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").partition("## Follow one frame")[2]
+    numbered = re.findall(r"^(\d+)\. `([^`]+)`", text.partition("\n## ")[0], re.MULTILINE)
+    begins = [place for place, (number, _) in enumerate(numbered) if number == "1"]
+    assert len(begins) == 2
+    frame, score = ([path for _, path in part] for part in (numbered[: begins[1]], numbered[begins[1] :]))
+    assert len(set(frame)) == len(frame) <= 12
+    assert len(set(score)) == len(score) <= 8
+    assert all((ROOT / path).exists() for path in (*frame, *score))

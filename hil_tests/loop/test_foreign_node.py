@@ -21,7 +21,7 @@ from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
@@ -70,7 +70,7 @@ def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> No
         c = CNode(exported(scenario, law, indexing), law)
         run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law, indexing=indexing)
         assert run.answers > 1000
-        assert (run.levels, run.c) == ({Level.NORMAL}, {})
+        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
@@ -99,7 +99,13 @@ def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, 
     the first period, or in a handshake."""
     scenario = short("lvshun_tieshan_worn_wheels")
     c = CNode(exported(scenario, law), law)
-    for at_poll, level in ((5, Level.NORMAL), (9, Level.NORMAL), (300, Level.NORMAL), (400, Level.EMERGENCY), (0, 0)):
+    for at_poll, level in (
+        (5, SpeedWatchLevel.NORMAL),
+        (9, SpeedWatchLevel.NORMAL),
+        (300, SpeedWatchLevel.NORMAL),
+        (400, SpeedWatchLevel.EMERGENCY),
+        (0, 0),
+    ):
         if at_poll:
             silent = range(at_poll - 100, at_poll) if level else range(0)
             with pytest.raises(Pulled):
@@ -107,7 +113,7 @@ def test_a_run_after_another_in_one_control_is_as_the_first(exported, law: str, 
             assert (c.ended, c.level) == (0, level)
         run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law)
         assert run.answers > 1000
-        assert (run.levels, run.c) == ({Level.NORMAL}, {})
+        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
         assert run.ended[0] == run.ended[1] >= Event.ENDED_COMPLETE
 
 
@@ -125,7 +131,7 @@ def test_no_single_poll_of_a_handshake_begins_afresh_in_motion(exported, tmp_pat
 
     scenario = short()
     run = twin_run(scenario, CNode(exported(scenario), "ipfc"), tmp_path, wire=wire)
-    assert (added, run.levels, run.c) == ({}, {Level.NORMAL}, {})
+    assert (added, run.levels, run.c) == ({}, {SpeedWatchLevel.NORMAL}, {})
 
 
 # -- a bus that is not healthy --------------------------------------------------------------------------------------
@@ -232,7 +238,7 @@ def test_what_is_wrong_is_used_as_little_as_by_our_node(exported, law: str, inde
         refused |= run.c.keys()
         if often == 0.3:
             assert len(wire.happened) == 9
-            assert max(run.levels) >= Level.TRACTION_CUT
+            assert max(run.levels) >= SpeedWatchLevel.TRACTION_CUT
     if often == 0.3:
         assert refused >= {
             "wrong_length", "wrong_check_sequence", "wrong_master_word", "missing_block", "duplicate", "gap",
@@ -247,10 +253,15 @@ def test_a_silent_port_is_answered_as_by_our_node(exported, silent, polls: int) 
     quiet = {can_id: range(250, 250 + polls) for can_id in silent.port().can_ids}
     run = faulty_run(exported, "ipfc_plus", Faulty(1, 0.0, quiet), name="lvshun_tieshan_worn_wheels")
     if silent is TrnSpeed:
-        reached = {3: Level.HOLD, 8: Level.TRACTION_CUT, 25: Level.SERVICE_BRAKE, 80: Level.EMERGENCY}
+        reached = {
+            3: SpeedWatchLevel.HOLD,
+            8: SpeedWatchLevel.TRACTION_CUT,
+            25: SpeedWatchLevel.SERVICE_BRAKE,
+            80: SpeedWatchLevel.EMERGENCY,
+        }
         assert max(run.levels) == reached[polls]
     if silent is TrnPos:
-        assert max(run.levels) == (Level.SERVICE_BRAKE if polls == 80 else Level.NORMAL)
+        assert max(run.levels) == (SpeedWatchLevel.SERVICE_BRAKE if polls == 80 else SpeedWatchLevel.NORMAL)
 
 
 def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
@@ -258,8 +269,8 @@ def test_speed_is_missing_at_standstill_and_while_braking(exported) -> None:
     HOLD keeps traction down and braking up."""
     missing = {*range(12, 68), *(poll for start in range(300, 1400, 40) for poll in range(start, start + 4))}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, {TrnSpeed.port().address: missing}))
-    assert Level.HOLD in run.levels
-    assert Level.EMERGENCY not in run.levels
+    assert SpeedWatchLevel.HOLD in run.levels
+    assert SpeedWatchLevel.EMERGENCY not in run.levels
 
 
 def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()) -> tuple[list[int], bytes]:
@@ -294,16 +305,22 @@ def test_standing_train_leaves_the_service_brake_at_once(exported) -> None:
     """A standing train is no emergency, however long its speed is missing, and the first speed ends the brake; a moving
     one needs ten good in a row, and stays in emergency."""
     standing, _ = driven(exported, [0] * 50 + [None] * 100 + [0] * 4)
-    assert max(standing) == standing[149] == Level.SERVICE_BRAKE
-    assert standing[150] == Level.NORMAL
+    assert max(standing) == standing[149] == SpeedWatchLevel.SERVICE_BRAKE
+    assert standing[150] == SpeedWatchLevel.NORMAL
     braked, _ = driven(exported, [20_000] * 50 + [None] * 35 + [20_000] * 20)
-    assert [braked.index(Level.SERVICE_BRAKE), braked[93], braked[94]] == [70, Level.SERVICE_BRAKE, Level.NORMAL]
+    assert [braked.index(SpeedWatchLevel.SERVICE_BRAKE), braked[93], braked[94]] == [
+        70,
+        SpeedWatchLevel.SERVICE_BRAKE,
+        SpeedWatchLevel.NORMAL,
+    ]
     moving, _ = driven(exported, [20_000] * 50 + [None] * 100 + [20_000] * 50)
-    assert moving[-1] == Level.EMERGENCY
+    assert moving[-1] == SpeedWatchLevel.EMERGENCY
 
 
-@pytest.mark.parametrize(("bad", "level"), [((300, 304, 309), Level.TRACTION_CUT), ((300, 304, 310), Level.HOLD)])
-def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level: Level) -> None:
+@pytest.mark.parametrize(
+    ("bad", "level"), [((300, 304, 309), SpeedWatchLevel.TRACTION_CUT), ((300, 304, 310), SpeedWatchLevel.HOLD)]
+)
+def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level: SpeedWatchLevel) -> None:
     """The third bad one in the last ten cuts traction, the third in eleven does not."""
     speeds = 0
 
@@ -323,4 +340,4 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
     ids = [can_id for port in wire_contract().ports if port.source == "plant" for can_id in port.can_ids]
     quiet = {can_id: range(200, 300) for can_id in ids}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, quiet))
-    assert max(run.levels) == Level.EMERGENCY
+    assert max(run.levels) == SpeedWatchLevel.EMERGENCY

@@ -17,8 +17,8 @@ from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
 from railhil.bus.telegrams import CtlMode, Event, NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
+from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.watch import Level
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
@@ -41,9 +41,9 @@ def clean(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun
 
 
 @pytest.fixture
-def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Level, float]]:
+def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[CommandWatchLevel, float]]:
     """Level of the train's own watch and traction force at every tick of every run of the test."""
-    seen: list[tuple[Level, float]] = []
+    seen: list[tuple[CommandWatchLevel, float]] = []
     advance = Plant.advance
 
     def recorded(plant: Plant) -> None:
@@ -60,13 +60,13 @@ def notch_table(run: BenchRun) -> tuple[Any, Any, Any]:
     return run.trace.times_s(NotchCmd.PORT), raw(NotchCmd.PORT, "CtlMode"), raw(NotchCmd.PORT, "NotchCmd")
 
 
-def assert_no_traction_when_cut(run: BenchRun, train: list[tuple[Level, float]] | None = None) -> None:
+def assert_no_traction_when_cut(run: BenchRun, train: list[tuple[CommandWatchLevel, float]] | None = None) -> None:
     """Neither watch lets traction through at TRACTION_CUT and above."""
     _, modes, codes = notch_table(run)
     cut = (modes >= CtlMode.TRACTION_CUT) & (modes <= CtlMode.EMERGENCY)
     assert (codes[cut] <= 0).all()
     for level, traction_n in train or ():
-        assert level < Level.TRACTION_CUT or traction_n == 0
+        assert level < CommandWatchLevel.TRACTION_CUT or traction_n == 0
 
 
 class SpeedFault:
@@ -128,7 +128,7 @@ def test_burst_loss_of_speed(
 
 @pytest.mark.parametrize("first", [LOSS_TICK, LOSS_TICK + 1, LOSS_TICK + 16])
 def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
-    lvshun: Scenario, tmp_path: Path, train: list[tuple[Level, float]], first: int
+    lvshun: Scenario, tmp_path: Path, train: list[tuple[CommandWatchLevel, float]], first: int
 ) -> None:
     run = local_run(lvshun, tmp_path, wire=SpeedFault(lose(10**9), first))
     times_s, modes, codes = notch_table(run)
@@ -143,7 +143,9 @@ def test_permanent_loss_of_speed_stops_the_train_on_the_ladder(
     assert run.trace.raw(SimTruth.PORT, "TrueSpeed")[-1] == 0
 
 
-def test_stuck_sender_is_like_loss(lvshun: Scenario, tmp_path: Path, train: list[tuple[Level, float]]) -> None:
+def test_stuck_sender_is_like_loss(
+    lvshun: Scenario, tmp_path: Path, train: list[tuple[CommandWatchLevel, float]]
+) -> None:
     """The last telegram again and again: nothing of it refreshes anything."""
     held: list[Frame] = []
 

@@ -14,8 +14,8 @@ import pytest
 from hil_tests.support.cli import railhil, wait_for
 from railhil.bus.errors import PeerSilent
 from railhil.common.patience import LATER_S, Lifelines
-from railhil.controller_node import node as node_module
-from railhil.controller_node.node import serve
+from railhil.controller_node import serve as serve_module
+from railhil.controller_node.serve import serve
 from railhil.supervisor.processes import Nodes
 
 _PROGRAM = "import time; time.sleep(600)"
@@ -66,7 +66,7 @@ def test_a_controller_waits_as_long_as_the_bus_administrator_may(
 ) -> None:
     """Which waits for another node in lockstep; before the first frame it has a time of its own."""
     clock = SimpleNamespace(now_s=0.0)
-    monkeypatch.setattr(node_module, "time", SimpleNamespace(monotonic=lambda: clock.now_s))
+    monkeypatch.setattr(serve_module, "time", SimpleNamespace(monotonic=lambda: clock.now_s))
     frames = [["a frame"]] if heard else []
 
     def receive(timeout_s: float) -> list[str]:

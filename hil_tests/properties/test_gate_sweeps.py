@@ -15,7 +15,15 @@ from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
 from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
 from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from railhil.controller_node.speed_watch import (
+    Ladder,
+    Reception,
+    Seen,
+    SpeedWatchLevel,
+    SpeedWatchState,
+    command,
+    observe,
+)
 from railhil.plant_sim import gate
 from railhil.scenarios.load import load
 
@@ -70,14 +78,14 @@ class PlainGuard:
 
     def __init__(self) -> None:
         self.ladder = Ladder.of(SCENARIO)
-        self.state = WatchState()
+        self.state = SpeedWatchState()
         self.fresh: list[int] = []
         self.good: list[tuple[int, int]] = []
         self.limits: list[int] = []
         self.sent: list[int] = [0]
         self.counters: dict[str, int] = {}
 
-    def look(self, telegram: Telegram, now_ns: int) -> None:
+    def look(self, telegram: Reception, now_ns: int) -> None:
         at_ns, speed = self.good[-1] if self.good else (0, -1)
         margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
         too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
@@ -91,18 +99,18 @@ class PlainGuard:
         step = (life - self.fresh[-1]) % 16 if self.fresh else 1
         if step == 0 or step >= 8:
             self.count("out_of_order" if step else "duplicate")
-            return self.look(Telegram.NONE, now_ns)
+            return self.look(Reception.NONE, now_ns)
         self.fresh.append(life)
         if step > 1:
             self.count("gap")
         if check != 1 or speed < 0 or speed > 1_500_000:
             self.count("out_of_range" if check == 1 else "check_variable")
-            return self.look(Telegram.BAD, now_ns)
+            return self.look(Reception.BAD, now_ns)
         self.good.append((now_ns, speed))
-        return self.look(Telegram.GOOD, now_ns)
+        return self.look(Reception.GOOD, now_ns)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
-        self.look(Telegram.NONE, now_ns)
+        self.look(Reception.NONE, now_ns)
         elapsed_ms = (now_ns - self.sent[-1]) // MS
         self.sent.append(now_ns)
         self.state, code, emergency = command(self.ladder, self.state, law_code, elapsed_ms)
@@ -146,14 +154,14 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
         subject = module.Guard(SCENARIO)
         subject.speed(TrnSpeed(speed), 0)
         assert subject.speed_01mmps == (speed if 0 <= speed <= 1_500_000 else None)
-        assert subject.level is (Level.NORMAL if 0 <= speed <= 1_500_000 else Level.HOLD)
+        assert subject.level is (SpeedWatchLevel.NORMAL if 0 <= speed <= 1_500_000 else SpeedWatchLevel.HOLD)
     limit = 5000
     edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
     for speed in range(edge - 3, edge + 4):
         subject = module.Guard(SCENARIO)
         subject.limit(TrkInfo(speed_limit_4mmps=limit))
         subject.speed(TrnSpeed(speed), 0)
-        assert (subject.level is Level.EMERGENCY) == (speed > edge)
+        assert (subject.level is SpeedWatchLevel.EMERGENCY) == (speed > edge)
     for age_ms in range(1100):
         for extra_ns in (0, MS - 1):
             subject = module.Guard(SCENARIO)
@@ -163,9 +171,11 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
             assert subject.level == expected
     # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
     for age_ms in (20, 21, *range(300, 304)):
-        level = (Level.NORMAL, Level.HOLD, Level.SERVICE_BRAKE)[(age_ms > 20) + (age_ms > 256)]
+        level = (SpeedWatchLevel.NORMAL, SpeedWatchLevel.HOLD, SpeedWatchLevel.SERVICE_BRAKE)[
+            (age_ms > 20) + (age_ms > 256)
+        ]
         subject = module.Guard(SCENARIO)
-        code = -command_ramp(age_ms) if level is Level.SERVICE_BRAKE else 0
+        code = -command_ramp(age_ms) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
         assert subject.level is level
     # A limit that comes after the speed of the same tick counts in that tick.
@@ -177,7 +187,7 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(0), 0)
     assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
-    assert subject.level is Level.SERVICE_BRAKE
+    assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
 
 
 def sweep_guard_position(module: ModuleType) -> None:
@@ -189,7 +199,7 @@ def sweep_guard_position(module: ModuleType) -> None:
             now_ns = 10 * tick * MS
             # Each was received one tick before it is read.
             subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
-            assert subject.level is (Level.SERVICE_BRAKE if needed and tick > 100 else Level.NORMAL)
+            assert subject.level is (SpeedWatchLevel.SERVICE_BRAKE if needed and tick > 100 else SpeedWatchLevel.NORMAL)
         # From 0 to 1.18 s at the speed in the middle, and one tick on at the last speed; 0.1 mm.
         assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
 

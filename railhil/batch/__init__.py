@@ -20,7 +20,7 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.supervisor.criteria import ATO_CRITERIA, with_sign
 
 if TYPE_CHECKING:
-    from railhil.batch.engine import Chunk
+    from railhil.batch.engine import BatchRuns
 
 __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", "trace_digest"]
 
@@ -67,7 +67,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
     return _result(case, seeds, chunks, keep_notches)
 
 
-def _result(case: Case, seeds: Sequence[int], chunks: list[Chunk], keep_notches: bool) -> BatchResult:
+def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> BatchResult:
     scores = [score for chunk in chunks for score in chunk.scores]
     codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
     counts = {

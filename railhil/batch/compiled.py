@@ -23,7 +23,7 @@ from railhil.common import compilable
 from railhil.common.compilable import F
 
 # Their marked functions are told to numba.
-from railhil.plant_sim import dynamics, forces, sensors, watch
+from railhil.plant_sim import command_watch, dynamics, forces, sensors
 from railhil.scenarios import target
 from railhil.supervisor import measures
 from railhil.supervisor.extras import missing
@@ -103,7 +103,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     """
     # numba's own folder inside is named after the place of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
-    modules = (dynamics, forces, sensors, watch, target, measures, compilable)
+    modules = (dynamics, forces, sensors, command_watch, target, measures, compilable)
     for path in (__file__, *(str(module.__file__) for module in modules), *sources):
         digest.update(Path(path).read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

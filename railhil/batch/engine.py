@@ -31,7 +31,7 @@ _KINDS = (WRAP, SATURATION, DIVISION_BY_ZERO)
 
 
 @dataclass(frozen=True, slots=True)
-class Chunk:
+class BatchRuns:
     """Runs of some seeds: their scores, the notch codes (steps, N), how many of them belong to each run, and what
     has gone wrong in the law's arithmetic (kind -> (N,))."""
 
@@ -59,7 +59,7 @@ class Engine:
         self._loop: ControlLoop[Any] = loop
         self._number = loop.arithmetic
 
-    def run(self, seeds: Sequence[int]) -> Chunk:
+    def run(self, seeds: Sequence[int]) -> BatchRuns:
         """Run the seeds together.
 
         :raises PlantError: the state of a train is no longer finite.
@@ -85,7 +85,7 @@ class Engine:
         if not finite.all():
             raise PlantError(f"plant state is not finite with seed {seeds[int(np.argmin(finite))]}")
         steps = np.searchsorted(times.steps, records["end_tick"], side="right")
-        return Chunk(self._scores(fleet, watch), codes, steps, watch.counts)
+        return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 
     def _step(self, k: int, records: NDArray[Any], fleet: Trains) -> Ints:
         """The law's answer for all trains in control period ``k``."""

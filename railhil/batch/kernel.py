@@ -17,11 +17,11 @@ from railhil.batch import compiled, curve, layout
 from railhil.bus.telegrams import STOP_LEG_MIN_M, Event
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim import events, plant
+from railhil.plant_sim.command_watch import CommandWatchLevel, CommandWatchState, watch_brake_mps2, watch_step
 from railhil.plant_sim.dynamics import Lag, Motion, Window, acceleration_mps2, applied_n, lag, step
 from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
-from railhil.plant_sim.watch import Level, WatchState, watch_brake_mps2, watch_step
 from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
 _COMPLETE, _NOT_STOPPED = int(Event.ENDED_COMPLETE), int(Event.ENDED_NOT_STOPPED)
@@ -78,7 +78,11 @@ def _change_limit(common: Any, train: Any) -> None:
 @compiled.aside
 def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
     """What the train's watch leaves of the forces while it brakes, or has just let go."""
-    if train.level == Level.EMERGENCY and before != Level.EMERGENCY and train.emergency_01ms < 0:
+    if (
+        train.level == CommandWatchLevel.EMERGENCY
+        and before != CommandWatchLevel.EMERGENCY
+        and train.emergency_01ms < 0
+    ):
         train.emergency_01ms = round((tick * common.step_s + 0.0) * 1e4)
     force_n = applied_n(_constants(common, train), _window(train), _motion(train))
     train.watch_brake_mps2 = watch_brake_mps2(
@@ -89,7 +93,7 @@ def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
         common.step_s,
         common.service_mps2,
     )
-    train.traction = 1 if train.level < Level.TRACTION_CUT else 0
+    train.traction = 1 if train.level < CommandWatchLevel.TRACTION_CUT else 0
     train.brake_min_n = train.watch_brake_mps2 * train.mass_kg
     if train.traction == 0 and train.actuator_n > 0.0:
         train.actuator_n = 0.0
@@ -103,14 +107,14 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
     before = train.level
     watch = watch_step(
         common.limits,
-        WatchState(before, train.age_ticks, train.good),
+        CommandWatchState(before, train.age_ticks, train.good),
         polled,
         train.speed_mps > 0.0,
         train.speed_mps < train.limit_mps,
         train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
     )
     train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
-    if watch.level < Level.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
+    if watch.level < CommandWatchLevel.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
         train.traction, train.brake_min_n = 1, 0.0
     else:
         _restrain(common, train, before, tick)

@@ -102,7 +102,7 @@ _FIELDS = [
         "acting_code",
         "staged_first",
         "staged_count",
-        # Balises passed, readings.
+        # BalisePasses passed, readings.
         "passed",
         "speed_01mmps",
         "odometer_01mm",

@@ -16,11 +16,11 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.plant_sim import force_tables
+from railhil.plant_sim.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.dynamics import lag
-from railhil.plant_sim.forces import EffortTable
+from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.run_end import RunEnd
-from railhil.plant_sim.watch import INITIAL, watch_ticks
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit
@@ -30,7 +30,7 @@ from railhil.supervisor.journey import ErrorGrid
 Ints = NDArray[np.int64]
 
 
-class TargetTable(NamedTuple):
+class TargetPieces(NamedTuple):
     """Pieces of a target curve as arrays, as :class:`railhil.scenarios.target.Target` computes them; ``moving``:
     pieces that begin before the stop."""
 
@@ -87,7 +87,7 @@ class Times:
         return cls(schedule, last_tick, after_stop, steps, ends, periods[first], truth_s, columns, control_sample)
 
 
-def _effort(effort: Effort) -> EffortTable:
+def _effort(effort: Effort) -> EffortLimit:
     table = force_tables.effort_table(effort)
     return table._replace(curve_mps=np.array(table.curve_mps), curve_n=np.array(table.curve_n))  # type: ignore[arg-type]
 
@@ -125,7 +125,7 @@ def common(scenario: Scenario, indexing: str, times: Times) -> Common:
         wanted_mps=np.concatenate(([0.0], target.speed_mps(grid.time_s))),
         cycle=cycle,
         control_sample=times.control_sample,
-        target=TargetTable(
+        target=TargetPieces(
             target._time,
             target._accel,
             target._jerk,
@@ -139,7 +139,7 @@ def common(scenario: Scenario, indexing: str, times: Times) -> Common:
 
 
 @dataclass(frozen=True, slots=True)
-class Balises:
+class BalisePasses:
     """Balises of N trains in the order of passing.
 
     ``true_m`` has the shape (N, balises). The rest is what the law is given, behind a first column of zeros for none
@@ -158,7 +158,7 @@ class Trains:
 
     records: NDArray[Any]
     tables: PerTrain
-    balises: Balises
+    balises: BalisePasses
 
 
 def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, cycles: int) -> Trains:
@@ -201,7 +201,7 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     return Trains(records, tables, balises)
 
 
-def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> Balises:
+def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> BalisePasses:
     """Balises of all trains; a position is one number for all or an array."""
     rows, shape = actual.line.balises, (len(actual.line.balises), wheel_factor.size)
     true_m = np.empty(shape)
@@ -218,7 +218,7 @@ def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> Balises:
     def behind_none(values: Ints) -> Ints:
         return np.concatenate((np.zeros((wheel_factor.size, 1), dtype=np.int64), values), axis=1)
 
-    return Balises(true_m, *(behind_none(values) for values in (numbers[order].T, surveyed[order].T, passing)))
+    return BalisePasses(true_m, *(behind_none(values) for values in (numbers[order].T, surveyed[order].T, passing)))
 
 
 def status_tick(times: Times, tick: int, end_tick: int) -> int:

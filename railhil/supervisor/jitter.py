@@ -48,7 +48,7 @@ class Jitter:
 
     @property
     def valid(self) -> bool:
-        """Timing good enough for a verdict."""
+        """Good enough for a verdict."""
         return self.late_share <= LATE_SHARE_MAX and self.max_ms < PAUSE_MS
 
     def sentence(self) -> str:
@@ -78,7 +78,7 @@ class Answers:
 
 
 @dataclass(frozen=True, slots=True)
-class Timing:
+class RunTiming:
     """Timing of a run. ``source`` says who measured; in lockstep nobody did, for there was nothing to be late for.
 
     ``answers`` are known to the plant only; ``scheduling`` holds what each process was granted, by role. ``pace``: a
@@ -175,18 +175,18 @@ def _answers(port: str, taken_ns: npt.NDArray[np.int64]) -> Answers:
     return Answers(port, len(taken_ns), int(np.sum(taken_ns < 0)), float(p50), float(p99), longest_ms)
 
 
-def lockstep_timing(trace: Trace) -> Timing:
+def lockstep_timing(trace: Trace) -> RunTiming:
     """Timing of a run whose time waited for everybody."""
-    return Timing(NOBODY, trace.polls, trace.missed_polls)
+    return RunTiming(NOBODY, trace.polls, trace.missed_polls)
 
 
 def realtime_timing(
     folder: Path, trace: Trace, arrivals: Jitter, scheduling: Mapping[str, str], pace: str = ""
-) -> Timing:
+) -> RunTiming:
     """Timing of a realtime run, from the plant's table in ``folder`` or else from what the recorder saw."""
     measured = plant_timing(folder / TIMING)
     if measured is None:
-        return Timing(RECORDER, trace.polls, trace.missed_polls, arrivals, arrivals, (), scheduling, pace)
+        return RunTiming(RECORDER, trace.polls, trace.missed_polls, arrivals, arrivals, (), scheduling, pace)
     jitter, answers = measured
     polls, missed = sum(item.polls for item in answers), sum(item.missed for item in answers)
-    return Timing(PLANT, polls, missed, jitter, arrivals, answers, scheduling, pace)
+    return RunTiming(PLANT, polls, missed, jitter, arrivals, answers, scheduling, pace)

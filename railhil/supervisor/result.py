@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.supervisor.jitter import Timing
+from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
 
@@ -29,7 +29,7 @@ class RunResult:
     #: What it has said in its file of the law's own parameters.
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
-    timing: Timing | None = None
+    timing: RunTiming | None = None
 
     @property
     def trusted(self) -> bool:

@@ -21,7 +21,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
-    Timing,
+    RunTiming,
     arrivals_of,
     kept_pace,
     lockstep_timing,
@@ -301,7 +301,7 @@ class Run:
     def _shown(self) -> ShownTelemetry | None:
         return None if self._judging.shown is None else self._judging.shown(self.trace)
 
-    def _timing(self) -> Timing:
+    def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""
         session, options = self.session, self.options
         if options.pace == "lockstep":

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from hil_tests.transport.hub.test_hub_process import PATIENCE_S, HubProcess, running_hub
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.client import HubBus
-from railhil.bus.hub.link import SendTimeout
+from railhil.bus.hub.connection import SendTimeout
 
 
 @pytest.fixture(scope="module", params=["path", "tcp"])

@@ -10,7 +10,7 @@ import pytest
 
 from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
-from railhil.bus.hub.link import HubLost
+from railhil.bus.hub.connection import HubLost
 from railhil.bus.hub.wire import encode_hello, pack_frame
 
 

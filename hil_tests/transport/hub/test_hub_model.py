@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.hub.bitlength import arbitration_key, crc15, frame_bits, stuff_bit_positions
 from railhil.bus.hub.model import PENDING_LIMIT_FRAMES, WireModel
-from railhil.bus.hub.ports import Port
+from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.wire import pack_frame, unpack_frames
 
 
@@ -106,7 +106,7 @@ def test_arbitration_is_won_by_the_first_dominant_bit(first: Frame, second: Fram
     assert (keys[0] == keys[1]) == (bits[0] == bits[1])
 
 
-class _NamedPort(Port):
+class _NamedPort(SwitchPort):
     """A port that only stands for its name: the model never touches more."""
 
     def fileno(self) -> int:
@@ -125,7 +125,7 @@ class _NamedPort(Port):
         return
 
 
-def _ids_of(delivered: list[tuple[Port, bytes]]) -> list[int]:
+def _ids_of(delivered: list[tuple[SwitchPort, bytes]]) -> list[int]:
     return [unpack_frames(packet)[0].can_id for _, packet in delivered]
 
 

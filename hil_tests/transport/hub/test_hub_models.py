@@ -12,7 +12,7 @@ import pytest
 from hil_tests.transport.hub.test_hub_process import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
 from railhil.bus.hub.bitlength import frame_bits
-from railhil.bus.hub.link import SendTimeout
+from railhil.bus.hub.connection import SendTimeout
 
 _SLOW_BITRATE_BPS = 10_000
 

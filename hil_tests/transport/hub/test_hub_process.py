@@ -23,7 +23,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.hub import client
 from railhil.bus.hub.address import HUB_START_S
 from railhil.bus.hub.client import HubBus, HubUnavailable
-from railhil.bus.hub.link import HubLost
+from railhil.bus.hub.connection import HubLost
 
 #: Long enough for any machine: reaching it is a failure, not a measurement.
 PATIENCE_S = 20.0

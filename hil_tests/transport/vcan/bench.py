@@ -22,7 +22,8 @@ from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
 from railhil.common.scheduling import cycle
-from railhil.controller_node.node import ControllerNode, ControllerOptions, run_controller
+from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.controller_node.serve import run_controller
 from railhil.plant_sim.node import PlantNode, PlantOptions
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.options import RunOptions

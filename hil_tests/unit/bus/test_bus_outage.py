@@ -20,7 +20,7 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame, master_frame
 from railhil.bus.telegrams import TrnSpeed
 from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.plant_sim.node import PlantNode, PlantOptions
 
 _TICK_NS = 10_000_000
@@ -307,7 +307,12 @@ def test_an_outage_beyond_the_ends_of_the_telegram_is_reckoned_by_the_end(rate, 
 
 @pytest.mark.parametrize(
     ("out_s", "level"),
-    [(0.03, Level.HOLD), (0.1, Level.TRACTION_CUT), (0.5, Level.SERVICE_BRAKE), (2.0, Level.EMERGENCY)],
+    [
+        (0.03, SpeedWatchLevel.HOLD),
+        (0.1, SpeedWatchLevel.TRACTION_CUT),
+        (0.5, SpeedWatchLevel.SERVICE_BRAKE),
+        (2.0, SpeedWatchLevel.EMERGENCY),
+    ],
 )
 def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, level):
     node = ControllerNode(lvshun, ControllerOptions())
@@ -316,7 +321,7 @@ def test_after_an_outage_the_watch_knows_how_old_the_speed_was(lvshun, out_s, le
     node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=10))
     for frame in telegrams[1:]:
         node.handle(frame)
-    assert node.guard.level is Level.NORMAL
+    assert node.guard.level is SpeedWatchLevel.NORMAL
     node.was_out(round(out_s * 1e9))
     assert node.guard.level is level
 

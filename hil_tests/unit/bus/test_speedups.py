@@ -12,7 +12,7 @@ from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
-from railhil.controller_node.watch import Ladder, Level, WatchState, command
+from railhil.controller_node.speed_watch import Ladder, SpeedWatchLevel, SpeedWatchState, command
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
@@ -116,16 +116,19 @@ def test_forces_shown_are_those_of_this_instant() -> None:
 def test_the_watch_remembers_the_notch_it_sent() -> None:
     ladder, source = Ladder.of(load("lvshun_tieshan")), random.Random(3)
     for _ in range(500):
-        state = WatchState(
-            Level(source.randrange(5)), code=source.randint(-9, 9), kept_code=-3, returning=source.random() < 0.5
+        state = SpeedWatchState(
+            SpeedWatchLevel(source.randrange(5)),
+            code=source.randint(-9, 9),
+            kept_code=-3,
+            returning=source.random() < 0.5,
         )
         law_code, elapsed_ms = source.randint(-9, 9), source.choice((0, 1, 20))
         after, code, emergency = command(ladder, state, law_code, elapsed_ms)
-        returning = state.returning or state.level >= Level.TRACTION_CUT
-        if state.level is Level.NORMAL:
+        returning = state.returning or state.level >= SpeedWatchLevel.TRACTION_CUT
+        if state.level is SpeedWatchLevel.NORMAL:
             returning = code < law_code
         assert after == state._replace(code=code, returning=returning)
-        assert emergency == (state.level is Level.EMERGENCY)
+        assert emergency == (state.level is SpeedWatchLevel.EMERGENCY)
 
 
 def test_positions_are_limited_on_both_sides() -> None:

@@ -19,7 +19,7 @@ from railhil.controller_node.ecan.mailboxes import Mailbox
 from railhil.controller_node.ecan.module import Ecan
 from railhil.controller_node.ecan.timestamp import BitCounter, MessageAge
 from railhil.controller_node.guard import Guard
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 
 RATE = 500_000
 MS = 1_000_000
@@ -239,7 +239,7 @@ def test_guard_ages_right_across_the_wrap_of_a_long_run(lvshun) -> None:
         for now_ns in range(edge_ns - 200 * MS, edge_ns + 10 * MS, 10 * MS):
             life = (life + 1) % 16
             guard.speed(TrnSpeed(0, life=life), now_ns, counter.at(now_ns))
-        assert guard.level is Level.NORMAL
+        assert guard.level is SpeedWatchLevel.NORMAL
         for age_ms in (10, 20, 21, 64, 65, 256, 257):
             guard.notch(0, edge_ns + age_ms * MS)
             expected = (age_ms > 20) + (age_ms > 64) + (age_ms > 256)
@@ -251,9 +251,9 @@ def test_guard_takes_the_age_from_the_stamp_not_from_the_reading(lvshun) -> None
     guard, counter = Guard(lvshun), BitCounter(RATE)
     guard.speed(TrnSpeed(100_000, life=1), 1000 * MS, counter.at(990 * MS))
     guard.notch(0, 1010 * MS)
-    assert guard.level is Level.NORMAL
+    assert guard.level is SpeedWatchLevel.NORMAL
     guard.notch(0, 1011 * MS)
-    assert guard.level is Level.HOLD
+    assert guard.level is SpeedWatchLevel.HOLD
 
 
 def test_guard_never_takes_a_channel_dead_for_hours_for_a_young_one(lvshun) -> None:
@@ -261,7 +261,7 @@ def test_guard_never_takes_a_channel_dead_for_hours_for_a_young_one(lvshun) -> N
     guard.speed(TrnSpeed(0, life=1), 0, 0)
     for hour in range(1, 40):
         guard.notch(0, hour * 900 * 1000 * MS)
-        assert guard.level is Level.SERVICE_BRAKE
+        assert guard.level is SpeedWatchLevel.SERVICE_BRAKE
 
 
 def test_clock_set_back_a_little_is_no_age(lvshun) -> None:
@@ -269,7 +269,7 @@ def test_clock_set_back_a_little_is_no_age(lvshun) -> None:
     guard, counter = Guard(lvshun), BitCounter(RATE)
     guard.speed(TrnSpeed(100_000, life=1), 1000 * MS, counter.at(1000 * MS))
     guard.notch(0, 960 * MS)
-    assert guard.level is Level.NORMAL
+    assert guard.level is SpeedWatchLevel.NORMAL
     age = MessageAge(counter)
     age.accept(counter.at(1000 * MS))
     assert age.ns(960 * MS) == 0

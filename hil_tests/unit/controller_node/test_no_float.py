@@ -19,7 +19,7 @@ from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.node import ControllerNode, ControllerOptions
-from railhil.controller_node.watch import Level
+from railhil.controller_node.speed_watch import SpeedWatchLevel
 
 
 class NoFloat:
@@ -210,6 +210,6 @@ def test_no_float_in_the_node(run: Any) -> None:
         node.guard.speed(TrnSpeed(NoFloat(speed), life=k & 0xF), now_ns)  # type: ignore[arg-type]
         node._position(Reading(telegram, now_ns, None))
         notch = node._notch().notch_256th
-        assert node.guard.level is Level.NORMAL
+        assert node.guard.level is SpeedWatchLevel.NORMAL
         assert type(notch) is NoFloat
         assert operator.index(notch) == code

@@ -14,8 +14,8 @@ from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import Event, NotchCmd
 from railhil.controller_node.node import ControllerNode, ControllerOptions
+from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode, PlantOptions
-from railhil.plant_sim.watch import Level
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.session import Session
 
@@ -81,7 +81,7 @@ GOOD_ANSWERS = 500
     [(bad_check, "check_variable"), (out_of_range, "out_of_range"), (stuck_life, "duplicate")],
 )
 def test_the_train_stops_by_itself_when_commands_fail_a_check(
-    short: Scenario, train: list[tuple[Level, float]], fault: Callable[[NotchCmd], NotchCmd], cause: str
+    short: Scenario, train: list[tuple[CommandWatchLevel, float]], fault: Callable[[NotchCmd], NotchCmd], cause: str
 ) -> None:
     answers = AnswerFault(GOOD_ANSWERS, fault)
     plant, _ = run_with_answers(short, answers)
@@ -93,18 +93,23 @@ def test_the_train_stops_by_itself_when_commands_fail_a_check(
     first_tick = 2 * GOOD_ANSWERS
     assert train[first_tick - 10][1] > 0
     levels = [level for level, _ in train[first_tick:]]
-    reached_ticks = {level: levels.index(level) for level in (Level.TRACTION_CUT, Level.SERVICE_BRAKE, Level.EMERGENCY)}
+    reached_ticks = {
+        level: levels.index(level)
+        for level in (CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.SERVICE_BRAKE, CommandWatchLevel.EMERGENCY)
+    }
     # One command more when the first frozen one was still good.
     spare = 2 if plant.plant.gate.counters["accepted"] > GOOD_ANSWERS else 0
-    assert reached_ticks[Level.TRACTION_CUT] <= 7 + spare
-    assert reached_ticks[Level.SERVICE_BRAKE] <= 27 + spare
-    assert reached_ticks[Level.EMERGENCY] <= 102 + spare
+    assert reached_ticks[CommandWatchLevel.TRACTION_CUT] <= 7 + spare
+    assert reached_ticks[CommandWatchLevel.SERVICE_BRAKE] <= 27 + spare
+    assert reached_ticks[CommandWatchLevel.EMERGENCY] <= 102 + spare
     for level, traction_n in train:
-        assert level < Level.TRACTION_CUT or traction_n == 0
+        assert level < CommandWatchLevel.TRACTION_CUT or traction_n == 0
     assert plant.plant.true_speed_01mmps == 0
 
 
-def test_damaged_commands_age_and_nobody_is_called_silent(short: Scenario, train: list[tuple[Level, float]]) -> None:
+def test_damaged_commands_age_and_nobody_is_called_silent(
+    short: Scenario, train: list[tuple[CommandWatchLevel, float]]
+) -> None:
     """One to three bits flipped in every fiftieth NOTCH_CMD answer."""
     draw = random.Random(3)
     damaged = 0
@@ -127,4 +132,4 @@ def test_damaged_commands_age_and_nobody_is_called_silent(short: Scenario, train
     assert plant.counters["wrong_check_sequence"] + plant.counters.get("wrong_master_word", 0) == damaged
     assert plant.plant.gate.counters == {"accepted": seen - damaged, "gap": damaged}
     assert ended is Event.ENDED_COMPLETE
-    assert max(level for level, _ in train[300:]) <= Level.HOLD
+    assert max(level for level, _ in train[300:]) <= CommandWatchLevel.HOLD

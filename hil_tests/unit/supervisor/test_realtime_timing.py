@@ -30,7 +30,7 @@ from railhil.supervisor.jitter import (
     RECORDER,
     TIMING,
     Jitter,
-    Timing,
+    RunTiming,
     arrivals_of,
     jitter_from,
     kept_pace,
@@ -266,7 +266,7 @@ def test_report_of_a_realtime_run_shows_how_it_kept_time(lockstep: RecordedRun, 
 
 def test_report_says_when_the_recorder_measured(lockstep: RecordedRun) -> None:
     arrivals = late(100, 0)
-    timing = Timing(RECORDER, 9, 2, arrivals, arrivals, (), {"supervisor": "normal scheduling"}).as_json()
+    timing = RunTiming(RECORDER, 9, 2, arrivals, arrivals, (), {"supervisor": "normal scheduling"}).as_json()
     shown = words(page([realtime(lockstep, timing)]))
     assert "Measured by the supervisor, by the arrival of each tick" in shown
     assert "2 of 9 polls missed" in shown

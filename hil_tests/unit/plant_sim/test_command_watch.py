@@ -7,10 +7,10 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from railhil.plant_sim.watch import (
+from railhil.plant_sim.command_watch import (
     INITIAL,
-    Level,
-    WatchState,
+    CommandWatchLevel,
+    CommandWatchState,
     WatchTicks,
     watch_step,
     watch_ticks,
@@ -20,18 +20,18 @@ from railhil.scenarios.model import WatchLimits
 TICK_NS = 10_000_000
 LIMITS = WatchLimits()
 TICKS = watch_ticks(LIMITS, TICK_NS)
-GOOD = WatchState(Level.NORMAL, 0, 10)
+GOOD = CommandWatchState(CommandWatchLevel.NORMAL, 0, 10)
 
 
 def after(
-    state: WatchState,
+    state: CommandWatchState,
     pattern: str,
     *,
     limits: WatchTicks = TICKS,
     moving: bool = True,
     below_limit: bool = True,
     emergency: bool = False,
-) -> WatchState:
+) -> CommandWatchState:
     """State after one tick per character: ``c`` an accepted command, ``.`` none."""
     for mark in pattern:
         state = watch_step(
@@ -40,26 +40,26 @@ def after(
     return state
 
 
-def at_level(level: Level) -> WatchState:
-    return WatchState(level, 0, 0)
+def at_level(level: CommandWatchLevel) -> CommandWatchState:
+    return CommandWatchState(level, 0, 0)
 
 
 @pytest.mark.parametrize(
     ("silent_ticks", "level"),
     [
-        (1, Level.NORMAL),
-        (2, Level.NORMAL),
-        (3, Level.HOLD),
-        (6, Level.HOLD),
-        (7, Level.TRACTION_CUT),
-        (25, Level.TRACTION_CUT),
-        (26, Level.SERVICE_BRAKE),
-        (100, Level.SERVICE_BRAKE),
-        (101, Level.EMERGENCY),
-        (5000, Level.EMERGENCY),
+        (1, CommandWatchLevel.NORMAL),
+        (2, CommandWatchLevel.NORMAL),
+        (3, CommandWatchLevel.HOLD),
+        (6, CommandWatchLevel.HOLD),
+        (7, CommandWatchLevel.TRACTION_CUT),
+        (25, CommandWatchLevel.TRACTION_CUT),
+        (26, CommandWatchLevel.SERVICE_BRAKE),
+        (100, CommandWatchLevel.SERVICE_BRAKE),
+        (101, CommandWatchLevel.EMERGENCY),
+        (5000, CommandWatchLevel.EMERGENCY),
     ],
 )
-def test_level_by_silence(silent_ticks: int, level: Level) -> None:
+def test_level_by_silence(silent_ticks: int, level: CommandWatchLevel) -> None:
     # 20, 64, 256 and 1000 ms: traction cut within 70 ms, service brake within 270 ms, emergency within 1.02 s.
     assert after(GOOD, "." * silent_ticks).level is level
 
@@ -79,7 +79,7 @@ def test_limits_are_scenario_data() -> None:
 
 
 def test_a_standing_train_needs_no_emergency() -> None:
-    assert after(GOOD, "." * 5000, moving=False).level is Level.SERVICE_BRAKE
+    assert after(GOOD, "." * 5000, moving=False).level is CommandWatchLevel.SERVICE_BRAKE
 
 
 @pytest.mark.parametrize("pattern", ["c." * 200, "c" * 50])
@@ -87,35 +87,37 @@ def test_polled_commands_keep_it_normal(pattern: str) -> None:
     state = GOOD
     for mark in pattern:
         state = after(state, mark)
-        assert state.level is Level.NORMAL
+        assert state.level is CommandWatchLevel.NORMAL
 
 
 @pytest.mark.parametrize(
     ("level", "pattern", "moving", "below_limit", "expected"),
     [
-        (Level.HOLD, "c", True, False, Level.NORMAL),
-        (Level.TRACTION_CUT, "c.c.c.c.", True, True, Level.TRACTION_CUT),
-        (Level.TRACTION_CUT, "c.c.c.c.c", True, False, Level.NORMAL),
+        (CommandWatchLevel.HOLD, "c", True, False, CommandWatchLevel.NORMAL),
+        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c.", True, True, CommandWatchLevel.TRACTION_CUT),
+        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c.c", True, False, CommandWatchLevel.NORMAL),
         # A gap of 30 ms starts the count again.
-        (Level.TRACTION_CUT, "c.c.c.c..c", True, True, Level.TRACTION_CUT),
-        (Level.TRACTION_CUT, "c.c.c.c..c.c.c.c", True, True, Level.TRACTION_CUT),
-        (Level.TRACTION_CUT, "c.c.c.c..c.c.c.c.c", True, True, Level.NORMAL),
-        (Level.SERVICE_BRAKE, "c." * 9, True, True, Level.SERVICE_BRAKE),
-        (Level.SERVICE_BRAKE, "c." * 9 + "c", True, True, Level.NORMAL),
-        (Level.SERVICE_BRAKE, "c." * 50, True, False, Level.SERVICE_BRAKE),
-        (Level.SERVICE_BRAKE, "c", False, False, Level.NORMAL),
-        (Level.SERVICE_BRAKE, "." * 50, False, True, Level.SERVICE_BRAKE),
-        (Level.EMERGENCY, "c." * 50, True, True, Level.EMERGENCY),
-        (Level.EMERGENCY, "c." * 50, False, True, Level.EMERGENCY),
+        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c", True, True, CommandWatchLevel.TRACTION_CUT),
+        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c", True, True, CommandWatchLevel.TRACTION_CUT),
+        (CommandWatchLevel.TRACTION_CUT, "c.c.c.c..c.c.c.c.c", True, True, CommandWatchLevel.NORMAL),
+        (CommandWatchLevel.SERVICE_BRAKE, "c." * 9, True, True, CommandWatchLevel.SERVICE_BRAKE),
+        (CommandWatchLevel.SERVICE_BRAKE, "c." * 9 + "c", True, True, CommandWatchLevel.NORMAL),
+        (CommandWatchLevel.SERVICE_BRAKE, "c." * 50, True, False, CommandWatchLevel.SERVICE_BRAKE),
+        (CommandWatchLevel.SERVICE_BRAKE, "c", False, False, CommandWatchLevel.NORMAL),
+        (CommandWatchLevel.SERVICE_BRAKE, "." * 50, False, True, CommandWatchLevel.SERVICE_BRAKE),
+        (CommandWatchLevel.EMERGENCY, "c." * 50, True, True, CommandWatchLevel.EMERGENCY),
+        (CommandWatchLevel.EMERGENCY, "c." * 50, False, True, CommandWatchLevel.EMERGENCY),
     ],
 )
-def test_leave_rules(level: Level, pattern: str, moving: bool, below_limit: bool, expected: Level) -> None:
+def test_leave_rules(
+    level: CommandWatchLevel, pattern: str, moving: bool, below_limit: bool, expected: CommandWatchLevel
+) -> None:
     assert after(at_level(level), pattern, moving=moving, below_limit=below_limit).level is expected
 
 
-@pytest.mark.parametrize("level", list(Level))
-def test_an_emergency_demand_wins_over_every_level(level: Level) -> None:
-    assert after(at_level(level), "c", emergency=True).level is Level.EMERGENCY
+@pytest.mark.parametrize("level", list(CommandWatchLevel))
+def test_an_emergency_demand_wins_over_every_level(level: CommandWatchLevel) -> None:
+    assert after(at_level(level), "c", emergency=True).level is CommandWatchLevel.EMERGENCY
 
 
 class LadderAgainstHistory(RuleBasedStateMachine):

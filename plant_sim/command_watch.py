@@ -39,7 +39,7 @@ SERVICE_BRAKE_JERK_MPS3 = 0.75
 _NS_PER_MS = 1_000_000
 
 
-class Level(IntEnum):
+class CommandWatchLevel(IntEnum):
     """Level of the ladder; a higher one is the stronger reaction."""
 
     NORMAL = 0
@@ -58,16 +58,16 @@ class WatchTicks(NamedTuple):
     emergency: int
 
 
-class WatchState(NamedTuple):
+class CommandWatchState(NamedTuple):
     """Level, age of the last accepted command in ticks, accepted commands in a row (counted to the most needed)."""
 
-    level: Level
+    level: CommandWatchLevel
     age_ticks: int
     good: int
 
 
 #: Before the first accepted command the brake holds the train.
-INITIAL = WatchState(Level.SERVICE_BRAKE, 0, 0)
+INITIAL = CommandWatchState(CommandWatchLevel.SERVICE_BRAKE, 0, 0)
 
 
 def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
@@ -82,8 +82,8 @@ def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
 
 @compilable
 def watch_step(
-    limits: WatchTicks, state: WatchState, accepted: bool, moving: bool, below_limit: bool, emergency: bool
-) -> WatchState:
+    limits: WatchTicks, state: CommandWatchState, accepted: bool, moving: bool, below_limit: bool, emergency: bool
+) -> CommandWatchState:
     """State of the ladder one tick later.
 
     :param accepted: a command was accepted at this tick.
@@ -98,44 +98,49 @@ def watch_step(
     if accepted:
         age = 0
         good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
-    if level == Level.EMERGENCY or emergency:
+    if level == CommandWatchLevel.EMERGENCY or emergency:
         # None is stronger. Compiled, a level is a number, as in the last line.
-        return WatchState(larger(level, Level.EMERGENCY), age, good)
+        return CommandWatchState(larger(level, CommandWatchLevel.EMERGENCY), age, good)
     if _may_leave(level, good, moving, below_limit):
-        level = Level.NORMAL
-    demanded = Level.NORMAL
+        level = CommandWatchLevel.NORMAL
+    demanded = CommandWatchLevel.NORMAL
     if age > limits.hold:
-        demanded = Level.HOLD
+        demanded = CommandWatchLevel.HOLD
         if age > limits.traction_cut:
-            demanded = Level.TRACTION_CUT
+            demanded = CommandWatchLevel.TRACTION_CUT
         if age > limits.service_brake:
-            demanded = Level.SERVICE_BRAKE
+            demanded = CommandWatchLevel.SERVICE_BRAKE
         if age > limits.emergency and moving:
-            demanded = Level.EMERGENCY
-    return WatchState(larger(level, demanded), age, good)
+            demanded = CommandWatchLevel.EMERGENCY
+    return CommandWatchState(larger(level, demanded), age, good)
 
 
 @compilable
-def _may_leave(level: Level, good: int, moving: bool, below_limit: bool) -> bool:
-    if level <= Level.HOLD:
+def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: bool) -> bool:
+    if level <= CommandWatchLevel.HOLD:
         return good >= 1
-    if level == Level.TRACTION_CUT:
+    if level == CommandWatchLevel.TRACTION_CUT:
         return good >= GOOD_AFTER_TRACTION_CUT
     return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
 
 
 @compilable
 def watch_brake_mps2(
-    level: Level, brake_mps2: float, braking_now_mps2: float, moving: bool, step_s: float, service_mps2: float
+    level: CommandWatchLevel,
+    brake_mps2: float,
+    braking_now_mps2: float,
+    moving: bool,
+    step_s: float,
+    service_mps2: float,
 ) -> float:
     """Braking that the watch demands over the next step, in m/s2 on the inertial mass; infinite: the whole brake.
 
     :param brake_mps2: what it demanded over the last step.
     :param braking_now_mps2: braking already there, on which the service brake builds up without a dip.
     """
-    if level == Level.EMERGENCY:
+    if level == CommandWatchLevel.EMERGENCY:
         return inf
-    if level == Level.SERVICE_BRAKE:
+    if level == CommandWatchLevel.SERVICE_BRAKE:
         if not moving:
             return service_mps2
         return smaller(service_mps2, larger(brake_mps2, braking_now_mps2) + SERVICE_BRAKE_JERK_MPS3 * step_s)

@@ -7,9 +7,9 @@ from itertools import pairwise
 
 import pytest
 
+from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.plant import Plant
-from railhil.plant_sim.watch import Level
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Line
 
@@ -39,7 +39,7 @@ def test_nominal_polling_is_normal_all_the_time() -> None:
     plant = Plant(SCENARIO, 0)
     for _ in range(500):
         commanded(plant, 800, 1)
-        assert plant.watch_level is Level.NORMAL
+        assert plant.watch_level is CommandWatchLevel.NORMAL
 
 
 def test_reactions_to_a_silent_controller_come_in_time() -> None:
@@ -70,7 +70,7 @@ def test_a_silent_controller_stops_the_train_for_good() -> None:
     assert [event.kind for event in events] == ["emergency", "stopped"]
     assert plant.true_speed_01mmps == 0
     commanded(plant, 1500, 500)
-    assert plant.watch_level is Level.EMERGENCY
+    assert plant.watch_level is CommandWatchLevel.EMERGENCY
     assert plant.true_speed_01mmps == 0
 
 
@@ -86,7 +86,7 @@ def test_service_brake_builds_up_and_goes_with_limited_jerk() -> None:
         plant.advance()
         forces.append(plant.brake_n)
     commanded(plant, 0, 21)
-    assert plant.watch_level is Level.NORMAL
+    assert plant.watch_level is CommandWatchLevel.NORMAL
     for _ in range(150):
         commanded(plant, 0, 1)
         forces.append(plant.brake_n)
@@ -109,7 +109,7 @@ def test_service_brake_builds_on_the_braking_already_there() -> None:
     for _ in range(60):
         plant.advance()
         lowest_n = min(lowest_n, plant.brake_n)
-    assert plant.watch_level is Level.SERVICE_BRAKE
+    assert plant.watch_level is CommandWatchLevel.SERVICE_BRAKE
     assert lowest_n >= before_n
     assert plant.brake_n > before_n + 30e3
 
@@ -119,10 +119,10 @@ def test_traction_after_a_cut_builds_up_from_nothing() -> None:
     traction_n = plant.traction_n
     for _ in range(12):
         plant.advance()
-    assert plant.watch_level is Level.TRACTION_CUT
+    assert plant.watch_level is CommandWatchLevel.TRACTION_CUT
     assert plant.traction_n == 0.0
     counted = 0
-    while plant.watch_level is Level.TRACTION_CUT and counted < 20:
+    while plant.watch_level is CommandWatchLevel.TRACTION_CUT and counted < 20:
         plant.command(1500, False)
         plant.advance()
         counted += 1
@@ -141,9 +141,9 @@ def test_the_brake_holds_until_the_first_command(grade: float) -> None:
         plant.advance()
     assert plant.position_01mm == 0
     assert plant.brake_n == service_n
-    assert plant.watch_level is Level.SERVICE_BRAKE
+    assert plant.watch_level is CommandWatchLevel.SERVICE_BRAKE
     commanded(plant, 0, 100)
-    assert plant.watch_level is Level.NORMAL
+    assert plant.watch_level is CommandWatchLevel.NORMAL
     assert (plant.true_speed_01mmps > 0) is (grade < -2.0)
 
 
@@ -199,4 +199,4 @@ def test_the_limit_is_higher_again_behind_the_train() -> None:
         assert plant.tick < 20_000
     commanded(plant, 1500, 1000)
     assert plant.true_speed_01mmps > 80_000
-    assert plant.watch_level is Level.NORMAL
+    assert plant.watch_level is CommandWatchLevel.NORMAL

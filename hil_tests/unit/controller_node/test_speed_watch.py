@@ -10,15 +10,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.controller_node.watch import Ladder, Level, Seen, Telegram, WatchState, command, observe
+from railhil.controller_node.speed_watch import (
+    Ladder,
+    Reception,
+    Seen,
+    SpeedWatchLevel,
+    SpeedWatchState,
+    command,
+    observe,
+)
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")
 LADDER = Ladder.of(SCENARIO)
-GOOD, BAD, NONE = Telegram.GOOD, Telegram.BAD, Telegram.NONE
+GOOD, BAD, NONE = Reception.GOOD, Reception.BAD, Reception.NONE
 
 
-def after(state: WatchState, *looks: Seen) -> WatchState:
+def after(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
     for look in looks:
         state = observe(LADDER, state, look)
     return state
@@ -77,7 +85,7 @@ EVENTS = st.lists(
 @settings(deadline=None, max_examples=250)
 @given(EVENTS)
 def test_ladder_equals_the_reference(events: list[Any]) -> None:
-    state, reference, age_ms = WatchState(), Reference(), 0
+    state, reference, age_ms = SpeedWatchState(), Reference(), 0
     for telegram, elapsed_ms, overspeed, lost, standstill, law_code in events:
         age_ms = 0 if telegram is GOOD else age_ms + elapsed_ms
         seen = Seen(age_ms, telegram, standstill, overspeed, lost)
@@ -90,28 +98,28 @@ def test_ladder_equals_the_reference(events: list[Any]) -> None:
 
 
 def _assert_safe(
-    before: WatchState, state: WatchState, code: int, emergency: bool, law_code: int, elapsed_ms: int
+    before: SpeedWatchState, state: SpeedWatchState, code: int, emergency: bool, law_code: int, elapsed_ms: int
 ) -> None:
     """What each level promises about the notch, whatever came before."""
     last, level = before.code, state.level
     assert -LADDER.full_code <= code <= LADDER.full_code
-    assert emergency == (level is Level.EMERGENCY)
-    if before.level is Level.EMERGENCY and level is not Level.EMERGENCY:
-        assert level <= Level.SERVICE_BRAKE
-    if level is Level.HOLD:
+    assert emergency == (level is SpeedWatchLevel.EMERGENCY)
+    if before.level is SpeedWatchLevel.EMERGENCY and level is not SpeedWatchLevel.EMERGENCY:
+        assert level <= SpeedWatchLevel.SERVICE_BRAKE
+    if level is SpeedWatchLevel.HOLD:
         assert abs(code) <= abs(last)
         assert code * last >= 0
         assert code <= last
-    if level is Level.TRACTION_CUT:
+    if level is SpeedWatchLevel.TRACTION_CUT:
         assert code <= 0
-        if before.level is not Level.TRACTION_CUT:
+        if before.level is not SpeedWatchLevel.TRACTION_CUT:
             assert code <= min(last, 0)
-    if level is Level.SERVICE_BRAKE:
+    if level is SpeedWatchLevel.SERVICE_BRAKE:
         assert code <= last
         assert code <= max(-LADDER.service_code, last - LADDER.ramp_code_per_s * elapsed_ms // 1000)
-    if level is Level.EMERGENCY:
+    if level is SpeedWatchLevel.EMERGENCY:
         assert code == -LADDER.full_code
-    if level is Level.NORMAL:
+    if level is SpeedWatchLevel.NORMAL:
         assert code <= law_code
         if not state.returning:
             assert code == law_code
@@ -135,7 +143,7 @@ def test_ladder_takes_its_numbers_from_the_scenario() -> None:
 def test_level_at_every_age(standstill: bool) -> None:
     for age_ms in range(1300):
         expected = (age_ms > 20) + (age_ms > 64) + (age_ms > 256) + (age_ms > 1000 and not standstill)
-        assert observe(LADDER, WatchState(), Seen(age_ms, standstill=standstill)).level == expected
+        assert observe(LADDER, SpeedWatchState(), Seen(age_ms, standstill=standstill)).level == expected
 
 
 def test_overspeed_at_every_speed_around_the_margin() -> None:
@@ -146,59 +154,59 @@ def test_overspeed_at_every_speed_around_the_margin() -> None:
 
 
 def test_one_bad_telegram_holds_and_one_good_releases() -> None:
-    state = after(WatchState(), *goods(3), Seen(10, BAD))
-    assert state.level is Level.HOLD
-    assert after(state, Seen(15)).level is Level.HOLD
-    assert after(state, *goods(1)).level is Level.NORMAL
+    state = after(SpeedWatchState(), *goods(3), Seen(10, BAD))
+    assert state.level is SpeedWatchLevel.HOLD
+    assert after(state, Seen(15)).level is SpeedWatchLevel.HOLD
+    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("gap", range(12))
 def test_three_bad_in_ten_cut_traction(gap: int) -> None:
     """Two bad ones, ``gap`` good ones, a third bad one: within ten telegrams up to seven good ones in between."""
-    state = after(WatchState(), *goods(20), Seen(10, BAD), Seen(20, BAD), *goods(gap), Seen(10, BAD))
-    assert state.level == (Level.TRACTION_CUT if gap <= 7 else Level.HOLD)
+    state = after(SpeedWatchState(), *goods(20), Seen(10, BAD), Seen(20, BAD), *goods(gap), Seen(10, BAD))
+    assert state.level == (SpeedWatchLevel.TRACTION_CUT if gap <= 7 else SpeedWatchLevel.HOLD)
 
 
 @pytest.mark.parametrize("run", range(8))
 def test_traction_cut_ends_with_five_good_in_a_row(run: int) -> None:
-    cut = after(WatchState(), Seen(65))
+    cut = after(SpeedWatchState(), Seen(65))
     state = after(cut, *goods(run))
-    assert state.level == (Level.NORMAL if run >= 5 else Level.TRACTION_CUT)
+    assert state.level == (SpeedWatchLevel.NORMAL if run >= 5 else SpeedWatchLevel.TRACTION_CUT)
 
 
 @pytest.mark.parametrize("breaker", [Seen(10, BAD), Seen(21)])
 def test_a_run_is_broken_by_anything_but_good(breaker: Seen) -> None:
-    cut = after(WatchState(), Seen(65), *goods(4), breaker)
-    assert after(cut, *goods(4)).level is Level.TRACTION_CUT
-    assert after(cut, *goods(5)).level is Level.NORMAL
+    cut = after(SpeedWatchState(), Seen(65), *goods(4), breaker)
+    assert after(cut, *goods(4)).level is SpeedWatchLevel.TRACTION_CUT
+    assert after(cut, *goods(5)).level is SpeedWatchLevel.NORMAL
 
 
 def test_an_old_burst_does_not_cut_again_after_the_good_run() -> None:
-    state = after(WatchState(), *[Seen(10, BAD)] * 3, *goods(5))
-    assert state.level is Level.NORMAL
-    assert after(state, *goods(1)).level is Level.NORMAL
+    state = after(SpeedWatchState(), *[Seen(10, BAD)] * 3, *goods(5))
+    assert state.level is SpeedWatchLevel.NORMAL
+    assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
 
 
 @pytest.mark.parametrize("run", range(13))
 def test_service_brake_ends_with_ten_good(run: int) -> None:
-    state = after(WatchState(), Seen(257), *goods(run))
-    assert state.level == (Level.NORMAL if run >= 10 else Level.SERVICE_BRAKE)
+    state = after(SpeedWatchState(), Seen(257), *goods(run))
+    assert state.level == (SpeedWatchLevel.NORMAL if run >= 10 else SpeedWatchLevel.SERVICE_BRAKE)
 
 
 def test_service_brake_ends_at_standstill() -> None:
-    assert after(WatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is Level.NORMAL
-    assert after(WatchState(), Seen(257), Seen(300, standstill=True)).level is Level.SERVICE_BRAKE
+    assert after(SpeedWatchState(), Seen(257), Seen(0, GOOD, standstill=True)).level is SpeedWatchLevel.NORMAL
+    assert after(SpeedWatchState(), Seen(257), Seen(300, standstill=True)).level is SpeedWatchLevel.SERVICE_BRAKE
 
 
 @pytest.mark.parametrize("cause", [Seen(1001), Seen(0, GOOD, overspeed=True)])
 def test_emergency_is_latched(cause: Seen) -> None:
-    state = after(WatchState(), cause)
-    assert state.level is Level.EMERGENCY
-    assert after(state, *goods(50)).level is Level.EMERGENCY
-    assert after(state, *goods(50, standstill=True)).level is Level.EMERGENCY
+    state = after(SpeedWatchState(), cause)
+    assert state.level is SpeedWatchLevel.EMERGENCY
+    assert after(state, *goods(50)).level is SpeedWatchLevel.EMERGENCY
+    assert after(state, *goods(50, standstill=True)).level is SpeedWatchLevel.EMERGENCY
 
 
-def run_commands(state: WatchState, law_code: int, count: int) -> tuple[WatchState, list[int]]:
+def run_commands(state: SpeedWatchState, law_code: int, count: int) -> tuple[SpeedWatchState, list[int]]:
     codes = []
     for _ in range(count):
         state, code, _ = command(LADDER, state, law_code, 20)
@@ -207,15 +215,15 @@ def run_commands(state: WatchState, law_code: int, count: int) -> tuple[WatchSta
 
 
 def test_normal_sends_the_laws_notch() -> None:
-    assert run_commands(WatchState(), 1120, 2)[1] == [1120, 1120]
-    assert run_commands(WatchState(code=-500), 1120, 2)[1] == [1120, 1120]
+    assert run_commands(SpeedWatchState(), 1120, 2)[1] == [1120, 1120]
+    assert run_commands(SpeedWatchState(code=-500), 1120, 2)[1] == [1120, 1120]
 
 
 @pytest.mark.parametrize(
     ("last", "law", "sent"), [(500, 900, 500), (500, 300, 300), (500, -300, 0), (-500, -900, -500), (-500, 200, -500)]
 )
 def test_hold_does_not_add_effort(last: int, law: int, sent: int) -> None:
-    state = after(WatchState(code=last), Seen(21))
+    state = after(SpeedWatchState(code=last), Seen(21))
     assert run_commands(state, law, 3)[1] == [sent] * 3
 
 
@@ -224,12 +232,12 @@ def test_hold_does_not_add_effort(last: int, law: int, sent: int) -> None:
     [(500, 900, 0), (500, -300, -300), (-500, -900, -900), (-500, 200, -500), (-500, -200, -500)],
 )
 def test_traction_cut_keeps_braking(last: int, law: int, sent: int) -> None:
-    state = after(WatchState(code=last), Seen(65))
+    state = after(SpeedWatchState(code=last), Seen(65))
     assert run_commands(state, law, 3)[1] == [sent] * 3
 
 
 def test_service_brake_comes_and_goes_on_its_ramp() -> None:
-    state = after(WatchState(code=300), Seen(257))
+    state = after(SpeedWatchState(code=300), Seen(257))
     step = LADDER.ramp_code_per_s * 20 // 1000
     state, codes = run_commands(state, 300, 100)
     # No traction in this level: the ramp begins at coasting.
@@ -237,7 +245,7 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
     assert codes[1] == -2 * step
     assert codes[-1] == -LADDER.service_code
     back = after(state, *goods(10))
-    assert back.level is Level.NORMAL
+    assert back.level is SpeedWatchLevel.NORMAL
     back, codes = run_commands(back, 300, 100)
     assert codes[0] == -LADDER.service_code + step
     assert max(b - a for a, b in pairwise(codes)) <= step
@@ -246,8 +254,8 @@ def test_service_brake_comes_and_goes_on_its_ramp() -> None:
 
 
 def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
-    state = observe(LADDER, WatchState(code=7 * 256), Seen(age_ms=300))
-    assert state.level is Level.SERVICE_BRAKE
+    state = observe(LADDER, SpeedWatchState(code=7 * 256), Seen(age_ms=300))
+    assert state.level is SpeedWatchLevel.SERVICE_BRAKE
     code = 7 * 256
     for elapsed_ms in (20, 20, 20):
         state, code, _ = command(LADDER, state, 7 * 256, elapsed_ms)
@@ -255,18 +263,18 @@ def test_no_traction_in_service_brake_though_the_ladder_jumped_there() -> None:
 
 
 def test_harder_braking_is_not_released_by_the_service_brake() -> None:
-    state = after(WatchState(code=-1700), Seen(257))
+    state = after(SpeedWatchState(code=-1700), Seen(257))
     assert run_commands(state, 0, 3)[1] == [-1700] * 3
 
 
 def test_emergency_brakes_fully_at_once() -> None:
-    state = after(WatchState(code=1000), Seen(1001))
+    state = after(SpeedWatchState(code=1000), Seen(1001))
     assert command(LADDER, state, 1000, 20)[1:] == (-LADDER.full_code, True)
 
 
 def test_a_clock_that_is_set_back_makes_no_notch_beyond_the_greatest() -> None:
     """Elapsed time below 0 turns the ramp round; the train's gate would refuse what lies beyond its range."""
-    back = after(WatchState(code=-LADDER.full_code, returning=True), *goods(1))
+    back = after(SpeedWatchState(code=-LADDER.full_code, returning=True), *goods(1))
     for elapsed_ms in (-1000, -10, 0, 10):
         _, code, _ = command(LADDER, back, 0, elapsed_ms)
         assert code == -LADDER.full_code + max(0, LADDER.ramp_code_per_s * elapsed_ms // 1000)

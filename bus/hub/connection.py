@@ -53,7 +53,7 @@ def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool
     return bool(poller.poll(None if timeout_s is None else timeout_s * 1000))
 
 
-class Link(ABC):
+class HubConnection(ABC):
     """One connection. ``peer`` is the channel name, used in messages."""
 
     def __init__(self, sock: socket.socket, peer: str) -> None:
@@ -125,20 +125,20 @@ class Link(ABC):
         return SendTimeout(f"hub at {self.peer}: transmit buffer full, the frame was not taken in time")
 
 
-class PacketLink(Link):
+class PacketConnection(HubConnection):
     """AF_UNIX SEQPACKET: one record is one packet."""
 
     def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
-        """See :meth:`Link.send_packet`."""
+        """See :meth:`HubConnection.send_packet`."""
         if not self._send(packet, deadline_s):
             raise self._send_timeout()
 
     def receive_packet(self, deadline_s: float | None) -> bytes | None:
-        """See :meth:`Link.receive_packet`."""
+        """See :meth:`HubConnection.receive_packet`."""
         return self._receive(_RECEIVE_SIZE, deadline_s)
 
 
-class StreamLink(Link):
+class StreamConnection(HubConnection):
     """TCP: a big-endian u16 length before each packet."""
 
     def __init__(self, sock: socket.socket, peer: str) -> None:
@@ -149,7 +149,7 @@ class StreamLink(Link):
         self._send_lock = threading.Lock()
 
     def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
-        """See :meth:`Link.send_packet`. A packet that is partly sent at the deadline counts as taken."""
+        """See :meth:`HubConnection.send_packet`. A packet that is partly sent at the deadline counts as taken."""
         with self._send_lock:
             if not self._flush_unsent(deadline_s):
                 raise self._send_timeout()
@@ -169,7 +169,7 @@ class StreamLink(Link):
         return True
 
     def receive_packet(self, deadline_s: float | None) -> bytes | None:
-        """See :meth:`Link.receive_packet`."""
+        """See :meth:`HubConnection.receive_packet`."""
         incoming = self._incoming
         while not self.has_buffered():
             chunk = self._receive(_STREAM_CHUNK_SIZE, deadline_s)
@@ -182,7 +182,7 @@ class StreamLink(Link):
         return packet
 
     def has_buffered(self) -> bool:
-        """See :meth:`Link.has_buffered`."""
+        """See :meth:`HubConnection.has_buffered`."""
         incoming = self._incoming
         return len(incoming) >= 2 and len(incoming) >= 2 + int.from_bytes(incoming[:2], "big")
 

@@ -40,7 +40,7 @@ _CODES_PER_NOTCH = 256
 _RECENT_MASK = (1 << RECENT) - 1
 
 
-class Level(IntEnum):
+class SpeedWatchLevel(IntEnum):
     """Level of the ladder (CTL_STAT, LadderLevel); a higher one is the stronger reaction."""
 
     NORMAL = 0
@@ -50,7 +50,7 @@ class Level(IntEnum):
     EMERGENCY = 4
 
 
-class Telegram(IntEnum):
+class Reception(IntEnum):
     """What became of TRN_SPEED since the last look."""
 
     NONE = 0
@@ -100,13 +100,13 @@ class Seen(NamedTuple):
     """
 
     age_ms: int
-    telegram: Telegram = Telegram.NONE
+    telegram: Reception = Reception.NONE
     standstill: bool = False
     overspeed: bool = False
     channel_lost: bool = False
 
 
-class WatchState(NamedTuple):
+class SpeedWatchState(NamedTuple):
     """Memory of the watch.
 
     ``good_run`` good telegrams in a row (counted to the most needed), ``recent`` the last telegrams, newest in bit 0,
@@ -114,7 +114,7 @@ class WatchState(NamedTuple):
     ``returning`` while the notch comes back on the ramp.
     """
 
-    level: Level = Level.NORMAL
+    level: SpeedWatchLevel = SpeedWatchLevel.NORMAL
     good_run: int = 0
     recent: int = 0
     code: int = 0
@@ -122,60 +122,62 @@ class WatchState(NamedTuple):
     returning: bool = False
 
 
-def observe(ladder: Ladder, state: WatchState, seen: Seen) -> WatchState:
+def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchState:
     """State after one look."""
     recent = state.recent
     if (
-        state.level is Level.NORMAL
+        state.level is SpeedWatchLevel.NORMAL
         and seen.age_ms <= ladder.hold_ms
-        and seen.telegram is not Telegram.BAD
+        and seen.telegram is not Reception.BAD
         and not (seen.overspeed or seen.channel_lost)
-        and (seen.telegram is Telegram.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
+        and (seen.telegram is Reception.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
     ):
         # A healthy channel that has been so for a while: nothing to remember, and this is nearly every look.
         return state
-    if seen.telegram is not Telegram.NONE:
-        recent = (recent << 1 | (seen.telegram is Telegram.BAD)) & _RECENT_MASK
+    if seen.telegram is not Reception.NONE:
+        recent = (recent << 1 | (seen.telegram is Reception.BAD)) & _RECENT_MASK
     good_run = state.good_run
-    if seen.telegram is Telegram.BAD or seen.age_ms > ladder.hold_ms:
+    if seen.telegram is Reception.BAD or seen.age_ms > ladder.hold_ms:
         good_run = 0
-    elif seen.telegram is Telegram.GOOD:
+    elif seen.telegram is Reception.GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
-    level = Level.NORMAL if _may_leave(state.level, good_run, seen) else state.level
+    level = SpeedWatchLevel.NORMAL if _may_leave(state.level, good_run, seen) else state.level
     level = max(level, _demanded(ladder, recent, seen))
     kept_code = state.kept_code
-    if level is Level.TRACTION_CUT and state.level is not Level.TRACTION_CUT:
+    if level is SpeedWatchLevel.TRACTION_CUT and state.level is not SpeedWatchLevel.TRACTION_CUT:
         kept_code = min(state.code, 0)
     return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code)
 
 
-def _may_leave(level: Level, good_run: int, seen: Seen) -> bool:
-    if level is Level.EMERGENCY:
+def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
+    if level is SpeedWatchLevel.EMERGENCY:
         # Nothing on this bench resets it.
         return False
-    if level is Level.SERVICE_BRAKE:
+    if level is SpeedWatchLevel.SERVICE_BRAKE:
         return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
-    if level is Level.TRACTION_CUT:
+    if level is SpeedWatchLevel.TRACTION_CUT:
         return good_run >= GOOD_AFTER_TRACTION_CUT
     return good_run >= 1
 
 
-def _demanded(ladder: Ladder, recent: int, seen: Seen) -> Level:
+def _demanded(ladder: Ladder, recent: int, seen: Seen) -> SpeedWatchLevel:
     """Level that this look alone demands."""
-    bad = seen.telegram is Telegram.BAD
+    bad = seen.telegram is Reception.BAD
     if seen.overspeed or (seen.age_ms > ladder.emergency_ms and not seen.standstill):
-        return Level.EMERGENCY
+        return SpeedWatchLevel.EMERGENCY
     if seen.age_ms > ladder.service_brake_ms or seen.channel_lost:
-        return Level.SERVICE_BRAKE
+        return SpeedWatchLevel.SERVICE_BRAKE
     # Only a bad telegram brings the count into play: an old burst must not cut traction again after a good run.
     if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms:
-        return Level.TRACTION_CUT
+        return SpeedWatchLevel.TRACTION_CUT
     if bad or seen.age_ms > ladder.hold_ms:
-        return Level.HOLD
-    return Level.NORMAL
+        return SpeedWatchLevel.HOLD
+    return SpeedWatchLevel.NORMAL
 
 
-def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -> tuple[WatchState, int, bool]:
+def command(
+    ladder: Ladder, state: SpeedWatchState, law_code: int, elapsed_ms: int
+) -> tuple[SpeedWatchState, int, bool]:
     """The notch to send instead of the law's.
 
     :param law_code: the law's last answer, 1/256 notch, inside the notch range.
@@ -184,17 +186,17 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
     """
     last = state.code
     ramp = ladder.ramp_code_per_s * elapsed_ms // 1000
-    level, returning = state.level, state.returning or state.level >= Level.TRACTION_CUT
-    if level is Level.EMERGENCY:
+    level, returning = state.level, state.returning or state.level >= SpeedWatchLevel.TRACTION_CUT
+    if level is SpeedWatchLevel.EMERGENCY:
         code = -ladder.full_code
-    elif level is Level.SERVICE_BRAKE:
+    elif level is SpeedWatchLevel.SERVICE_BRAKE:
         # A law or a kept notch that brakes harder than the service brake is not released.
         # Nor does traction go on while the ramp begins: the ladder may come here from any level in one look.
         braking = min(last, 0)
         code = min(law_code, max(-ladder.service_code, braking - ramp), braking)
-    elif level is Level.TRACTION_CUT:
+    elif level is SpeedWatchLevel.TRACTION_CUT:
         code = min(law_code, state.kept_code)
-    elif level is Level.HOLD:
+    elif level is SpeedWatchLevel.HOLD:
         code = last if last < 0 else min(max(law_code, 0), last)
     else:
         code = min(law_code, last + ramp) if returning else law_code
@@ -203,4 +205,4 @@ def command(ladder: Ladder, state: WatchState, law_code: int, elapsed_ms: int) -
     code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)
-    return state, code, level is Level.EMERGENCY
+    return state, code, level is SpeedWatchLevel.EMERGENCY

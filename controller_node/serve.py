@@ -1,0 +1,58 @@
+"""The loop of the controller process: frames from its link to the node, the node's answers back."""
+
+from __future__ import annotations
+
+import time
+
+from railhil.bus.errors import PeerSilent
+from railhil.bus.link import Link
+from railhil.common.patience import LATER_S, PATIENCE_S
+from railhil.controller_node.any_controller import AnyController
+
+#: Realtime: a controller that hears nothing at all for this long on the wall clock ends.
+SILENCE_S = 3.0
+#: Before the first frame it waits longer: the other nodes may be started by hand, on a machine with a load of its own.
+FIRST_FRAME_S = 300.0
+
+
+def serve(
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+) -> None:
+    """Answer the bus administrator until the run has ended, also over outages of the interface.
+
+    :param appear_s: wall time for its first frame.
+    :param patience_s: its own with the other nodes, in lockstep.
+    :raises BusLost: the bus is gone.
+    :raises PeerSilent: nothing came for too long.
+    """
+    heard_s = time.monotonic()
+    limit_s = appear_s
+    while node.ended is None:
+        frames = endpoint.receive(0.5)
+        if gap_ns := endpoint.take_gap_ns():
+            node.was_out(gap_ns)
+        for frame in frames:
+            answers = node.handle(frame)
+            if answers:
+                endpoint.lossless = node.lockstep
+                endpoint.send(answers)
+        now_s = time.monotonic()
+        if frames:
+            heard_s, limit_s = now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
+        elif endpoint.is_down:
+            # The link itself gives up after a time.
+            heard_s = now_s
+        elif now_s - heard_s > limit_s:
+            raise PeerSilent(f"controller waits for the bus administrator: no frame for {limit_s:g} s")
+
+
+def run_controller(
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+) -> int:
+    """As :func:`serve`, then leave the bus; returns an exit code."""
+    try:
+        serve(node, endpoint, appear_s=appear_s, patience_s=patience_s)
+    finally:
+        endpoint.close()
+        endpoint.tell_trouble()
+    return 0
