@@ -277,11 +277,11 @@ def decode_trk_info(made: Callable[..., T], data: bytes) -> T:
 
 
 def encode_ctl_stat(telegram: Any) -> bytes:
-    basis = telegram.basis
+    note1 = telegram.note1
     ladder_level = telegram.ladder_level
     overflow_flags = telegram.overflow_flags
-    softening_unipolar2 = telegram.softening_unipolar2
-    satisfaction_unipolar2 = telegram.satisfaction_unipolar2
+    note2 = telegram.note2
+    note3 = telegram.note3
     step_count = telegram.step_count
     step_cycles = telegram.step_cycles
     telemetry_extreme = telegram.telemetry_extreme
@@ -295,11 +295,11 @@ def encode_ctl_stat(telegram: Any) -> bytes:
     check = telegram.check
     ready = telegram.ready
     life = telegram.life
-    misfit = basis >> 4
+    misfit = note1 >> 4
     misfit |= ladder_level >> 4
     misfit |= overflow_flags >> 8
-    misfit |= softening_unipolar2 >> 16
-    misfit |= satisfaction_unipolar2 >> 16
+    misfit |= note2 >> 16
+    misfit |= note3 >> 16
     misfit |= step_count >> 16
     misfit |= step_cycles >> 16
     misfit |= telemetry_extreme + 0x8000 >> 16
@@ -315,11 +315,11 @@ def encode_ctl_stat(telegram: Any) -> bytes:
     misfit |= life >> 4
     if misfit:
         raise telegram.misfit()
-    word: int = basis << 124
+    word: int = note1 << 124
     word |= ladder_level << 120
     word |= overflow_flags << 112
-    word |= softening_unipolar2 << 96
-    word |= satisfaction_unipolar2 << 80
+    word |= note2 << 96
+    word |= note3 << 80
     word |= step_count << 64
     word |= step_cycles << 48
     word |= (telemetry_extreme & 0xFFFF) << 32
@@ -339,11 +339,11 @@ def encode_ctl_stat(telegram: Any) -> bytes:
 def decode_ctl_stat(made: Callable[..., T], data: bytes) -> T:
     word = int.from_bytes(data)
     return made(
-        word >> 124 & 0xF,  # basis
+        word >> 124 & 0xF,  # note1
         word >> 120 & 0xF,  # ladder_level
         word >> 112 & 0xFF,  # overflow_flags
-        word >> 96 & 0xFFFF,  # softening_unipolar2
-        word >> 80 & 0xFFFF,  # satisfaction_unipolar2
+        word >> 96 & 0xFFFF,  # note2
+        word >> 80 & 0xFFFF,  # note3
         word >> 64 & 0xFFFF,  # step_count
         word >> 48 & 0xFFFF,  # step_cycles
         (word >> 32 & 0xFFFF ^ 0x8000) - 0x8000,  # telemetry_extreme

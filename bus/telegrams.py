@@ -247,7 +247,7 @@ class CtlStat(Telegram):
 
              0          1        2    3     4    5     6    7
         +-----------+---------+----------+----------+---------+
-        |basis level|overflow | alpha    | mu_min   | steps   |   alpha, mu_min UNIPOLAR2.16
+        |note1 level|overflow | note2    | note3    | steps   |   notes: the law says what they are
         +-----------+---------+----------+----------+---------+
           8    9    10   11     12         13         14       15
         +---------+---------+-------+--------------+---------+----------------+
@@ -261,11 +261,11 @@ class CtlStat(Telegram):
     """
 
     PORT: ClassVar[str] = "CTL_STAT"
-    basis: int = signal("BasisInUse")
+    note1: int = signal("Note1")
     ladder_level: int = signal("LadderLevel")
     overflow_flags: int = signal("OverflowFlags")
-    softening_unipolar2: int = signal("SofteningFactor")
-    satisfaction_unipolar2: int = signal("Satisfaction")
+    note2: int = signal("Note2")
+    note3: int = signal("Note3")
     step_count: int = signal("StepCount")
     step_cycles: int = signal("StepCycles")
     telemetry_extreme: int = signal("TelemetryExtreme")

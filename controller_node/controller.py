@@ -12,8 +12,9 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.cost import Cost, cost_of
-from railhil.controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, BaliseReading
+from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
+from railhil.controller_node.laws.note import on_wire, on_wire_batch
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import record
@@ -21,24 +22,19 @@ from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.parameters import ParameterSet
 
-#: UNIPOLAR2.16 of CTL_STAT: 1/16384.
-_UNIPOLAR2_Q = 14
-
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
     """What one control period gives.
 
-    ``notch_code``: 1/256 notch, inside the notch range. ``basis``: bit 0 step, bit 1 wavelet, bit 2 ramp.
-    ``softening_raw`` and ``satisfaction_raw``: UNIPOLAR2.16 (1/16384). ``error_raw``: set-point minus speed, km/h, Q20.
+    ``notch_code``: 1/256 notch, inside the notch range. ``notes``: the law's notes as CTL_STAT holds them, in the order
+    of :attr:`~railhil.controller_node.laws.base.Law.notes`. ``error_raw``: set-point minus speed, km/h, Q20.
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
     ``cycles``: estimated C28x cycles of this step, as of every other, program in RAM, 0 for float64.
     """
 
     notch_code: int
-    basis: int
-    softening_raw: int
-    satisfaction_raw: int
+    notes: tuple[int, ...]
     overflow_flags: int
     cycles: int
     error_raw: int
@@ -49,9 +45,7 @@ class BatchOutput:
     """:class:`ControlOutput` for N trains: int64 arrays of shape (N,); flags are common to all."""
 
     notch_code: NDArray[np.int64]
-    basis: NDArray[np.int64]
-    softening_raw: NDArray[np.int64]
-    satisfaction_raw: NDArray[np.int64]
+    notes: tuple[NDArray[np.int64], ...]
     error_raw: NDArray[np.int64]
     overflow_flags: int
 
@@ -104,6 +98,8 @@ class Controller:
         self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing, parameters)
         self._number = number
         self._code: int | None = None
+        #: What the law tells of itself.
+        self.notes = self._loop.law.notes
 
     def step(
         self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int] = NO_BALISE
@@ -121,13 +117,12 @@ class Controller:
         except Exception as fault:
             raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
         self._code = code = number.raw(outputs.notch, NOTCH_Q)
+        told = zip(self.notes, outputs.notes, strict=True)
         error = number.sub(inputs.set_point, inputs.speed)
         self.telemetry.take(number)
         return ControlOutput(
             notch_code=code,
-            basis=number.raw(outputs.basis, 0),
-            softening_raw=number.raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q),
-            satisfaction_raw=number.raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q),
+            notes=tuple([on_wire(note, number.raw(value, note.q)) for note, value in told]),
             overflow_flags=number.counters.flags,
             # The law is straight-line: the cost of one step is the cost of every step.
             cycles=self.cost.cycles,
@@ -186,15 +181,13 @@ class BatchController:
             inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         except Exception as fault:
             raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
-        softening = self._raw(outputs.softening, SOFTENING_Q) >> (SOFTENING_Q - _UNIPOLAR2_Q)
-        satisfaction = self._raw(outputs.satisfaction, SATISFACTION_Q) >> (SATISFACTION_Q - _UNIPOLAR2_Q)
+        told = zip(self._loop.law.notes, outputs.notes, strict=True)
+        notes = tuple(on_wire_batch(note, self._raw(value, note.q)) for note, value in told)
         error = number.sub(inputs.set_point, inputs.speed)
         self.telemetry.take(number)
         return BatchOutput(
             notch_code=self._raw(outputs.notch, NOTCH_Q),
-            basis=self._raw(outputs.basis, 0),
-            softening_raw=softening,
-            satisfaction_raw=satisfaction,
+            notes=notes,
             error_raw=self._raw(error, SPEED_Q),
             overflow_flags=number.counters.flags,
         )

@@ -31,6 +31,7 @@ from railhil.controller_node.controller import Controller, ControlOutput
 from railhil.controller_node.ecan import BitCounter, Ecan, Mailbox, Receiver, mailbox_table
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
+from railhil.controller_node.laws.note import slots
 from railhil.controller_node.odometer import Odometer
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
@@ -113,6 +114,7 @@ class ControllerNode:
             arithmetic=options.arithmetic,
             indexing=options.indexing,
         )
+        self._note_slots = slots(self.controller.notes)
         self._output: ControlOutput | None = None
         self._last_k = -1
         self._steps = 0
@@ -223,12 +225,13 @@ class ControllerNode:
         quantity = telemetry.row(index)
         headroom_bits = HEADROOM_UNUSED if quantity.headroom_bits is None else quantity.headroom_bits
         extreme_raw = (quantity.maximum_raw if maximum else quantity.minimum_raw) or 0
+        told = self._note_slots
         return CtlStat(
-            basis=output.basis,
+            note1=output.notes[told["Note1"]] if "Note1" in told else 0,
             ladder_level=self.guard.level,
             overflow_flags=output.overflow_flags | self._lost_flag(),
-            softening_unipolar2=output.softening_raw,
-            satisfaction_unipolar2=output.satisfaction_raw,
+            note2=output.notes[told["Note2"]] if "Note2" in told else 0,
+            note3=output.notes[told["Note3"]] if "Note3" in told else 0,
             step_count=self._steps & 0xFFFF,
             step_cycles=min(output.cycles, _UINT16_MAX),
             # Shifted left by the headroom, the larger extreme fills an int32.

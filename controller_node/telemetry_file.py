@@ -13,6 +13,7 @@ from railhil.bus.ident import PROFILES
 from railhil.common import whole_file as wholefile
 from railhil.common.errors import InputError
 from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.laws.note import slots
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.telemetry import QuantityTelemetry
 
@@ -34,6 +35,7 @@ def law_document(name: str, law: Any) -> dict[str, Any]:
         "law": name,
         "indexings": list(law.indexings),
         "parameters_origin": law.parameters_origin,
+        "notes": [law.notes[number].document(signal) for signal, number in slots(law.notes).items()],
         "design_seeds": {
             scenario: [seeds.start, seeds.stop, seeds.step] for scenario, seeds in law.design_seeds.items()
         },

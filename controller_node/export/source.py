@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.body import Body, Data, remark
 from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
+from railhil.controller_node.laws import load
+from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import LawProgram, Program, Value
 from railhil.scenarios.model import Scenario
 
@@ -111,6 +113,7 @@ class SourceWriter:
         self._in = Struct(law, "in", "What the law is given each control period.", given, _input_unit)
         self._state = Struct(law, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
         self._out = Struct(law, "out", "What the law answers.", _group(outputs, "out"), unit_of)
+        self._notes = load(programs.law).notes
         self._data = Data(law)
         self._stack: dict[str, int] = {}
 
@@ -185,10 +188,29 @@ class SourceWriter:
                 "/* The notch (1/256) really sent since the last control period. */",
                 prototype("sent"),
                 "",
+                *self._note_macros(),
                 "#endif",
                 "",
             ]
         )
+
+    def _note_macros(self) -> list[str]:
+        """What the law tells of itself, as CTL_STAT holds it: fraction bits cut off, limited to its bits."""
+        lines = ["/* What the law tells of itself, as CTL_STAT holds it. */"]
+        found = slots(self._notes)
+        for signal in SLOTS:
+            name = f"{self._law.upper()}_{signal.upper()}(out)"
+            if signal not in found:
+                lines += [f"/* {signal}: none */", f"#define {name} INT32_C(0)"]
+                continue
+            number = found[signal]
+            note = self._notes[number]
+            low, high = map(literal, note.limits)
+            member = self._out.members[f"out.notes[{number}]"]
+            value = f"iq_max({low}, iq_min({high}, iq_shr((out).{member}, {note.shift})))"
+            words = ", ".join(filter(None, (note.name, note.title, f"1/2^{note.wire_q}", note.unit, *note.bits)))
+            lines += [f"/* {signal}: {comment(words)} */", f"#define {name} {value}"]
+        return [*lines, ""]
 
     def _preamble(self) -> list[str]:
         return [

@@ -5,9 +5,10 @@ from __future__ import annotations
 from importlib.metadata import entry_points
 from typing import Any
 
-from railhil.common.errors import InputError, did_you_mean
+from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws.base import Law
+from railhil.controller_node.laws.note import slots
 
 GROUP = "railhil.laws"
 
@@ -20,6 +21,10 @@ def names() -> list[str]:
 def load(name: str) -> type[Law[Any, Any]]:
     """Class of the law of that name, of railhil's own train. Raises InputError as :func:`find`."""
     law: type[Law[Any, Any]] = find(name, GROUP, Law)
+    try:
+        slots(law.notes)
+    except ValueError as error:
+        raise InputError("controller", f"{name}.notes", Words(f"{len(law.notes)} notes"), str(error)) from error
     return law
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.note import Note
 from railhil.scenarios.model import Scenario
 
 State = TypeVar("State")
@@ -18,15 +19,6 @@ SPEED_Q = 20
 NOTCH_RAW_Q = 19
 #: Notch as sent, 1/256 notch.
 NOTCH_Q = 8
-#: Softening factor, 0..1.
-SOFTENING_Q = 30
-#: Fuzzy satisfaction, 0..1.
-SATISFACTION_Q = 24
-
-#: Bits of ``LawOutputs.basis`` (CTL_STAT, BasisInUse).
-BASIS_STEP = 1
-BASIS_WAVELET = 2
-BASIS_RAMP = 4
 
 
 class BaliseReading(NamedTuple, Generic[T]):
@@ -66,15 +58,13 @@ class LawOutputs(NamedTuple, Generic[T]):
     """What a law answers.
 
     ``notch_raw`` in Q ``NOTCH_RAW_Q`` before clipping and quantising, ``notch`` in Q ``NOTCH_Q`` as to be sent,
-    ``basis`` the basis functions in use (bit field, a plain number), ``softening`` Q ``SOFTENING_Q``,
-    ``satisfaction`` Q ``SATISFACTION_Q``. Everything in between is named by :meth:`Arithmetic.note`.
+    ``notes`` the figures that :attr:`Law.notes` declares, in that order and in those formats. Everything in between is
+    named by :meth:`Arithmetic.note`.
     """
 
     notch_raw: T
     notch: T
-    basis: T
-    softening: T
-    satisfaction: T
+    notes: tuple[T, ...] = ()
 
 
 class Law(ABC, Generic[T, State]):
@@ -90,6 +80,8 @@ class Law(ABC, Generic[T, State]):
     indexings: ClassVar[tuple[str, ...]] = ("time", "distance")
     #: True for a law that is given ``LawInputs.track``.
     track: ClassVar[bool] = False
+    #: What it tells of itself in CTL_STAT: at most one bit field and two other figures.
+    notes: ClassVar[tuple[Note, ...]] = ()
     #: Frozen dataclass of the law's parameters: defaults the published or textbook ones, types with the range that a
     #: file may set (``Annotated[float, Field(ge=0, le=1)]``).
     parameters_type: ClassVar[type[Any]]

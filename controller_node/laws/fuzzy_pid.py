@@ -120,7 +120,7 @@ class FuzzyPid(Law[T, FuzzyPidState[T]]):
         upper = ar.where(ar.gt(self._zero, inputs.preview[-1]), self._zero, self._notch_max)
         clipped = ar.clip(notch_raw, upper, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
-        return FuzzyPidState(error, change, notch), LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+        return FuzzyPidState(error, change, notch), LawOutputs(notch_raw, notch)
 
     def gains(self, error: T, change: T) -> list[T]:
         """Gains per control period of ec, e and the change of ec: notch per km/h (Q24)."""

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.laws.base import NOTCH_Q, SATISFACTION_Q, SOFTENING_Q, SPEED_Q, LawInputs, LawOutputs
+from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc_constants import (
     RATE_Q,
     RISE_Q,
@@ -20,8 +20,16 @@ from railhil.controller_node.laws.ipfc_constants import (
     make_constants,
     softening_curve,
 )
+from railhil.controller_node.laws.note import Note
 from railhil.controller_node.laws.pfc import Basis, Pfc
 from railhil.controller_node.laws.pfc_constants import GAIN_Q
+from railhil.controller_node.laws.pfc_notes import (
+    BASIS_NOTE,
+    SATISFACTION_NOTE,
+    SATISFACTION_Q,
+    SOFTENING_NOTE,
+    SOFTENING_Q,
+)
 from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
@@ -53,6 +61,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
     parameters_type: ClassVar[type[Any]] = IpfcParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
     parameters_origin: ClassVar[str] = "the paper's, and ours where it prints none"
+    notes: ClassVar[tuple[Note, ...]] = (BASIS_NOTE, SOFTENING_NOTE, SATISFACTION_NOTE)
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcParameters | None = None) -> None:
         parameters = parameters or IpfcParameters()
@@ -94,7 +103,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
         command = self.command(now, self._closed(alpha), inputs)
         sent = ar.convert(command.notch, NOTCH_Q, GAIN_Q)
         new_state = IpfcState(now.model, sent, now.model_errors, now.tracking_error)
-        return new_state, LawOutputs(command.notch_raw, command.notch, command.basis, alpha, mu)
+        return new_state, LawOutputs(command.notch_raw, command.notch, (command.basis, alpha, mu))
 
     def _closed(self, alpha: T) -> list[T]:
         """1 - alpha^h at the fitting points of eq. (18) (Q30)."""

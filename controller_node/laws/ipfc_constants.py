@@ -14,7 +14,7 @@ from typing import Annotated
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Constant, Curve
-from railhil.controller_node.laws.base import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q, SPEED_Q
+from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 from railhil.controller_node.laws.pfc_constants import (
     GAIN_Q,
@@ -32,6 +32,7 @@ from railhil.controller_node.laws.pfc_constants import (
     wavelet_basis,
 )
 from railhil.controller_node.laws.pfc_model import on_grid
+from railhil.controller_node.laws.pfc_notes import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q
 
 #: Reciprocals of the fuzzy widths and of the control period.
 RATE_Q = 20

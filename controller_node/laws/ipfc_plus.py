@@ -26,6 +26,8 @@ from railhil.controller_node.laws.ipfc_plus_constants import (
     compute_constants,
 )
 from railhil.controller_node.laws.ipfc_plus_design import DESIGN_SEEDS
+from railhil.controller_node.laws.note import Note
+from railhil.controller_node.laws.pfc_notes import BASIS_NOTE, SOFTENING_NOTE
 from railhil.scenarios.model import Scenario
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
@@ -70,6 +72,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
     name: ClassVar[str] = "ipfc_plus"
     indexings: ClassVar[tuple[str, ...]] = ("time",)
     track: ClassVar[bool] = True
+    notes: ClassVar[tuple[Note, ...]] = (BASIS_NOTE, SOFTENING_NOTE)
     parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
     parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
@@ -184,7 +187,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         clipped = ar.clip(notch_raw, planned["notch_upper"], planned["notch_lower"])
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         new_state = IpfcPlusState(observer, ar.convert(notch, NOTCH_Q, UNIT_Q), state.notch, balises)
-        return new_state, LawOutputs(notch_raw, notch, self._basis, self._one_softening, self._zero)
+        return new_state, LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
 
     def _observe(self, state: IpfcPlusState[T], speed: T, planned: dict[str, T]) -> ObserverState[T]:
         """The observer from the last reading to this one: what was expected, and what the surprise says."""

@@ -16,14 +16,7 @@ from numpy.typing import ArrayLike
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.laws.base import (
-    BASIS_STEP,
-    BASIS_WAVELET,
-    NOTCH_RAW_Q,
-    SATISFACTION_Q,
-    SOFTENING_Q,
-    SPEED_Q,
-)
+from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
 from railhil.controller_node.laws.constant_table import build, flatten, held
 from railhil.controller_node.laws.ipfc_plus_design import (
     Uncertainty,
@@ -34,6 +27,7 @@ from railhil.controller_node.laws.ipfc_plus_design import (
     replanning_gains,
 )
 from railhil.controller_node.laws.pfc_model import InternalModel, on_grid
+from railhil.controller_node.laws.pfc_notes import BASIS_STEP, BASIS_WAVELET, SATISFACTION_Q, SOFTENING_Q
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
 

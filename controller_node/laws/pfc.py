@@ -13,20 +13,12 @@ is :meth:`Pfc.observe`, its own rule for the softening factor, :meth:`Pfc.comman
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Generic, NamedTuple
+from typing import ClassVar, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
-from railhil.controller_node.laws.base import (
-    NOTCH_Q,
-    NOTCH_RAW_Q,
-    SOFTENING_Q,
-    SPEED_Q,
-    Law,
-    LawInputs,
-    LawOutputs,
-    State,
-)
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs, State
 from railhil.controller_node.laws.constant_table import flatten
+from railhil.controller_node.laws.note import Note
 from railhil.controller_node.laws.pfc_constants import (
     DEVIATION_Q,
     GAIN_Q,
@@ -36,6 +28,7 @@ from railhil.controller_node.laws.pfc_constants import (
     PfcParameters,
     Row,
 )
+from railhil.controller_node.laws.pfc_notes import BASIS_NOTE, SOFTENING_NOTE, SOFTENING_Q
 
 # Shifts of the products: Q of the first factor + Q of the second - Q of the result.
 _GAIN_TO_GAIN = GAIN_Q
@@ -67,7 +60,7 @@ class Observation(NamedTuple, Generic[T]):
 
 
 class Command(NamedTuple, Generic[T]):
-    """What a control period ends with: as the fields of the same names in :class:`LawOutputs`."""
+    """What a control period ends with: as in :class:`LawOutputs`; ``basis``: code of the basis in use."""
 
     notch_raw: T
     notch: T
@@ -239,6 +232,8 @@ class PfcState(NamedTuple, Generic[T]):
 class ConstantPfc(Pfc[T, PfcState[T]]):
     """The core with a constant softening factor (section 2.3)."""
 
+    notes: ClassVar[tuple[Note, ...]] = (BASIS_NOTE, SOFTENING_NOTE)
+
     def __init__(
         self,
         arithmetic: Arithmetic[T],
@@ -259,8 +254,8 @@ class ConstantPfc(Pfc[T, PfcState[T]]):
         return state._replace(notch=self._ar.convert(notch, NOTCH_Q, GAIN_Q))
 
     def step(self, state: PfcState[T], inputs: LawInputs[T]) -> tuple[PfcState[T], LawOutputs[T]]:
-        """One control period; nothing judges the satisfaction, it is 0."""
+        """One control period."""
         now = self.observe(state.model, state.notch, state.model_errors, inputs)
         command = self.command(now, self._closed, inputs)
         after = PfcState(now.model, self._ar.convert(command.notch, NOTCH_Q, GAIN_Q), now.model_errors)
-        return after, LawOutputs(command.notch_raw, command.notch, command.basis, self._softening, self._zero)
+        return after, LawOutputs(command.notch_raw, command.notch, (command.basis, self._softening))

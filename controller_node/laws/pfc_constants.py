@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import Constant
-from railhil.controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q
+from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q
 from railhil.controller_node.laws.constant_table import held
 from railhil.controller_node.laws.pfc_model import (
     InternalModel,
@@ -25,6 +25,7 @@ from railhil.controller_node.laws.pfc_model import (
     on_grid,
     polynomial_fit,
 )
+from railhil.controller_node.laws.pfc_notes import SOFTENING_Q
 
 #: Model state (km/h), model matrices, fit matrices, gains.
 GAIN_Q = 24

@@ -138,7 +138,7 @@ class Tdmc(Law[T, TdmcState[T]]):
         clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         new_state = TdmcState(predictions, level, slope, notch, state.notch)
-        return new_state, LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+        return new_state, LawOutputs(notch_raw, notch)
 
     def _corrected(self, state: TdmcState[T], model_error: T) -> tuple[T, T]:
         """Level and slope of the correction line: shifted by one period, then corrected by h times what it missed."""

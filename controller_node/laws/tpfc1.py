@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any, ClassVar
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
-from railhil.controller_node.laws.base import BASIS_RAMP, BASIS_STEP, SPEED_Q
+from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 from railhil.controller_node.laws.pfc import Basis, ConstantPfc
 from railhil.controller_node.laws.pfc_constants import (
@@ -28,6 +28,7 @@ from railhil.controller_node.laws.pfc_constants import (
     step_and_ramp_basis,
     step_basis,
 )
+from railhil.controller_node.laws.pfc_notes import BASIS_RAMP, BASIS_STEP
 from railhil.scenarios.model import Scenario
 
 

@@ -12,7 +12,6 @@ from functools import lru_cache
 from typing import Any, ClassVar
 
 from railhil.controller_node.arithmetic.base import Arithmetic, T
-from railhil.controller_node.laws.base import BASIS_WAVELET
 from railhil.controller_node.laws.constant_table import LawTable, build, held
 from railhil.controller_node.laws.pfc import Basis, ConstantPfc
 from railhil.controller_node.laws.pfc_constants import (
@@ -28,6 +27,7 @@ from railhil.controller_node.laws.pfc_constants import (
     internal_model,
     wavelet_basis,
 )
+from railhil.controller_node.laws.pfc_notes import BASIS_WAVELET
 from railhil.scenarios.model import Scenario
 
 

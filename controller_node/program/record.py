@@ -65,7 +65,17 @@ def record(
             balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
         return loop.inputs(k, speed, position, balise)
 
-    return recorded(tracer, law, type(loop.law), loop.law, inputs, lambda: tracer.input("notch", NOTCH_Q))
+    def told() -> Any:
+        return tracer.input("notch", NOTCH_Q)
+
+    def check(outputs: Any) -> None:
+        if len(outputs.notes) != len(loop.law.notes):
+            raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(loop.law.notes)}")
+        for note, value in zip(loop.law.notes, outputs.notes, strict=True):
+            if not wide and value.q is not None and value.q != note.q:
+                raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
+
+    return recorded(tracer, law, type(loop.law), loop.law, inputs, told, check)
 
 
 class Stepped(Protocol):
@@ -84,17 +94,28 @@ class Stepped(Protocol):
         """State and what was sent -> state."""
 
 
+def _unchecked(outputs: Any) -> None:
+    """What has been zipped together already."""
+
+
 def recorded(
-    tracer: Tracer, law: str, kind: type[Any], functions: Stepped, given: Callable[[], Any], told: Callable[[], Any]
+    tracer: Tracer,
+    law: str,
+    kind: type[Any],
+    functions: Stepped,
+    given: Callable[[], Any],
+    told: Callable[[], Any],
+    check: Callable[[Any], None] = _unchecked,
 ) -> LawProgram:
     """Programs of a law that is bound to a tracer.
 
     :param law: under which it was asked for; ``kind``: its class, for complaints.
     :param given: makes the law's inputs from inputs of the tracer; ``told``: inputs for what was really sent.
+    :param check: raises FormatError for outputs of a step that are not as declared.
     :raises InputError: as :func:`record`.
     """
     try:
-        return _recorded(tracer, law, functions, given, told)
+        return _recorded(tracer, law, functions, given, told, check)
     except Exception as error:
         program = tracer.program
         quantity = program.quantities[-1].name if program is not None and program.quantities else None
@@ -103,7 +124,12 @@ def recorded(
 
 
 def _recorded(
-    tracer: Tracer, law: str, functions: Stepped, inputs_of: Callable[[], Any], told_of: Callable[[], Any]
+    tracer: Tracer,
+    law: str,
+    functions: Stepped,
+    inputs_of: Callable[[], Any],
+    told_of: Callable[[], Any],
+    check: Callable[[Any], None],
 ) -> LawProgram:
     wide = tracer.wide
 
@@ -125,6 +151,7 @@ def _recorded(
     step = tracer.begin("step")
     state = like(first_state, state_input, "state")
     new_state, outputs = functions.step(state, like(given, fresh, "in"))
+    check(outputs)
     step.outputs = [*leaves(new_state, "state"), *leaves(outputs, "out")]
     sent = tracer.begin("sent")
     told = functions.with_sent(like(first_state, state_input, "state"), told_of())

@@ -106,6 +106,8 @@ class VectorLaw(ABC, Generic[T, State]):
     parameters_origin: ClassVar[str] = "origin not stated"
     #: Runs from which the defaults were chosen: name of the scenario, seeds.
     design_seeds: ClassVar[Mapping[str, range]] = {}
+    #: Notes of a vector law are those of its system's interface.
+    notes: ClassVar[tuple[Any, ...]] = ()
     #: Over what it takes its set-point: time, in every law of a vector.
     indexings: ClassVar[tuple[str, ...]] = ("time",)
 

@@ -120,8 +120,7 @@ class PiLaw(Law[T, PiState[T]]):
         notch_raw = ar.note("notch_raw", ar.add(led, integral), NOTCH_RAW_Q, "notch")
         clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
-        # No basis functions, softening factor or satisfaction to report.
-        outputs = LawOutputs(notch_raw, notch, self._zero, self._zero, self._zero)
+        outputs = LawOutputs(notch_raw, notch)
         return PiState(integral, state.integral, notch), outputs
 
     def _limited(self, speed: T) -> T:

@@ -77,7 +77,7 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert [int(code) for code in found.raw(NotchCmd.PORT, "NotchCmd")] == expected.notches
     assert without_status(tmp_path / "c/frames.log") == without_status(expected.log)
     assert len(set(expected.notches)) > 50
-    for field in ("BasisInUse", "LadderLevel", "OverflowFlags", "SofteningFactor", "Satisfaction", "StepCount",
+    for field in ("Note1", "LadderLevel", "OverflowFlags", "Note2", "Note3", "StepCount",
                    "StepCycles", "OverrunCount", "CtlReady", "CtlLife"):  # fmt: skip
         assert np.array_equal(found.raw(CtlStat.PORT, field), expected.trace.raw(CtlStat.PORT, field)), field
 

@@ -121,9 +121,9 @@ def test_scrambled_truth_changes_nothing_for_the_controller(nominal, lvshun, tmp
 
 
 def test_control_status_follows_the_law(nominal):
-    basis = set(nominal.trace.raw(CtlStat.PORT, "BasisInUse").tolist())
+    basis = set(nominal.trace.raw(CtlStat.PORT, "Note1").tolist())
     assert {1, 2} <= basis
-    softening = nominal.trace.values(CtlStat.PORT, "SofteningFactor")
+    softening = nominal.trace.values(CtlStat.PORT, "Note2")
     assert softening[5:].min() >= 0.76
     assert softening.max() <= 0.851
 

@@ -16,7 +16,8 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.controller import Controller, ControlOutput
 from railhil.controller_node.export import Bundle, make_bundle, write_bundle
-from railhil.controller_node.laws.base import SATISFACTION_Q, SOFTENING_Q, BaliseReading
+from railhil.controller_node.laws.base import BaliseReading
+from railhil.controller_node.laws.note import on_wire
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.record import leaves
 from railhil.scenarios.model import Scenario
@@ -147,9 +148,7 @@ class CompiledController(Controller):
         self._answered = self._out.notch
         return ControlOutput(
             notch_code=self._out.notch,
-            basis=self._out.basis,
-            softening_raw=self._out.softening >> (SOFTENING_Q - 14),
-            satisfaction_raw=self._out.satisfaction >> (SATISFACTION_Q - 14),
+            notes=tuple(on_wire(note, getattr(self._out, f"notes_{i}")) for i, note in enumerate(self.notes)),
             overflow_flags=(SATURATION if self._events.saturations else 0)
             | (DIVISION_BY_ZERO if self._events.zero_divisions else 0),
             cycles=self.cost.cycles,

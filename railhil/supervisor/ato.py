@@ -12,10 +12,12 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.supervisor.judging import Judging
+from railhil.supervisor.notes import note_values, notes_of
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.score import WRAP_FAILURE, Score, score
 from railhil.supervisor.telemetry import shown_telemetry
+from railhil.supervisor.trace import FloatArray, Trace
 
 #: The shipped law that knows the train's position.
 _WITH_POSITION = "ipfc_plus"
@@ -31,11 +33,13 @@ COLUMNS = (
     ("odometer_m", TrnPos.PORT, "TrainPos"),
     ("notch_command", NotchCmd.PORT, "NotchCmd"),
     ("controller_mode", NotchCmd.PORT, "CtlMode"),
-    ("basis_in_use", CtlStat.PORT, "BasisInUse"),
-    ("softening_factor", CtlStat.PORT, "SofteningFactor"),
-    ("satisfaction", CtlStat.PORT, "Satisfaction"),
-    ("ladder_level", CtlStat.PORT, "LadderLevel"),
 )
+
+
+def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
+    """The law's notes and the ladder."""
+    found = [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes_of(trace, notes)]
+    return [*found, ("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel"))]
 
 
 def asked(scenario: Scenario) -> str:
@@ -115,6 +119,7 @@ JUDGING = Judging(
     score=score,
     truth=SimTruth.PORT,
     columns=COLUMNS,
+    told=told,
     asked=asked,
     checks=checks,
     facts=facts,

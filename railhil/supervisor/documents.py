@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 
@@ -40,6 +40,17 @@ class _OwnParameters(_Part):
     origin: str
 
 
+class _Note(_Part):
+    signal: Literal["Note1", "Note2", "Note3"]
+    name: str
+    title: str
+    symbol: str
+    unit: str
+    scale: float
+    signed: bool
+    bits: list[str]
+
+
 class _Certificate(_Part):
     scenario: str | None = None
     scenario_sha256: str | None = None
@@ -48,6 +59,7 @@ class _Certificate(_Part):
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
+    notes: list[_Note] | None = None
     seed_was_trained: bool | None = None
     arithmetic: str | None = None
     arithmetic_profile: str | None = None

@@ -186,6 +186,8 @@ def certificate(
         "arithmetic": options.arithmetic,
         "parameters": None if options.parameters is None else options.parameters.as_json(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
+        # What the law has told of itself in CTL_STAT; None: the controller has not said.
+        "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, options, result.origin),
         "arithmetic_profile": PROFILES[options.arithmetic],
         "indexing": options.indexing,
@@ -206,6 +208,10 @@ def certificate(
         # Limits of the watches above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
     }
+
+
+def _notes(result: RunResult) -> list[dict[str, Any]] | None:
+    return None if result.origin is None else [note.as_json() for note in result.origin.notes]
 
 
 def junit(scenario: AnyScenario, options: RunOptions, result: RunResult) -> ET.ElementTree[ET.Element]:
@@ -256,23 +262,27 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def signal_table(judging: Judging, trace: Trace) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per telegram of the truth, last known values."""
+def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per telegram of the truth, last known values.
+
+    :param notes: what the law has declared of its notes, as the certificate has it; None: not known.
+    """
     time_s = trace.times_s(judging.truth)
+    found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
+    found += judging.told(trace, notes)
     columns = [time_s]
-    for _, port, signal in judging.columns:
+    for _, port, values in found:
         if port == judging.truth:
-            columns.append(trace.values(port, signal))
+            columns.append(values)
             continue
         at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
-        values = np.append(trace.values(port, signal), np.nan)
-        columns.append(np.where(at >= 0, values[at], np.nan))
-    return ["time_s", *(header for header, _, _ in judging.columns)], np.column_stack(columns)
+        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
+    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
-def write_signals(judging: Judging, trace: Trace, path: Path) -> None:
-    """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
-    header, rows = signal_table(judging, trace)
+def write_signals(judging: Judging, trace: Trace, path: Path, notes: Any = None) -> None:
+    """Write ``signals.csv``: header with units, then one row per telegram of the truth; unknown values are ``nan``."""
+    header, rows = signal_table(judging, trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
@@ -288,7 +298,7 @@ def write_folder(
         judging = judging_of(scenario)
         if trace.count(judging.truth):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(judging, trace, draft)
+                write_signals(judging, trace, draft, _notes(result))
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, options))

@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag, CtlStat
+from railhil.supervisor.notes import ToldNote, told_notes
 from railhil.supervisor.trace import Trace
 
 #: Name in the run folder.
@@ -95,11 +96,12 @@ def summary(document: dict[str, Any]) -> TelemetrySummary:
 
 @dataclass(frozen=True, slots=True)
 class LawOrigin:
-    """What a law says of its own parameters: where they come from, and the perturbed runs (name of the scenario, seeds)
-    from which they were chosen."""
+    """What a law says of itself: where its own parameters come from, the perturbed runs (name of the scenario, seeds)
+    from which they were chosen, and what its notes in CTL_STAT are."""
 
     text: str
     design_seeds: Mapping[str, range]
+    notes: tuple[ToldNote, ...]
 
 
 def law_origin(document: dict[str, Any]) -> LawOrigin:
@@ -108,7 +110,7 @@ def law_origin(document: dict[str, Any]) -> LawOrigin:
     :raises LookupError, TypeError, ValueError, AttributeError: it is none.
     """
     seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
-    return LawOrigin(str(document["parameters_origin"]), seeds)
+    return LawOrigin(str(document["parameters_origin"]), seeds, told_notes(document["notes"]))
 
 
 _F = TypeVar("_F")

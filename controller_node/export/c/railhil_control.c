@@ -7,8 +7,6 @@
 enum { F_DEVICE_STATUS = 15, POLL_LENGTH = 3, FLAG_FALSE = 1, FLAG_TRUE = 2, MODE_INITIALISING = 0, MODE_RUNNING = 1 };
 /* CTL_STAT shows no quantity of the law; CTL_STAT, OverflowFlags. */
 enum { NO_QUANTITY = 127, HEADROOM_UNUSED = 31, SATURATED = 2, DIVIDED_BY_ZERO = 4 };
-/* Fraction bits of the law's outputs, and of UNIPOLAR2.16 on the wire. */
-enum { SOFTENING_Q = 30, SATISFACTION_Q = 24, UNIPOLAR2_Q = 14 };
 
 static const char *const count_names[RAILHIL_COUNTS] = {
     "part",
@@ -100,11 +98,12 @@ static unsigned answer_status(railhil_control_t *control, railhil_frame_t *answe
     process[13] = HEADROOM_UNUSED << 3;
     process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_FALSE << 4) | control->status_life);
     if (control->steps != 0) {
-        process[0] = (unsigned char)(((uint32_t)control->out.basis & 0xFu) << 4 | (unsigned)control->guard.watch.level);
+        const uint32_t note1 = (uint32_t)@PREFIX@_NOTE1(control->out) & 0xFu;
+        process[0] = (unsigned char)(note1 << 4 | (unsigned)control->guard.watch.level);
         process[1] = (unsigned char)((control->events.saturations != 0 ? SATURATED : 0) |
                                      (control->events.zero_divisions != 0 ? DIVIDED_BY_ZERO : 0));
-        railhil_put16(process + 2, (uint32_t)(control->out.softening >> (SOFTENING_Q - UNIPOLAR2_Q)));
-        railhil_put16(process + 4, (uint32_t)(control->out.satisfaction >> (SATISFACTION_Q - UNIPOLAR2_Q)));
+        railhil_put16(process + 2, (uint32_t)@PREFIX@_NOTE2(control->out));
+        railhil_put16(process + 4, (uint32_t)@PREFIX@_NOTE3(control->out));
         railhil_put16(process + 6, control->steps);
         railhil_put16(process + 8, RAILHIL_STEP_CYCLES);
         process[14] = (unsigned char)overruns;

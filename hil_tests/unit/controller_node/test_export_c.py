@@ -200,7 +200,7 @@ def test_compiled_controller_drives_the_train_like_the_python_node(
     assert len(set(found.notches)) > 50
     assert found.notches == expected.notches
     assert _without_status(found) == _without_status(expected)
-    for signal in ("BasisInUse", "OverflowFlags", "SofteningFactor", "Satisfaction"):
+    for signal in ("Note1", "OverflowFlags", "Note2", "Note3"):
         assert np.array_equal(found.trace.raw(CtlStat.PORT, signal), expected.trace.raw(CtlStat.PORT, signal))
 
 

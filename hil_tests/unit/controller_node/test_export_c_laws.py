@@ -12,6 +12,8 @@ from hil_tests.support.plug import plug_in
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Constant, Curve
 from railhil.controller_node.laws.base import Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.note import Note
+from railhil.controller_node.laws.note import flags as told_flags
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
@@ -31,6 +33,11 @@ class Toy(Law[Any, ToyState]):
 
     name: ClassVar[str] = "toy"
     horizon: ClassVar[int] = 2  # type: ignore[assignment]
+    notes: ClassVar[tuple[Note, ...]] = (
+        told_flags("flags", "*/ flags", ("one",)),
+        Note("product", "product of two", 30, wire_q=2, signed=True),
+        Note("zero", "zero", 20),
+    )
     constants: ClassVar[tuple[Constant, ...]] = ()
 
     def __init__(self, arithmetic: Arithmetic[Any], scenario: Scenario, parameters: Any = None) -> None:
@@ -70,7 +77,7 @@ class Toy(Law[Any, ToyState]):
         ar.note("far", ar.convert(far, 5, 5), 5)
         moved_down = ar.convert(ar.convert(moved, 24, 30), 30, 20)
         state = ToyState(state.second, state.first, ar.add(moved_down, ar.convert(above, 45, 20)))
-        return state, LawOutputs(ar.convert(wide, 9, 19), notch, flags, ar.convert(product, 37, 30), self.zero)
+        return state, LawOutputs(ar.convert(wide, 9, 19), notch, (flags, ar.convert(product, 37, 30), self.zero))
 
 
 @pytest.mark.needs_compiler
@@ -115,7 +122,7 @@ class Counting(Toy):
     def step(self, state: ToyState, inputs: LawInputs[Any]) -> tuple[ToyState, LawOutputs[Any]]:
         self.count += 1
         state, outputs = super().step(state, inputs)
-        return (state, outputs) if self.count < 5 else (state, outputs._replace(basis=self.tie))
+        return (state, outputs) if self.count < 5 else (state, outputs._replace(notes=(self.tie, *outputs.notes[1:])))
 
 
 class Deep(Toy):

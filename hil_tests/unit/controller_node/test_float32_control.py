@@ -38,10 +38,10 @@ def test_single_steps(name: str, arithmetic: str) -> None:
     inputs = LawInputs(number.operand(given["y"]), number.operand(given["r0"]), operands(given["rf"]))
     _, outputs = Ipfc(number, SCENARIO).step(before, inputs)
     assert number.raw(outputs.notch, NOTCH_Q) == expected["notch_code"]
-    assert outputs.basis == BASIS[expected["basis"]]
+    assert outputs.notes[0] == BASIS[expected["basis"]]
     assert outputs.notch_raw == pytest.approx(expected["u_raw"], abs=NOTCH_TOLERANCE[arithmetic])
-    assert outputs.softening == pytest.approx(expected["alpha"], abs=1e-7)
-    assert outputs.satisfaction == pytest.approx(expected["mu"], abs=1e-6)
+    assert outputs.notes[1] == pytest.approx(expected["alpha"], abs=1e-7)
+    assert outputs.notes[2] == pytest.approx(expected["mu"], abs=1e-6)
 
 
 @pytest.mark.parametrize(("arithmetic", "share"), [("float32", 0.01), ("float32-truncated", 0.02)])
@@ -52,7 +52,7 @@ def test_codes_follow_float64_on_the_same_inputs(arithmetic: str, share: float) 
         names = ("float64", arithmetic)
         _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, "ipfc", name) for name in names])
         assert stopped is not None
-        assert all(single.basis == double.basis for double, single in answers)
+        assert all(single.notes[0] == double.notes[0] for double, single in answers)
         # In 2^-20 km/h.
         assert max(abs(single.error_raw - double.error_raw) for double, single in answers) <= 12
         differences += [abs(single.notch_code - double.notch_code) for double, single in answers]

@@ -34,13 +34,11 @@ def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
         speed[2:] += generator.integers(-20, 21, 2)
         position = generator.integers(0, 30_000_000, 4)
         together = batch.step(k, speed, position)
-        assert together.notch_code.dtype == together.softening_raw.dtype == np.int64
+        assert {values.dtype for values in (together.notch_code, *together.notes)} == {np.dtype(np.int64)}
         for train, controller in enumerate(alone):
             single = controller.step(k, int(speed[train]), int(position[train]))
             assert single.notch_code == together.notch_code[train]
-            assert single.basis == together.basis[train]
-            assert single.softening_raw == together.softening_raw[train]
-            assert single.satisfaction_raw == together.satisfaction_raw[train]
+            assert single.notes == tuple(values[train] for values in together.notes)
             assert single.error_raw == together.error_raw[train]
     for train, controller in enumerate(alone):
         states = [flat(batch._loop.state), flat(controller._loop.state)]
@@ -66,12 +64,12 @@ def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
         controller.step(100, int(apart[train]), 0)
         controller.sent(0)
         single = controller.step(101, int(close[train]), 0)
-        assert single.satisfaction_raw == together.satisfaction_raw[train]
-        assert single.softening_raw == together.softening_raw[train]
+        assert single.notes == tuple(values[train] for values in together.notes)
         assert single.notch_code == together.notch_code[train]
-    assert len(set(together.satisfaction_raw.tolist())) > 10
-    assert together.satisfaction_raw.max() == 2**14
-    assert together.softening_raw.min() == int(0.77 * 2**14)
+    _, softening, satisfaction = together.notes
+    assert len(set(satisfaction.tolist())) > 10
+    assert satisfaction.max() == 2**14
+    assert softening.min() == int(0.77 * 2**14)
 
 
 def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
@@ -104,7 +102,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(seed: int, arithmetic: s
     differences = [abs(iq.notch_code - double.notch_code) for iq, double in answers]
     assert max(differences) <= 1
     assert sum(difference > 0 for difference in differences) <= len(differences) / 100
-    assert all(iq.basis == double.basis for iq, double in answers)
+    assert all(iq.notes[0] == double.notes[0] for iq, double in answers)
     assert answers[-1][0].overflow_flags == 0
     assert max(abs(iq.error_raw - double.error_raw) for iq, double in answers) <= 2
 
@@ -116,7 +114,7 @@ def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
     for seed in range(6):
         _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, "ipfc", arithmetic)])
         assert stopped is not None
-        assert {answer[0].basis for answer in answers} == {1, 2}
+        assert {answer[0].notes[0] for answer in answers} == {1, 2}
         time_errors_s.append(abs(stopped.instant_01ms / 1e4 - 195))
         stop_errors_m.append(abs(stopped.position_01mm / 1e4 - 2940))
     assert 0.04 < np.median(time_errors_s) < 0.12
@@ -127,8 +125,7 @@ def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
 def test_softening_is_that_of_the_worst_satisfaction_in_a_run() -> None:
     _, answers, _ = closed_loop(0, [Controller(SCENARIO)], ticks=5000)
     for answer, *_ in answers[1:]:
-        assert answer.satisfaction_raw == 0
-        assert answer.softening_raw == int(0.85 * 2**14)
+        assert answer.notes[1:] == (int(0.85 * 2**14), 0)
 
 
 def test_sent_notch_changes_the_next_answer() -> None:

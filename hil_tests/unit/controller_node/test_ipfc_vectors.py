@@ -15,10 +15,11 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.laws import load, names
-from railhil.controller_node.laws.base import NOTCH_RAW_Q, SOFTENING_Q, SPEED_Q, LawInputs
+from railhil.controller_node.laws.base import NOTCH_RAW_Q, SPEED_Q, LawInputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.laws.ipfc_constants import RISE_Q, IpfcParameters
 from railhil.controller_node.laws.pfc_constants import GAIN_Q
+from railhil.controller_node.laws.pfc_notes import SOFTENING_Q
 from railhil.scenarios.load import load as load_scenario
 
 SCENARIO = load_scenario("lvshun_tieshan")
@@ -90,10 +91,10 @@ def test_float64_meets_every_intermediate(name: str) -> None:
         "u_raw": outputs.notch_raw,
     }.items():
         np.testing.assert_allclose(value, expected[key], rtol=0, atol=1e-9, err_msg=key)
-    assert outputs.basis == BASIS[expected["basis"]]
+    assert outputs.notes[0] == BASIS[expected["basis"]]
     assert outputs.notch * 256 == expected["notch_code"]
-    assert outputs.softening == noted["alpha"]
-    assert outputs.satisfaction == noted["mu"]
+    assert outputs.notes[1] == noted["alpha"]
+    assert outputs.notes[2] == noted["mu"]
     assert state.notch == outputs.notch
     assert state.model_errors[:-1] == tuple(STEPS[name]["state"]["e_hist"][1:])
 
@@ -104,8 +105,8 @@ def test_fixed_point_is_within_2e_4_notch(name: str) -> None:
     arithmetic = make("iq")
     _, outputs = iq_step(STEPS[name], arithmetic)
     assert outputs.notch == expected["notch_code"]
-    assert outputs.basis == BASIS[expected["basis"]]
-    assert outputs.softening / 2**SOFTENING_Q == pytest.approx(expected["alpha"], abs=1e-6)
+    assert outputs.notes[0] == BASIS[expected["basis"]]
+    assert outputs.notes[1] / 2**SOFTENING_Q == pytest.approx(expected["alpha"], abs=1e-6)
     assert arithmetic.counters.wraps == 0
     if name == "syn_sat_high":
         # Two deviations and more lie beyond the 100 km/h at which fixed point saturates, the notch beyond its range.

@@ -188,7 +188,7 @@ def test_no_float_in_the_law(run: Any) -> None:
     for k, speed, position in run.given:
         output = controller.step(k, NoFloat(speed), NoFloat(position))  # type: ignore[arg-type]
         assert output == run.plain.step(k, speed, position)
-        results = (output.notch_code, output.softening_raw, output.satisfaction_raw, output.error_raw, output.basis)
+        results = (output.notch_code, output.error_raw, *output.notes)
         quantities = (controller.telemetry._lows, controller.telemetry._highs)
         assert {type(leaf) for leaf in flat((results, loop.state, quantities))} == {NoFloat}
         if k % 5 == 0:

@@ -17,7 +17,8 @@ from railhil.controller_node.arithmetic import make, names
 from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.laws import load as load_law
-from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SOFTENING_Q, Law, LawInputs
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, Law, LawInputs
+from railhil.controller_node.laws.pfc_notes import SOFTENING_Q
 from railhil.controller_node.laws.tpfc1 import TABLE as TABLE1
 from railhil.controller_node.laws.tpfc1 import Tpfc1Parameters
 from railhil.controller_node.laws.tpfc2 import TABLE as TABLE2
@@ -119,8 +120,8 @@ def test_steps_are_those_of_the_equations(name: str, slope: float, basis: np.nda
         state, outputs = tested.step(tested.start(inputs) if state is None else state, inputs)
         assert outputs.notch_raw == pytest.approx(raw, abs=1e-8)
         assert outputs.notch == np.clip(np.floor(raw * 256 + 0.5) / 256, -7, 7)
-        assert (outputs.basis, outputs.satisfaction) == (code, 0.0)
-        assert outputs.softening == pytest.approx(ALPHA, abs=1e-15)
+        assert (outputs.notes[0], len(outputs.notes)) == (code, 2)
+        assert outputs.notes[1] == pytest.approx(ALPHA, abs=1e-15)
         state = tested.with_sent(state, notch)
 
 
@@ -132,7 +133,7 @@ def test_ramp_above_the_threshold_of_the_paper(change: float, code: int) -> None
     rise = int(np.floor(abs(change) * 2**20 + 0.5)) * (1 if change > 0 else -1)
     inputs = LawInputs(40 << 20, 40 << 20, [(40 << 20) + rise * i // 10 for i in range(1, 11)])
     _, outputs = tested.step(tested.start(inputs), inputs)
-    assert outputs.basis == code
+    assert outputs.notes[0] == code
 
 
 @pytest.mark.parametrize("arithmetic", names())
@@ -148,9 +149,8 @@ def test_many_trains_equal_each_alone(name: str, arithmetic: str) -> None:
         for train, controller in enumerate(alone):
             single = controller.step(k, int(speed[train]), 0)
             assert single.notch_code == together.notch_code[train]
-            assert single.basis == together.basis[train]
-            assert single.softening_raw == together.softening_raw[train]
-            bases.add(single.basis)
+            assert single.notes == tuple(values[train] for values in together.notes)
+            bases.add(single.notes[0])
     assert bases == ({1, 5} if name == "tpfc1" else {2})
 
 
@@ -166,7 +166,7 @@ def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
             outputs = fixed.step(k, speed_01mmps, position_01mm)[1]
             reference = wide.step(k, speed_01mmps, position_01mm)[1]
             assert outputs.notch_raw / 2**NOTCH_RAW_Q == pytest.approx(reference.notch_raw, abs=2e-4)
-            assert outputs.softening / 2**SOFTENING_Q == pytest.approx(reference.softening, abs=1e-9)
+            assert outputs.notes[1] / 2**SOFTENING_Q == pytest.approx(reference.notes[1], abs=1e-9)
             wide.sent(outputs.notch / 2**NOTCH_Q)
             codes.append((outputs.notch, round(reference.notch * 2**NOTCH_Q)))
             return int(outputs.notch)

@@ -318,18 +318,18 @@ def test_laws_without_basis_and_softening_have_no_such_figure(run: RecordedRun, 
     plain = replace(run, label="plain", trace=without(run.trace, CtlStat.PORT))
     text = page([plain])
     assert 'id="notch"' in text
-    assert 'id="basis"' not in text
-    assert 'id="softening"' not in text
+    assert not re.search('id="(basis_in_use|softening_factor)"', text)
     svg = next(svg for svg in re.findall(r"<svg.*?</svg>", page([plain, other]), re.DOTALL) if "wavelet" in svg)
     assert "plain" not in svg
 
 
 def test_every_set_of_basis_functions_has_a_row_and_a_name(run: RecordedRun) -> None:
-    measured = curves(run.scenario, run.trace)
-    used = np.resize([0.0, 1.0, 2.0, 3.0, 5.0, 9.0], len(measured.basis))
-    drawn = Drawn("law", Style(), replace(measured, basis=used), run.score)
+    measured = curves(run.scenario, run.trace, run.certificate["notes"])
+    (basis, values), *others = measured.notes
+    used = np.resize([0.0, 1.0, 2.0, 3.0, 5.0, 9.0], len(values))
+    drawn = Drawn("law", Style(), replace(measured, notes=((basis, used), *others)), run.score)
     axes = Figure().add_subplot()
-    panels.basis(axes, drawn, panels.bases([drawn]))
+    panels.flags(axes, drawn, basis.name, panels.flag_sets([drawn], basis.name))
     names = ["none", "step", "wavelet", "step+wavelet", "step+ramp", "step+bits 0x8"]
     assert [label.get_text() for label in axes.get_yticklabels()] == names
     np.testing.assert_array_equal(axes.lines[0].get_ydata()[:6], range(6))

@@ -26,8 +26,8 @@ _LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
 _TITLE_IN = 0.7
 #: Height of a legend row; of the row of one law where laws stand below each other.
 _LEGEND_IN, _ROW_IN, _GAP_IN = 0.2, 1.05, 0.3
-#: Height of one name in the picture of basis functions.
-_BASIS_IN = 0.18
+#: Height of one name in the picture of a bit field.
+_FLAGS_IN = 0.18
 _LEGEND_COLUMNS = 4
 #: Room in a legend: for the piece of line with the blanks around it, and for a letter.
 _SAMPLE_IN, _LETTER_IN = 0.6, 0.075
@@ -48,7 +48,7 @@ class Picture:
 def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
     """All figures of the report, in reading order; empty when no run got far enough to be drawn."""
     drawn = [
-        Drawn(run.label, style, curves(scenario, run.trace), run.score)
+        Drawn(run.label, style, curves(scenario, run.trace, run.certificate.get("notes")), run.score)
         for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
         if run.can_be_drawn
     ]
@@ -60,17 +60,7 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Picture]:
         if timing_of(run).get("histogram")
     ]
     with panels.drawing("none"):
-        found = [_speed(scenario, drawn), _error(scenario, drawn), _distance(scenario, drawn)]
-        found += [_notch(scenario, drawn), _force(scenario, drawn)]
-        with_basis = [run for run in drawn if run.curves.has_basis]
-        with_softening = [run for run in drawn if run.curves.has_softening]
-        if with_basis:
-            found.append(_basis(scenario, with_basis))
-        if with_softening:
-            found.append(_softening(scenario, with_softening))
-        if late:
-            found.append(_lateness(late))
-    return found
+        return [picture for panel in ATO_PANELS for picture in panel.draw(Record(scenario, drawn, late))]
 
 
 def svg(figure: Figure, name: str, title: str) -> str:
@@ -212,24 +202,44 @@ def _force(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
     return _stacked(scenario, runs, "force", "Traction and brake force over time", "force (kN)", caption, panels.force)
 
 
-def _basis(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
-    caption = "Which basis functions the controller said it used (CTL_STAT); laws without basis functions are left out."
-    used = panels.bases(runs)
+def _flags(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
+    """One picture for each bit field that laws have told, of the runs in which they did."""
+    notes = {note.name: note for run in runs for note, _ in run.curves.told(flags=True)}
+    found = []
+    for name, note in notes.items():
+        telling = [run for run in runs if name in {told.name for told, _ in run.curves.told(flags=True)}]
+        used = panels.flag_sets(telling, name)
+
+        def draw(axes: Axes, run: Drawn, name: str = name, used: Sequence[int] = used) -> None:
+            panels.flags(axes, run, name, used)
+
+        caption = "As the controller said (CTL_STAT); laws that do not tell it are left out."
+        title = f"{_capital(note.title)} over time"
+        height_in = _FLAGS_IN * max(3, len(used))
+        found.append(_stacked(scenario, telling, name, title, "", caption, draw, height_in))
+    return found
+
+
+def _told_figures(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
+    """One picture of the figures that laws have told of themselves, of the runs in which they did."""
+    telling = [run for run in runs if run.curves.told(flags=False)]
+    notes = {note.name: note for run in telling for note, _ in run.curves.told(flags=False)}
+    # A figure that stayed at 0 is drawn beside one that did not.
+    notes |= {note.name: note for run in telling for note, _ in run.curves.notes if not note.bits}
+    if not notes:
+        return []
 
     def draw(axes: Axes, run: Drawn) -> None:
-        panels.basis(axes, run, used)
+        panels.figures(axes, run, list(notes))
 
-    height_in = _BASIS_IN * max(3, len(used))
-    return _stacked(scenario, runs, "basis", "Basis functions over time", "", caption, draw, height_in)
+    title = f"{_capital(' and '.join(note.title for note in notes.values()))} over time"
+    symbols = ", ".join(note.symbol or note.unit for note in notes.values() if note.symbol or note.unit)
+    caption = "As the controller said (CTL_STAT); laws that tell no such figure are left out."
+    return [_stacked(scenario, telling, next(iter(notes)), title, symbols, caption, draw, legend=True)]
 
 
-def _softening(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
-    title = "Softening factor and satisfaction over time"
-    caption = (
-        "As the controller said (CTL_STAT); laws without a softening factor are left out, laws with a fixed one say "
-        "satisfaction 0."
-    )
-    return _stacked(scenario, runs, "softening", title, "α, μ", caption, panels.softening, legend=True)
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _lateness(runs: Sequence[Lateness]) -> Picture:
@@ -244,3 +254,33 @@ def _lateness(runs: Sequence[Lateness]) -> Picture:
     lateness(axes, runs)
     panels.legend(axes, columns)
     return Picture("lateness", title, caption, svg(figure, "lateness", title))
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """What panels draw from: the runs that got far enough, and the lateness of those that kept real time."""
+
+    scenario: Scenario
+    runs: Sequence[Drawn]
+    late: Sequence[Lateness]
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """One kind of figure: ``what`` it shows, and ``draw``, which gives no picture when the record has nothing of it."""
+
+    what: str
+    draw: Callable[[Record], list[Picture]]
+
+
+#: The report of a train that drives itself from one stop to the next, in reading order.
+ATO_PANELS = (
+    Panel("speed, target and limit over distance", lambda of: [_speed(of.scenario, of.runs)]),
+    Panel("speed error over time", lambda of: [_error(of.scenario, of.runs)]),
+    Panel("distance over time and the stop", lambda of: [_distance(of.scenario, of.runs)]),
+    Panel("notch over time", lambda of: [_notch(of.scenario, of.runs)]),
+    Panel("forces over time", lambda of: [_force(of.scenario, of.runs)]),
+    Panel("bit fields that laws tell", lambda of: _flags(of.scenario, of.runs)),
+    Panel("figures that laws tell", lambda of: _told_figures(of.scenario, of.runs)),
+    Panel("lateness of the cycles", lambda of: [_lateness(of.late)] if of.late else []),
+)

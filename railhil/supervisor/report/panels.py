@@ -17,17 +17,17 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
 from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
 from railhil.supervisor.measures import KMH, limits_under_train
+from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.report.recorded import Curves
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.score import Score
+from railhil.supervisor.trace import FloatArray
 
 _POINTS = 800
 #: Half height of the picture of the stop, m: what it shows at least and at most.
 _STOP_MIN_M, _STOP_MAX_M = 0.4, 3.0
 #: Half width of a close view, as a share of the distance.
 _NEAR_SHARE = 0.02
-#: What the bits of BasisInUse stand for, from bit 0.
-_BASES = ("step", "wavelet", "ramp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,42 +147,49 @@ def force(axes: Axes, run: Drawn) -> None:
     axes.axhline(0, color="0.6", linewidth=0.6)
 
 
-def bases(runs: Sequence[Drawn]) -> list[int]:
-    """Every set of basis functions that some run has used, as bit fields."""
-    return sorted({int(value) for run in runs for value in np.unique(run.curves.basis)})
+def flag_sets(runs: Sequence[Drawn], name: str) -> list[int]:
+    """Every set of flags that some run has told in the note of that name, as bit fields."""
+    return sorted({int(value) for run in runs for value in np.unique(_told(run, name)[1])})
 
 
-def basis(axes: Axes, run: Drawn, used: Sequence[int]) -> None:
-    """Basis functions in use over time.
+def flags(axes: Axes, run: Drawn, name: str, used: Sequence[int]) -> None:
+    """A bit field of a law over time.
 
-    :param used: the rows of the picture, as :func:`bases` finds them.
+    :param name: of the note.
+    :param used: the rows of the picture, as :func:`flag_sets` finds them.
     """
-    row = np.searchsorted(np.asarray(used), run.curves.basis)
+    note, values = _told(run, name)
+    row = np.searchsorted(np.asarray(used), values)
     axes.step(run.curves.status_s, row, where="post", **run.style.alone)
-    axes.set_yticks(range(len(used)), [_basis_name(bits) for bits in used], fontsize=8)
+    axes.set_yticks(range(len(used)), [_flag_names(bits, note.bits) for bits in used], fontsize=8)
     axes.set_ylim(-0.5, len(used) - 0.5)
 
 
-def _basis_name(bits: int) -> str:
-    names = [name for place, name in enumerate(_BASES) if bits >> place & 1]
-    if unknown := bits >> len(_BASES):
-        names.append(f"bits {unknown << len(_BASES):#x}")
+def _told(run: Drawn, name: str) -> tuple[ToldNote, FloatArray]:
+    return next((note, values) for note, values in run.curves.notes if note.name == name)
+
+
+def _flag_names(value: int, known: Sequence[str]) -> str:
+    names = [name for place, name in enumerate(known) if value >> place & 1]
+    if unknown := value >> len(known):
+        names.append(f"bits {unknown << len(known):#x}")
     return "+".join(names) or "none"
 
 
-def softening(axes: Axes, run: Drawn) -> None:
-    """Softening factor and fuzzy satisfaction over time."""
-    axes.step(run.curves.status_s, run.curves.softening, where="post", label="softening factor α", **run.style.alone)
-    axes.step(
-        run.curves.status_s,
-        run.curves.satisfaction,
-        where="post",
-        color="0.45",
-        linestyle=":",
-        linewidth=1.2,
-        label="satisfaction μ",
-    )
-    axes.set_ylim(-0.05, 1.05)
+#: How the figures of one law are told from each other.
+_FIGURE_LINES: tuple[dict[str, Any], ...] = ({}, {"color": "0.45", "linestyle": ":", "linewidth": 1.2})
+
+
+def figures(axes: Axes, run: Drawn, names: Sequence[str]) -> None:
+    """Figures that a law tells of itself, over time.
+
+    :param names: of the notes of all laws in the picture.
+    """
+    told = [(note, values) for note, values in run.curves.notes if note.name in names]
+    for (note, values), line in zip(told, _FIGURE_LINES, strict=False):
+        axes.step(run.curves.status_s, values, where="post", label=note.label, **{**run.style.alone, **line})
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -0.05), max(high, 1.05))
 
 
 def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -> None:

@@ -17,6 +17,7 @@ from railhil.scenarios.target import Target
 from railhil.supervisor.documents import read_score
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
+from railhil.supervisor.notes import ToldNote, note_values, notes_of
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -130,23 +131,19 @@ class Curves:
     notch_s: FloatArray
     notch: FloatArray
     status_s: FloatArray
-    basis: FloatArray
-    softening: FloatArray
-    satisfaction: FloatArray
+    #: What the law has told of itself, and the values.
+    notes: tuple[tuple[ToldNote, FloatArray], ...]
 
-    @property
-    def has_basis(self) -> bool:
-        """True for a law that says which basis functions it uses."""
-        return bool(np.any(self.basis))
-
-    @property
-    def has_softening(self) -> bool:
-        """True for a law with a softening factor."""
-        return bool(np.any(self.softening))
+    def told(self, *, flags: bool) -> list[tuple[ToldNote, FloatArray]]:
+        """Notes that are bit fields, or the others; those that were never other than 0 left out."""
+        return [(note, values) for note, values in self.notes if bool(note.bits) == flags and np.any(values)]
 
 
-def curves(scenario: Scenario, trace: Trace) -> Curves:
-    """Curves of a record; the speed error is set-point minus speed, against the set-point that the law followed."""
+def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | None = None) -> Curves:
+    """Curves of a record; the speed error is set-point minus speed, against the set-point that the law followed.
+
+    :param told: ``notes`` of its certificate.
+    """
     time_s = trace.times_s(SimTruth.PORT)
     position_m = trace.values(SimTruth.PORT, "TruePos")
     speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
@@ -165,7 +162,5 @@ def curves(scenario: Scenario, trace: Trace) -> Curves:
         notch_s=trace.times_s(NotchCmd.PORT),
         notch=trace.values(NotchCmd.PORT, "NotchCmd"),
         status_s=trace.times_s(CtlStat.PORT),
-        basis=trace.raw(CtlStat.PORT, "BasisInUse").astype(np.float64),
-        softening=trace.values(CtlStat.PORT, "SofteningFactor"),
-        satisfaction=trace.values(CtlStat.PORT, "Satisfaction"),
+        notes=tuple((note, note_values(trace, note)) for note in notes_of(trace, told)),
     )

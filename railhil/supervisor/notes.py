@@ -1,0 +1,90 @@
+"""What a law has told of itself in CTL_STAT: which signal is which note, from what the controller says of its law."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.telegrams import CtlStat
+from railhil.supervisor.trace import FloatArray, Trace
+
+#: UNIPOLAR2.16: 1/16384.
+_UNIPOLAR2 = 2.0**-14
+_HALF, _WHOLE = 1 << 15, 1 << 16
+
+
+@dataclass(frozen=True, slots=True)
+class ToldNote:
+    """One note: its signal in CTL_STAT; ``name`` heads a column, ``title`` and ``symbol`` stand in figures.
+
+    Value = raw * ``scale`` in ``unit``, raw in two's complement (16 bits) when ``signed``. ``bits`` names the bits of a
+    bit field from bit 0 on.
+    """
+
+    signal: str
+    name: str
+    title: str
+    symbol: str
+    unit: str
+    scale: float
+    signed: bool
+    bits: tuple[str, ...]
+
+    def as_json(self) -> dict[str, Any]:
+        """As ``certificate.json`` has it."""
+        return asdict(self) | {"bits": list(self.bits)}
+
+    @property
+    def label(self) -> str:
+        """Title with symbol and unit."""
+        return " ".join(word for word in (self.title, self.symbol, f"({self.unit})" if self.unit else "") if word)
+
+
+#: The notes of a record whose contract names them itself: up to version 0.1.0 they were IPFC's.
+_EARLIER = (
+    ToldNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
+    ToldNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
+    ToldNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
+)
+#: Of a law that nobody has said anything of.
+_UNKNOWN = (
+    ToldNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
+    ToldNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
+    ToldNote("Note3", "note_3", "note 3", "", "", _UNIPOLAR2, False, ()),
+)
+
+
+def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ToldNote, ...]:
+    """Notes from what the controller says of its law.
+
+    :raises LookupError, TypeError, ValueError: it is none.
+    """
+    found = []
+    for one in documents:
+        if one["signal"] not in {note.signal for note in _UNKNOWN}:
+            raise ValueError(f"no signal of CTL_STAT for notes: {one['signal']}")
+        signal, name, title, symbol, unit = (str(one[key]) for key in ("signal", "name", "title", "symbol", "unit"))
+        bits = tuple(map(str, one["bits"]))
+        found.append(ToldNote(signal, name, title, symbol, unit, float(one["scale"]), bool(one["signed"]), bits))
+    return tuple(found)
+
+
+def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ToldNote, ...]:
+    """The notes of a record; the wire contract that it was made with decides whether it says itself what they are.
+
+    :param told: ``notes`` of its certificate; None: nobody said.
+    """
+    if not trace.has(CtlStat.PORT, _UNKNOWN[0].signal):
+        return _EARLIER
+    return _UNKNOWN if told is None else told_notes(told)
+
+
+def note_values(trace: Trace, note: ToldNote) -> FloatArray:
+    """Values of a note in each CTL_STAT, in its unit, shape (n,)."""
+    raw = trace.raw(CtlStat.PORT, note.signal)
+    if note.signed:
+        raw = (raw + _HALF) % _WHOLE - _HALF
+    return np.asarray(raw * note.scale, dtype=np.float64)
