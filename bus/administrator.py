@@ -18,7 +18,7 @@ from railhil.bus.link import Endpoint
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame, parse_device_status
 from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Contract, Port, wire_contract
 
 #: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
 REPLY_NS = 5_000_000
@@ -37,6 +37,7 @@ class Administrator:
     :param fd: send the CAN FD form.
     :param reply_ns: realtime: wall time after which an answer comes too late.
     :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
+    :param contract: of the run's system; None: that of railhil's own train.
     """
 
     def __init__(
@@ -50,7 +51,9 @@ class Administrator:
         fd: bool = False,
         patience_s: float = PATIENCE_S,
         reply_ns: int = REPLY_NS,
+        contract: Contract | None = None,
     ) -> None:
+        contract = contract or wire_contract()
         self.counters: Counter[str] = Counter()
         self._endpoint = endpoint
         self._store = store
@@ -59,7 +62,7 @@ class Administrator:
         self._monotonic_ns = pacer.wall.monotonic_ns
         self._sources = {port.name: TelegramSource(port, fd) for port in published}
         # Identifiers of the frame that completes a telegram, classic and CAN FD.
-        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in wire_contract().ports}
+        self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
         self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
 from railhil.common import choices
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, wire_contract
 from railhil.dbc.contract import WIRE_VERSION
 
 
@@ -156,11 +156,15 @@ def make_ident(
     arithmetic: str = "none",
     indexing: str = "none",
     pace: str = "none",
+    contract: Contract | None = None,
 ) -> Ident:
-    """Handshake telegram of a node; hashes are cut to their first 32 bit."""
+    """Handshake telegram of a node; hashes are cut to their first 32 bit.
+
+    :param contract: of the run's system; None: that of railhil's own train.
+    """
     return _CLASSES[role](
         scenario_hash=int(scenario_sha256[:8], 16),
-        wire_hash=int(wire_contract().sha256[:8], 16),
+        wire_hash=int((contract or wire_contract()).sha256[:8], 16),
         seed=seed,
         law=law_code(controller),
         role=role,

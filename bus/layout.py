@@ -36,6 +36,8 @@ class Telegram:
     """
 
     PORT: ClassVar[str]
+    #: The port itself, of a class that is bound to one (:meth:`bound`).
+    _port: ClassVar[Port | None] = None
     #: Field names with their signals, made at first use.
     _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
 
@@ -48,7 +50,20 @@ class Telegram:
     @classmethod
     def port(cls) -> Port:
         """The port table entry of this telegram."""
-        return wire_contract().port(cls.PORT)
+        return cls._port or wire_contract().port(cls.PORT)
+
+    @classmethod
+    def bound(cls, port: Port) -> type[Self]:
+        """This layout at a port: of one unit among several, or of another system.
+
+        :raises TypeError: the fields are not the signals of the port.
+        """
+        members = {"PORT": port.name, "_port": port, "__slots__": (), "__doc__": cls.__doc__}
+        # The written codecs are those of the port that a class names itself.
+        members |= {"encode": Telegram.encode, "decode": classmethod(vars(Telegram)["decode"].__func__)}
+        made: type[Self] = type(f"{cls.__name__}_{port.name}", (cls,), members)
+        made.signals()
+        return made
 
     @classmethod
     def signal_names(cls) -> list[tuple[str, str]]:
@@ -66,7 +81,10 @@ class Telegram:
         if "_signals" not in vars(cls):
             port = cls.port()
             by_name = {item.name: item for item in port.signals}
-            found = [(field, by_name.pop(name)) for field, name in cls.signal_names()]
+            names = cls.signal_names()
+            if strange := [name for _, name in names if name not in by_name]:
+                raise TypeError(f"port {port.name} lacks signals of {cls.__name__}: {', '.join(strange)}")
+            found = [(field, by_name.pop(name)) for field, name in names]
             if by_name:
                 raise TypeError(f"{cls.__name__} lacks signals of port {port.name}: {', '.join(by_name)}")
             cls._signals = tuple(found)

@@ -14,7 +14,7 @@ import time
 
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS
-from railhil.dbc import wire_contract
+from railhil.dbc import Contract, wire_contract
 
 #: Silence after which held frames are given up. A controller that is slow, or a bus that is down for a moment, is no
 #: reason to record in another order; what the administrator waits for is on its way as long as nothing is held.
@@ -27,10 +27,17 @@ class BusOrder:
     :param source: whose answers may arrive out of order (a node that is not the recorder itself).
     :param fd: the bus carries the CAN FD form.
     :param patience_s: silence on the wall clock after which held frames are given up.
+    :param contract: of the run's system; None: that of railhil's own train.
     """
 
-    def __init__(self, source: str = "controller", fd: bool = False, patience_s: float = PATIENCE_S) -> None:
-        contract = wire_contract()
+    def __init__(
+        self,
+        source: str = "controller",
+        fd: bool = False,
+        patience_s: float = PATIENCE_S,
+        contract: Contract | None = None,
+    ) -> None:
+        contract = contract or wire_contract()
         self._poll_id = contract.poll_id
         self._answers = {
             port.address: (port.fd_id,) if fd else port.can_ids for port in contract.ports if port.source == source

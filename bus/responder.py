@@ -19,7 +19,7 @@ from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, device_status_frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import FrameCheck, TrafficStore
 from railhil.bus.telegrams import TimeSync
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Contract, Port, wire_contract
 
 #: Device status word: class 2/3 device, nothing to report (IEC 61375-3-1, type nibble 1).
 _STATUS_READY = 0x1000
@@ -67,6 +67,7 @@ class Responder:
     :param sinks: ports with a mailbox; the clock port is one of them.
     :param answers: for each port that this node sources, what makes the telegram when the poll comes.
     :param module: the node's CAN module; None: every frame of its ports is read at once.
+    :param contract: of the run's system; None: that of railhil's own train.
     """
 
     def __init__(
@@ -78,8 +79,9 @@ class Responder:
         *,
         fd: bool = False,
         module: CanModule | None = None,
+        contract: Contract | None = None,
     ) -> None:
-        contract = wire_contract()
+        contract = contract or wire_contract()
         clock_port = contract.clock_port
         self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name))
         self.store = TrafficStore(sinks)

@@ -22,22 +22,22 @@ from railhil.common.command_line import (
 )
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
-from railhil.controller_node.controller import Controller
-from railhil.controller_node.laws import names
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
 
 
 def arguments() -> argparse.ArgumentParser:
     """Command line of the controller node."""
     parser = OneLineParser(prog="railhil node controller", description="Train speed controller on the bus.")
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
-    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(names())} (default ipfc)")
+    parser.add_argument("--controller", help="control law (default: that of the system)")
     add_law_arguments(parser)
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
@@ -61,19 +61,22 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set)
+    system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    law = LawSpec.from_namespace(namespace, namespace.controller, parameters)
+    law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters)
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.
-        print(json.dumps(law_document(law.controller)), flush=True)
-        Controller(scenario, law.controller, law.arithmetic, law.indexing, law.parameters)
+        print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)
+        system.part("controller")(scenario, law)
         return 0
     if namespace.telemetry is not None:
         check_writable(namespace.telemetry)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
-    node = ControllerNode(scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None))
+    node: AnyController = system.part("controller")(
+        scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None)
+    )
     link = open_link(choice.config, "controller")
     try:
         with cycle("controller", namespace.realtime_priority):

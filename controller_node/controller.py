@@ -57,7 +57,8 @@ def _watched(
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing, parameters)
     program = record(scenario, law, indexing, wide=arithmetic.wide, parameters=parameters)
     if not arithmetic.wide:
-        refuse_wraps(program, loop.law, scenario)
+        period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
+        refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
     # From here on: the constants of the law are made by now.
     arithmetic.noted = []
     return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)

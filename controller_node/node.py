@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.responder import Reading, Responder
@@ -90,7 +92,8 @@ class ControllerNode:
         if fd and law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
         counter = BitCounter(bit_rate)
-        needed = load(law.controller).track or law.over_distance
+        self.law_type: Any = load(law.controller)
+        needed = self.law_type.track or law.over_distance
         self._odometer = Odometer(scenario, law.task_period_ms * _NS_PER_MS, needed=needed)
         self.guard = Guard(scenario, counter, self._odometer)
         self._balises = Balises()

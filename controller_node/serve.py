@@ -7,7 +7,7 @@ import time
 from railhil.bus.errors import PeerSilent
 from railhil.bus.link import Link
 from railhil.common.patience import LATER_S, PATIENCE_S
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.any_controller import AnyController
 
 #: Realtime: a controller that hears nothing at all for this long on the wall clock ends.
 SILENCE_S = 3.0
@@ -16,7 +16,7 @@ FIRST_FRAME_S = 300.0
 
 
 def serve(
-    node: ControllerNode, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> None:
     """Answer the bus administrator until the run has ended, also over outages of the interface.
 
@@ -47,7 +47,7 @@ def serve(
 
 
 def run_controller(
-    node: ControllerNode, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
+    node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> int:
     """As :func:`serve`, then leave the bus; returns an exit code."""
     try:

@@ -12,9 +12,8 @@ from typing import Any
 from railhil.bus.ident import PROFILES
 from railhil.common import whole_file as wholefile
 from railhil.common.errors import InputError
-from railhil.controller_node.laws import load
+from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.laws.note import slots
-from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
 from railhil.controller_node.telemetry import QuantityTelemetry
 
@@ -27,12 +26,11 @@ def _row(row: QuantityTelemetry) -> dict[str, Any]:
     }
 
 
-def law_document(name: str) -> dict[str, Any]:
+def law_document(name: str, law: Any) -> dict[str, Any]:
     """What a law says of itself; seeds as the arguments of Python's ``range``, by name of the scenario.
 
-    :raises InputError: there is no such law.
+    :param name: under which it was asked for; ``law``: its class.
     """
-    law = load(name)
     return {
         "law": name,
         "indexings": list(law.indexings),
@@ -44,7 +42,7 @@ def law_document(name: str) -> dict[str, Any]:
     }
 
 
-def telemetry_document(node: ControllerNode) -> dict[str, Any]:
+def telemetry_document(node: AnyController) -> dict[str, Any]:
     """Everything that the controller knows about its arithmetic so far; times in us.
 
     ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is that of
@@ -53,7 +51,7 @@ def telemetry_document(node: ControllerNode) -> dict[str, Any]:
     controller, law = node.controller, node.law
     counters, cost = controller.counters, controller.cost
     return {
-        **law_document(law.controller),
+        **law_document(law.controller, node.law_type),
         "arithmetic": law.arithmetic,
         "profile": PROFILES[law.arithmetic],
         "indexing": law.indexing,
@@ -75,7 +73,7 @@ def telemetry_document(node: ControllerNode) -> dict[str, Any]:
             "control_period_us": cost.period_ns / 1000,
             "share": cost.share,
         },
-        "lost_messages": {"total": node.lost_messages, "mailboxes": node.lost_by_mailbox},
+        "lost_messages": {"total": node.lost_messages, "mailboxes": dict(node.lost_by_mailbox)},
     }
 
 
@@ -91,7 +89,7 @@ def check_writable(path: Path) -> None:
         raise InputError("command line", "--telemetry", str(path), f"a file that can be written ({why})") from None
 
 
-def write_telemetry(node: ControllerNode, path: Path) -> None:
+def write_telemetry(node: AnyController, path: Path) -> None:
     """Write the document whole or not at all.
 
     A disk that is full by now costs the file and gives a line on stderr: the run itself was sound.

@@ -2,6 +2,7 @@
 
 from railhil.dbc.contract import (
     DBC,
+    HOUSE_PORTS,
     PORTS,
     Contract,
     ContractError,
@@ -9,11 +10,13 @@ from railhil.dbc.contract import (
     Signal,
     load_contract,
     recorded_contract,
+    system_contract,
     wire_contract,
 )
 
 __all__ = [
     "DBC",
+    "HOUSE_PORTS",
     "PORTS",
     "Contract",
     "ContractError",
@@ -21,5 +24,6 @@ __all__ = [
     "Signal",
     "load_contract",
     "recorded_contract",
+    "system_contract",
     "wire_contract",
 ]

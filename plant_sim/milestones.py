@@ -27,7 +27,7 @@ class Milestones:
         #: Tick at which the telegram is due, in increasing order per milestone.
         self._due: list[tuple[int, RunEvent]] = []
 
-    def reached(self, tick: int, event: Event, instant_01ms: int, position_01mm: int) -> None:
+    def reached(self, tick: int, event: int, instant_01ms: int, position_01mm: int) -> None:
         """A milestone of the train, told at ``tick``."""
         telegram = self._numbered(event, instant_01ms, position_01mm)
         self._publish(telegram)
@@ -50,6 +50,6 @@ class Milestones:
         for _ in range(EVENT_COPIES):
             self._publish(telegram)
 
-    def _numbered(self, event: Event, instant_01ms: int, position_01mm: int) -> RunEvent:
+    def _numbered(self, event: int, instant_01ms: int, position_01mm: int) -> RunEvent:
         self._number = self._number % _NUMBER_MASK + 1
         return RunEvent(event, instant_01ms, position_01mm, self._number)

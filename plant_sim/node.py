@@ -1,4 +1,4 @@
-"""The plant process: a train on its run (:mod:`railhil.plant_sim.cycle`), and the bus administrator of the bench."""
+"""The plant process: a plant on its run (:mod:`railhil.plant_sim.cycle`), and the bus administrator of the bench."""
 
 from __future__ import annotations
 
@@ -11,22 +11,19 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SupCmd, SupCommand
+from railhil.bus.telegrams import Event, SupCmd, SupCommand
 from railhil.common.patience import APPEAR_S
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Port
+from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
-from railhil.plant_sim.events import PlantEvent
-from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.milestones import Milestones
-from railhil.plant_sim.plant import Plant, PlantError
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
-from railhil.plant_sim.telegrams import TrainTelegrams
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 
-#: Polls of the last CTL_STAT until one is answered, in realtime or on a disturbed bus.
+#: Polls of the last status until one is answered, in realtime or on a disturbed bus.
 LAST_STATUS_POLLS = 3
 
 
@@ -48,7 +45,7 @@ class PlantNode:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: AnyScenario,
         run: RunSpec,
         endpoint: RunEndpoint,
         *,
@@ -57,13 +54,14 @@ class PlantNode:
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
     ) -> None:
-        contract = wire_contract()
-        self.scenario = perturbed(scenario, run.seed) if run.perturbed else scenario
-        self.plant = Plant(self.scenario, run.seed)
-        self.gate = CommandGate(round(self.scenario.train.notch_max * 256))
-        self._telegrams = TrainTelegrams(self.scenario, self.plant, run.wall_rate)
-        self._ident = make_ident(Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace)
-        self._tick_ns = self.scenario.timing.base_tick_ns
+        system = system_named(scenario.system)
+        self._contract = contract = system.contract
+        self._own_events = system.events
+        self.plant: AnyPlant = system.part("plant")(scenario, run.seed, run.perturbed, run.wall_rate)
+        self._ident = make_ident(
+            Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
+        )
+        self._tick_ns = scenario.timing.base_tick_ns
         self._pacer = Pacer(run.wall_rate)
         #: None in lockstep, which has no deadlines.
         self.timing = PlantTiming() if run.is_realtime else None
@@ -79,20 +77,22 @@ class PlantNode:
             fd=fd,
             reply_ns=reply_ns,
             patience_s=run.patience_s,
+            contract=contract,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
-        schedule = Schedule.from_contract(self._tick_ns, self.scenario.timing.port_period_ns)
-        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the train.
+        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
+        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the plant.
         self.publish = self.administrator.publish
         self.ended: Event | None = None
-        self._loop = TickLoop(self.scenario, self.plant, schedule, self, self._telegrams.makers)
-        self._notch_port, self._stat_port, self._sup_port = (
-            contract.port(telegram.PORT) for telegram in (NotchCmd, CtlStat, SupCmd)
-        )
+        plant = self.plant
+        self._sup_port = contract.port(SupCmd.PORT)
+        self._statuses = [contract.port(name) for name in plant.statuses]
+        asked = [self._sup_port, *map(contract.port, plant.commands), *self._statuses]
+        self._loop = TickLoop(plant, plant.ending, schedule, self, plant.makers, asked, contract.clock_port.name)
         self.controller_lost = False
         self._silence = ""
-        # Of the newest CTL_STAT in the record.
-        self._status_tick = -1
+        # Of the newest telegram of each status in the record.
+        self._status_ticks = dict.fromkeys(plant.statuses, -1)
         self._appear_s = appear_s
         supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
         self._supervisor = SupervisorWatch(
@@ -122,7 +122,7 @@ class PlantNode:
         self.administrator.publish(self._ident)
         differences: list[str] = []
         for telegram in (CtlIdent, SupIdent):
-            self._demand(wire_contract().port(telegram.PORT))
+            self._demand(self._contract.port(telegram.PORT))
             other: Ident | None = self._store.read(telegram, 0)[0]
             if other is not None:
                 differences += self._ident.differences(other)
@@ -173,7 +173,7 @@ class PlantNode:
             self.end(Event.ENDED_PLANT_ERROR)
             raise
 
-    # -- what the train meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
+    # -- what the plant meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
 
     def begin(self) -> None:
         """Wait for the instant of the tick."""
@@ -183,14 +183,15 @@ class PlantNode:
             self.timing.began(tick, lateness_ns)
         self._position_01mm = self.plant.position_01mm
 
-    def report(self, event: PlantEvent) -> None:
-        """BALISE or RUN_EVENT."""
-        if event.balise is not None:
-            telegram = self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
+    def report(self, event: Happened) -> None:
+        """A telegram of the plant's own, or RUN_EVENT."""
+        telegram = self.plant.telegram_of(event)
+        if telegram is not None:
             self.publish(telegram)
         else:
-            kind = Event[event.kind.upper()]
-            self.milestones.reached(self.plant.tick, kind, event.instant_01ms, event.position_01mm)
+            own = self._own_events.get(event.kind)
+            number = Event[event.kind.upper()] if own is None else own
+            self.milestones.reached(self.plant.tick, number, event.instant_01ms, event.position_01mm)
 
     def finish(self) -> None:
         """In realtime nothing waits for the next poll."""
@@ -208,7 +209,7 @@ class PlantNode:
         except PeerSilent as silence:
             if port.source != "controller":
                 self._supervisor_lost(silence)
-            # The train must stop by itself: time goes on without the controller, and the train's watch brakes.
+            # The plant must stop by itself: time goes on without the controller, and the train's watch brakes.
             self.controller_lost, self._silence = True, str(silence)
             return
         now_wall_ns = time.monotonic_ns()
@@ -224,21 +225,22 @@ class PlantNode:
         if not answered:
             return
         now_ns = self.plant.tick * self._tick_ns
-        if port is self._stat_port:
-            self._status_tick = self.plant.tick
-        elif port is self._notch_port:
-            command, _ = self._store.read(NotchCmd, now_ns)
-            if command is not None and self.gate.accept(command):
-                self.plant.command(command.notch_256th, self.gate.emergency(command))
+        if port.name in self._status_ticks:
+            self._status_ticks[port.name] = self.plant.tick
+        elif port.name in self.plant.commands:
+            command, _ = self._store.read(self.plant.commands[port.name], now_ns)
+            if command is not None:
+                self.plant.take(command)
         elif port is self._sup_port:
             order, _ = self._store.read(SupCmd, now_ns)
             if order is not None and order.command == SupCommand.STOP:
                 self.end(Event.ENDED_BY_SUPERVISOR)
 
     def _controller_silent(self) -> bool:
-        """True when the train stands because nobody commanded it: its watch had reached the emergency age."""
-        _, age_ns = self._store.read(NotchCmd, self.plant.tick * self._tick_ns)
-        return self.controller_lost or age_ns > self.scenario.watch.emergency_ms * 1_000_000
+        """True when the plant stands because nobody commanded it."""
+        now_ns = self.plant.tick * self._tick_ns
+        ages_ns = [self._store.read(telegram, now_ns)[1] for telegram in self.plant.commands.values()]
+        return self.controller_lost or self.plant.is_abandoned(max(ages_ns, default=0))
 
     def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
         """Nobody records any more: tell the controller, and end."""
@@ -262,8 +264,9 @@ class PlantNode:
         self.administrator.poll(self._sup_port)
 
     def _last_status(self) -> None:
-        """CTL_STAT of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
-        for _ in range(LAST_STATUS_POLLS):
-            if self.controller_lost or self._status_tick == self.plant.tick:
-                return
-            self.poll(self._stat_port)
+        """Status of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
+        for port in self._statuses:
+            for _ in range(LAST_STATUS_POLLS):
+                if self.controller_lost or self._status_ticks[port.name] == self.plant.tick:
+                    break
+                self.poll(port)

@@ -7,6 +7,7 @@ from math import inf, isfinite
 
 from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.plant_sim import dynamics, force_tables, forces
+from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import INITIAL, CommandWatchLevel, watch_brake_mps2, watch_step, watch_ticks
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
@@ -22,10 +23,6 @@ PARKING_BRAKE_PERMIL = 40.0
 
 #: Pieces of a tick shorter than this are not worth a step of their own.
 SLIVER_TICKS = 1e-9
-
-
-class PlantError(Exception):
-    """The simulation itself failed: its state is no longer a number. A tool error, never a verdict on a run."""
 
 
 class Plant:

@@ -19,23 +19,25 @@ from railhil.bus.local import LocalBus
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
-from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.run_end import RunEnd
 from railhil.plant_sim.telegrams import TrainTelegrams
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.session import Session
 from railhil.supervisor.trace import Trace, trace_of
@@ -73,38 +75,39 @@ class BenchRun:
 
 
 def local_run(
-    scenario: Scenario,
+    scenario: AnyScenario,
     folder: Path,
     spec: RunSpec | None = None,
     *,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
-    controller: Controller | None = None,
+    controller: Any = None,
 ) -> BenchRun:
-    """One run through codec and stores.
+    """One run through codec and stores, of whatever system.
 
-    :param spec: None: the usual law in lockstep, seed 0.
+    :param spec: None: the usual law of the system in lockstep, seed 0.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
     :param controller: what computes the notch in the place of the law of the run.
     """
-    spec = spec or RunSpec()
+    system = system_named(scenario.system)
+    spec = spec or RunSpec(law=LawSpec(system.law))
     log = FrameLog(folder)
     session = Session(scenario, log.write, spec, fd=fd)
-    node = ControllerNode(scenario, spec.law, controller, fd=fd)
+    node: AnyController = system.part("controller")(scenario, spec.law, controller, fd=fd)
     plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire)
     ended = plant.run()
     sha256 = log.close()
-    trace = trace_of(read_log(log.path))
+    trace = trace_of(read_log(log.path), system.contract)
     return BenchRun(
         trace,
-        score(scenario, trace),
+        judging_of(scenario).score(scenario, trace),
         log.path,
         sha256,
         ended,
         {
             "plant": dict(plant.counters),
-            "gate": dict(plant.gate.counters),
-            "controller": node.counters,
+            "gate": dict(plant.plant.refused),
+            "controller": dict(node.counters),
             "supervisor": session.counters,
         },
         telemetry_document(node),
@@ -112,9 +115,9 @@ def local_run(
 
 
 def plant_beside(
-    scenario: Scenario,
+    scenario: AnyScenario,
     spec: RunSpec,
-    node: ControllerNode,
+    node: AnyController,
     session: Session,
     *,
     fd: bool = False,
@@ -179,7 +182,8 @@ def coupled_run(
     )
     truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
     makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
-    TickLoop(scenario, plant, coupled_schedule(scenario), coupled, makers, polled=(NotchCmd.PORT,)).run()
+    schedule, ending = coupled_schedule(scenario), RunEnd(scenario, plant)
+    TickLoop(plant, ending, schedule, coupled, makers, (NotchCmd.port(),), TrnSpeed.PORT).run()
     return BenchRun(coupled.trace, score(scenario, coupled.trace), ended=coupled.ended)
 
 
@@ -216,7 +220,7 @@ class _Coupled:
         """TRN_POS is due: nobody needs more of it."""
         self._position_01mm = limited_01mm(self._plant.odometer_mm)
 
-    def report(self, event: PlantEvent) -> None:
+    def report(self, event: Any) -> None:
         if event.balise is not None:
             surveyed_mm = round(event.balise.surveyed_m * 1000)
             reading = limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm)

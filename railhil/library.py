@@ -23,14 +23,14 @@ from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.scenarios.load import stable_name
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
 from railhil.scenarios.settings import setting
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
 from railhil.supervisor.inputs import PARAMETERS
-from railhil.supervisor.notes import notes_of
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.start_up import StartUp
@@ -93,7 +93,7 @@ class Outcome:
     """
 
     folder: Path
-    scenario: Scenario = field(repr=False)
+    scenario: AnyScenario = field(repr=False)
     verdict: str
     reasons: tuple[str, ...]
     scores: Mapping[str, float | None]
@@ -125,9 +125,9 @@ class Outcome:
     @cached_property
     def signals(self) -> Signals:
         """Truth, measurements and commands over time; no columns in a record without SIM_TRUTH."""
-        notes = notes_of(self.trace, self.certificate.get("notes"))
-        header, rows = signal_table(self.trace, notes)
-        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.trace.contract, notes))
+        judging, notes = judging_of(self.scenario), self.certificate.get("notes")
+        header, rows = signal_table(judging, self.trace, notes)
+        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(judging, self.trace, notes))
 
     @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
@@ -143,7 +143,7 @@ class Outcome:
 
 
 def _outcome(
-    folder: Path, scenario: Scenario, trace: Trace, found: Score, invalid: str, certificate: Mapping[str, Any]
+    folder: Path, scenario: AnyScenario, trace: Trace, found: Score, invalid: str, certificate: Mapping[str, Any]
 ) -> Outcome:
     document: dict[str, Any] = found.as_json()
     verdict, reasons = (found.verdict, found.failures) if not invalid else ("INVALID", (invalid,))

@@ -13,19 +13,20 @@ from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.telemetry_file import write_telemetry
-from railhil.plant_sim.plant import PlantError
-from railhil.scenarios.model import Scenario
+from railhil.plant_sim.any_plant import PlantError
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import lockstep_timing
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import score
 from railhil.supervisor.session import Session
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
-from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.supervisor.telemetry import read_origin, read_summary
 from railhil.supervisor.trace import Trace, trace_of
 
 
@@ -38,7 +39,7 @@ class LocalRun:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: AnyScenario,
         spec: RunSpec,
         folder: Path,
         on_progress: Callable[[float], None] | None = None,
@@ -46,6 +47,8 @@ class LocalRun:
         started_ns: int | None = None,
     ) -> None:
         self.scenario = scenario
+        self._system = system_named(scenario.system)
+        self._judging = judging_of(scenario)
         self.spec = spec
         self.folder = folder
         self.log = FrameLog(folder)
@@ -84,7 +87,7 @@ class LocalRun:
 
     def _run(self) -> tuple[str, int]:
         """Why the record is no whole run, and its exit code; empty and PASS when it is one."""
-        node = ControllerNode(self.scenario, self.spec.law)
+        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
         plant = plant_beside(self.scenario, self.spec, node, self.session)
         try:
             plant.run()
@@ -99,8 +102,9 @@ class LocalRun:
 
     def _result(self, sha256: str, line: str, code: int) -> RunResult:
         session = self.session
-        self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
-        found = score(self.scenario, self.trace)
+        contract = self._system.contract
+        self.trace = trace_of(read_log(self.log.path), contract) if session.frames else Trace(contract)
+        found = self._judging.score(self.scenario, self.trace)
         if code == PASS:
             code = {"PASS": PASS, "FAIL": FAIL}.get(found.verdict, INVALID)
         if session.ended is Event.ENDED_PLANT_ERROR:
@@ -116,7 +120,7 @@ class LocalRun:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - self._started_ns) / 1e9 if recording else float("nan"),
             transport=LOCAL,
-            telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
+            telemetry=read_summary(self.folder) or (self._judging.shown and self._judging.shown(self.trace)),
             origin=read_origin(self.folder),
             counters=session.counters,
             timing=lockstep_timing(self.trace),

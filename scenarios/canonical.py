@@ -50,6 +50,11 @@ def scenario_sha256(scenario: Scenario) -> str:
     return hashlib.sha256(canonical_json(scenario).encode("ascii")).hexdigest()
 
 
+def text_sha256(table: dict[str, Any]) -> str:
+    """SHA-256 (hex) of a table in canonical form."""
+    return hashlib.sha256(_text(table).encode("ascii")).hexdigest()
+
+
 def judged_sha256(scenario: Scenario) -> str:
     """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores may stand together."""
     table = _used(scenario)

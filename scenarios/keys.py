@@ -5,6 +5,7 @@ from __future__ import annotations
 #: By dotted key; ``[]`` stands for the rows of an array of tables.
 MEANING = {
     "schema_version": "version of this format",
+    "system": "kind of train and task, an installed one (railhil.systems): this page is that of ato",
     "name": "what the run is called in folders, logs and tables",
     "title": "what it is called in tables and reports",
     "assumptions": "sentences on what is chosen rather than published or measured",

@@ -6,15 +6,19 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean, near_file
 from railhil.scenarios import check, convert, model
 from railhil.scenarios.blame import blamed
-from railhil.scenarios.canonical import scenario_sha256
+from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.schema import TRAIN_TAGS, ScenarioFile
+from railhil.scenarios.stored import document, scenario_of
+from railhil.scenarios.system import DEFAULT, System, system_named
+from railhil.scenarios.task import ScenarioKind
 from railhil.scenarios.validation import Keys, dotted, validated
 
 RUNS = DATA / "runs"
@@ -32,7 +36,19 @@ def short_names() -> dict[str, str]:
 
 
 def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenario:
-    """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``.
+    """As :func:`load_any`, for what knows only railhil's own train on its line.
+
+    Raises :class:`~railhil.common.errors.InputError` also for a scenario of another system.
+    """
+    scenario = load_any(name_or_path, settings)
+    if not isinstance(scenario, model.Scenario):
+        allowed = f"{DEFAULT}: nothing else has what this needs"
+        raise InputError(find(name_or_path), "system", scenario.system, allowed)
+    return scenario
+
+
+def load_any(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.AnyScenario:
+    """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``, of its system.
 
     :param settings: keys that are set beside it, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
 
@@ -43,15 +59,22 @@ def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenar
 
     def loads(without: Without) -> bool:
         try:
-            _build(_parts(Layers(path, settings, without)))
+            _read(Layers(path, settings, without))
         except InputError:
             return False
         return True
 
     try:
-        return _build(_parts(layers))
+        return _read(layers)
     except InputError as error:
         raise blamed(layers, error, loads) from error.__cause__
+
+
+def _read(layers: Layers) -> model.AnyScenario:
+    name = layers.merged().get("system", DEFAULT)
+    system = system_named(name if isinstance(name, str) else repr(name), layers.origin("system"))
+    kind: ScenarioKind = system.part("scenarios")(system)
+    return kind.read(layers)
 
 
 def find(name_or_path: str | Path) -> Path:
@@ -82,6 +105,26 @@ def stable_name(name_or_path: str) -> str:
     """
     path = find(name_or_path)
     return str(path.resolve()) if name_or_path.endswith(".toml") else path.stem
+
+
+class TrainScenarios:
+    """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
+
+    def __init__(self, system: System) -> None:
+        pass
+
+    def read(self, layers: Layers) -> model.Scenario:
+        return _build(_parts(layers))
+
+    def document(self, scenario: model.Scenario) -> dict[str, Any]:
+        return document(scenario)
+
+    def stored(self, fields: dict[str, Any], file: Path) -> model.Scenario:
+        scenario = scenario_of(fields, file)
+        return replace(scenario, sha256=scenario_sha256(scenario))
+
+    def judged_sha256(self, scenario: model.Scenario) -> str:
+        return judged_sha256(scenario)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol
 
 #: A step profile: rows ``(from_m, value)``, each valid until the next row; before the first row its value
 #: holds.
@@ -204,6 +204,54 @@ class PublishedScore:
         return cls(table["controller"], {key: value for key, value in table.items() if key != "controller"})
 
 
+class AnyScenario(Protocol):
+    """What the bench itself asks of a scenario, of whatever system."""
+
+    @property
+    def name(self) -> str:
+        """What the run is called in folders and logs."""
+
+    @property
+    def title(self) -> str:
+        """What it is called in tables."""
+
+    @property
+    def system(self) -> str:
+        """Name of its system (:mod:`railhil.scenarios.system`)."""
+
+    @property
+    def timing(self) -> Timing:
+        """Ticks and periods."""
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """Sentences that say what is chosen rather than published or measured."""
+
+    @property
+    def published(self) -> tuple[PublishedScore, ...]:
+        """Rows of a published result table."""
+
+    @property
+    def sha256(self) -> str:
+        """Hash of everything that changes the run."""
+
+    @property
+    def planned_s(self) -> float:
+        """How long the run is planned to last, in s."""
+
+    @property
+    def watch_weakened(self) -> str:
+        """Which limits of the watches are above the usual ones; empty: none."""
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """What a list of scenarios says of it besides, by keys with units."""
+
+    @property
+    def can_be_perturbed(self) -> bool:
+        """Whether it says what a perturbed run draws."""
+
+
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """A complete run: train, line, target speed curve, plan, sensors, timing, limits.
@@ -227,3 +275,24 @@ class Scenario:
     #: Sentences that say what is chosen rather than published or measured; every report repeats them.
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
+    system: str = "ato"
+
+    @property
+    def planned_s(self) -> float:
+        """Running time by the timetable, in s."""
+        return self.plan.running_time_s
+
+    @property
+    def watch_weakened(self) -> str:
+        """See :attr:`WatchLimits.weakened`."""
+        return self.watch.weakened
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """Train and distance."""
+        return {"train": self.train.name, "distance_m": self.plan.distance_m}
+
+    @property
+    def can_be_perturbed(self) -> bool:
+        """Whether there is a distribution to draw from."""
+        return any(getattr(self.perturbations, item.name) is not None for item in fields(self.perturbations))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import streams
-from railhil.scenarios.model import Balise, Line, Scenario, Sensors, Timing, Train, Uniform
+from railhil.scenarios.model import AnyScenario, Balise, Line, Scenario, Sensors, Timing, Train, Uniform
 
 
 class _Draws:
@@ -28,13 +28,13 @@ class _Draws:
         return nominal if bounds is None else bounds.low + (bounds.high - bounds.low) * unit
 
 
-def require_perturbations(scenario: Scenario, key: str) -> None:
+def require_perturbations(scenario: AnyScenario, key: str) -> None:
     """Refuse perturbed runs of a scenario that leaves nothing to draw: they would all be nominal.
 
     :param key: the option or command that asks for them.
     :raises InputError: it leaves nothing.
     """
-    if all(getattr(scenario.perturbations, field.name) is None for field in fields(scenario.perturbations)):
+    if not scenario.can_be_perturbed:
         found = Words(f"the scenario {scenario.name}, which has no [perturbations]")
         raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 

@@ -18,8 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field
 from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
 from railhil.common.command_line import APPEAR_MAX_S, RATE, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.patience import PATIENCE_S
-from railhil.scenarios.load import load, stable_name
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.settings import set_words
@@ -191,12 +191,12 @@ class RunSpec:
         """True when all nodes are in one process."""
         return self.bus == "local"
 
-    def load(self) -> Scenario:
+    def load(self) -> AnyScenario:
         """The scenario, nominal whatever the seed draws.
 
         :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
         """
-        scenario = load(self.scenario, self.settings)
+        scenario = load_any(self.scenario, self.settings)
         if self.perturbed:
             require_perturbations(scenario, "--perturbed")
         return scenario

@@ -38,11 +38,13 @@ Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]
 NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
 
 
-class _Table(BaseModel):
+class Table(BaseModel):
+    """A table of a file: no keys but its own, and no other types."""
+
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
 
 
-class DavisTable(_Table):
+class DavisTable(Table):
     """Running resistance ``a + b V + c V^2`` in N per kN of weight, V in km/h (Davis)."""
 
     a_n_per_kn: NotNegative
@@ -50,7 +52,7 @@ class DavisTable(_Table):
     c_n_per_kn_kmh2: NotNegative
 
 
-class EffortTable(_Table):
+class EffortTable(Table):
     """Largest force over speed: the least of a constant, a power and a curve ``[[km/h, kN], ...]``."""
 
     force_max_kn: Positive
@@ -58,7 +60,7 @@ class EffortTable(_Table):
     curve_kmh_kn: Pairs | None = None
 
 
-class TrainTable(_Table):
+class TrainTable(Table):
     """A train given by its own data.
 
     Exactly one of each pair: ``rotating_mass_factor`` or ``inertial_mass_t``, ``force_per_notch_n`` or
@@ -83,7 +85,7 @@ class TrainTable(_Table):
     assumptions: list[Text] = []
 
 
-class ImportedTrainTable(_Table):
+class ImportedTrainTable(Table):
     """A train from a railtoolkit rolling-stock 2022.05 file, with what that format leaves out."""
 
     railtoolkit: Text
@@ -106,7 +108,7 @@ AnyTrain = Annotated[
 ]
 
 
-class BaliseTable(_Table):
+class BaliseTable(Table):
     """One balise; ``true_m`` defaults to the surveyed position."""
 
     # 0 on the wire means that none has been passed.
@@ -115,14 +117,14 @@ class BaliseTable(_Table):
     true_m: Number | None = None
 
 
-class StopTable(_Table):
+class StopTable(Table):
     """A stopping point of a line, for :class:`LineTable` sections."""
 
     name: Text
     position_m: Number
 
 
-class LineTable(_Table):
+class LineTable(Table):
     """A line: either its profiles, or a reference to an importable file; optionally cut between two stops."""
 
     name: Text | None = None
@@ -139,7 +141,7 @@ class LineTable(_Table):
     assumptions: list[Text] = []
 
 
-class GenerateTable(_Table):
+class GenerateTable(Table):
     """Limits of a generated target speed curve (see :mod:`railhil.scenarios.generate`)."""
 
     accel_max_mps2: Positive = 0.8
@@ -152,14 +154,14 @@ class GenerateTable(_Table):
     hold_min_s: NotNegative = 10.0
 
 
-class TargetTable(_Table):
+class TargetTable(Table):
     """Target speed curve: nodes ``[[t s, a m/s2], ...]``, limits to generate them from, or both."""
 
     nodes_s_mps2: Pairs | None = None
     generate: GenerateTable | None = None
 
 
-class PlanTable(_Table):
+class PlanTable(Table):
     """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
 
     # 400 km and 8 h; the wire has room for 536 km (TRK_INFO, target) and 14 h (planned arrival).
@@ -171,7 +173,7 @@ class PlanTable(_Table):
     overtime_max_s: Annotated[float, Field(gt=0, le=600)] = 10.0
 
 
-class TimingTable(_Table):
+class TimingTable(Table):
     """Ticks and periods; every period is a whole multiple of the base tick."""
 
     base_tick_ms: Positive = 10.0
@@ -180,7 +182,7 @@ class TimingTable(_Table):
     port_period_ms: dict[Text, Positive] = {}
 
 
-class SensorsTable(_Table):
+class SensorsTable(Table):
     """Axle speed sensor and odometer."""
 
     speed_lsb_kmh: Positive
@@ -189,7 +191,7 @@ class SensorsTable(_Table):
     wheel_factor: Annotated[float, Field(gt=0.5, lt=2.0)] = 1.0
 
 
-class EnergyTable(_Table):
+class EnergyTable(Table):
     """Coefficients of eq. (5) of the IPFC paper."""
 
     xi_m: Positive
@@ -197,7 +199,7 @@ class EnergyTable(_Table):
     auxiliary_power_kw: NotNegative
 
 
-class WatchTable(_Table):
+class WatchTable(Table):
     """Reaction ladder: ages in ms (increasing) and the overspeed margin."""
 
     hold_ms: Annotated[int, Field(gt=0)] = 20
@@ -207,7 +209,7 @@ class WatchTable(_Table):
     overspeed_margin_kmh: Positive = 5.0
 
 
-class PerturbationsTable(_Table):
+class PerturbationsTable(Table):
     """Uniform distributions ``[low, high]`` from which a perturbed run draws; a missing key stays nominal."""
 
     mass_factor: Pair | None = None
@@ -222,7 +224,7 @@ class PerturbationsTable(_Table):
     balise_position_error_m: Pair | None = None
 
 
-class PublishedTable(_Table):
+class PublishedTable(Table):
     """One row of a published result table."""
 
     controller: Text
@@ -233,10 +235,11 @@ class PublishedTable(_Table):
     comfort: Number
 
 
-class ScenarioFile(_Table):
+class ScenarioFile(Table):
     """A scenario file after its references have been read."""
 
     schema_version: Literal[1]
+    system: Literal["ato"] = "ato"
     name: Name
     title: Text
     assumptions: list[Text] = []

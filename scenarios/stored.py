@@ -16,9 +16,9 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.layers import DATA
-from railhil.scenarios.model import PublishedScore, Scenario
+from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
+from railhil.scenarios.system import DEFAULT, system_named
 
 #: Name in a run folder.
 SCENARIO = "scenario.json"
@@ -33,7 +33,7 @@ def _adapter() -> TypeAdapter[Scenario]:
 
 
 def document(scenario: Scenario) -> dict[str, Any]:
-    """Every field of a scenario as JSON can hold it."""
+    """Every field of a scenario of ``ato`` as JSON can hold it."""
     return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
 
 
@@ -82,7 +82,20 @@ def _unknown(given: object, known: object, key: str = "") -> str:
     return ""
 
 
-def read_scenario(path: Path) -> Scenario:
+def any_document(scenario: AnyScenario) -> dict[str, Any]:
+    """Every field of a scenario, of whatever system, as JSON can hold it."""
+    system = system_named(scenario.system)
+    fields: dict[str, Any] = system.part("scenarios")(system).document(scenario)
+    return fields
+
+
+def any_judged_sha256(scenario: AnyScenario) -> str:
+    """Hash of what a run of whatever system uses and what it is judged by: equal where scores may stand together."""
+    system = system_named(scenario.system)
+    return str(system.part("scenarios")(system).judged_sha256(scenario))
+
+
+def read_scenario(path: Path) -> AnyScenario:
     """The scenario in ``scenario.json`` of a run folder.
 
     :raises InputError: it cannot be read, is no scenario, or is not the one that it says it is (its hash).
@@ -95,10 +108,10 @@ def read_scenario(path: Path) -> Scenario:
         raise InputError(path, "file", Words("no JSON document"), _ALLOWED) from None
     if not isinstance(fields, dict):
         raise InputError(path, "file", Words("no JSON object"), _ALLOWED)
-    scenario = scenario_of(fields, path)
-    found = scenario_sha256(scenario)
-    if found != scenario.sha256:
-        raise InputError(path, "sha256", scenario.sha256, f"{found}: a scenario that nobody changed")
+    system = system_named(str(fields.get("system", DEFAULT)), path)
+    scenario: AnyScenario = system.part("scenarios")(system).stored(fields, path)
+    if fields.get("sha256") != scenario.sha256:
+        raise InputError(path, "sha256", fields.get("sha256"), f"{scenario.sha256}: a scenario that nobody changed")
     return scenario
 
 

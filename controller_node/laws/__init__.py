@@ -19,12 +19,25 @@ def names() -> list[str]:
 
 
 def load(name: str) -> type[Law[Any, Any]]:
-    """Class of the law of that name.
+    """Class of the law of that name, of railhil's own train. Raises InputError as :func:`find`."""
+    law: type[Law[Any, Any]] = find(name, GROUP, Law)
+    try:
+        slots(law.notes)
+    except ValueError as error:
+        raise InputError("controller", f"{name}.notes", Words(f"{len(law.notes)} notes"), str(error)) from error
+    return law
+
+
+def find(name: str, group: str, base: type[Any] = object) -> Any:
+    """Class of a law of any system.
+
+    :param group: entry point group of the laws of that system.
+    :param base: what they inherit from.
 
     Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an
     entry point that cannot be imported or is no law.
     """
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    found = {entry.name: entry for entry in entry_points(group=group)}
     if name not in found:
         allowed = f"one of {', '.join(in_order(found))}"
         raise InputError("controller", "name", name, allowed, did_you_mean(name, found))
@@ -34,10 +47,7 @@ def load(name: str) -> type[Law[Any, Any]]:
         # Code that somebody plugs in may raise anything.
         cause = f"{type(error).__name__}: {error}"
         raise InputError("controller", name, found[name].value, "an entry point that can be imported", cause) from error
-    if not (isinstance(law, type) and issubclass(law, Law)):
-        raise InputError("controller", name, found[name].value, f"an entry point in {GROUP} naming a subclass of Law")
-    try:
-        slots(law.notes)
-    except ValueError as error:
-        raise InputError("controller", f"{name}.notes", Words(f"{len(law.notes)} notes"), str(error)) from error
+    if not (isinstance(law, type) and issubclass(law, base)):
+        allowed = f"an entry point in {group} naming a subclass of {base.__name__}"
+        raise InputError("controller", name, found[name].value, allowed)
     return law

@@ -8,16 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws.base import Law
 
 _ALLOWED = "operations of the arithmetic on operands, formats that agree, no branch on data"
 
 
-def _folders(kind: type[Law[Any, Any]]) -> set[Path]:
+def _folders(kind: type[Any]) -> set[Path]:
     """Folders of the files in which a law and what it inherits from are written."""
     found = set()
     for part in kind.__mro__:
-        if issubclass(part, Law) and part is not Law:
+        if hasattr(part, "step") and not inspect.isabstract(part):
             try:
                 found.add(Path(inspect.getfile(part)).resolve().parent)
             except (OSError, TypeError):
@@ -26,7 +25,7 @@ def _folders(kind: type[Law[Any, Any]]) -> set[Path]:
     return found
 
 
-def place(kind: type[Law[Any, Any]], error: BaseException) -> str:
+def place(kind: type[Any], error: BaseException) -> str:
     """Where in the text of a law an exception came from, ``FILE:LINE``; empty when no line of it was involved."""
     folders = _folders(kind)
     at = ""
@@ -36,15 +35,13 @@ def place(kind: type[Law[Any, Any]], error: BaseException) -> str:
     return at
 
 
-def _beginning(kind: type[Law[Any, Any]], function: str) -> str:
+def _beginning(kind: type[Any], function: str) -> str:
     """Where a function of a law begins, ``FILE:LINE``: the place of a failure over what it has answered."""
     code = getattr(getattr(kind, function, None), "__code__", None)
     return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else kind.__qualname__
 
 
-def law_fault(
-    name: str, kind: type[Law[Any, Any]], error: Exception, function: str, quantity: str | None
-) -> InputError:
+def law_fault(name: str, kind: type[Any], error: Exception, function: str, quantity: str | None) -> InputError:
     """The one line for an exception that a law has raised, or that its answer has caused.
 
     :param name: under which the law was asked for.

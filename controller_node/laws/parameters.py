@@ -13,12 +13,11 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.controller_node.laws.base import Law
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.validation import dotted, sentence
 
 
-def law_parameters(name: str, kind: type[Law[Any, Any]], given: ParameterSet | None) -> Any:
+def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> Any:
     """The law's parameters: its defaults with what the file says put in their places; None without a file.
 
     :param name: name under which the law was asked for.

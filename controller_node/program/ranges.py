@@ -9,15 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Protocol
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.guard import SPEED_MAX_01MMPS
-from railhil.controller_node.laws.base import Law
 from railhil.controller_node.loop import POSITION_MAX_01MM
 from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
-from railhil.scenarios.model import Scenario
 
 #: Smallest and largest raw integer.
 Interval = tuple[int, int]
@@ -182,13 +180,15 @@ class LawRanges:
         return self.inputs.may_wrap + self.start.may_wrap + self.step.may_wrap
 
 
-def analyse_law(program: LawProgram, state_bounds: Mapping[str, tuple[float, float]]) -> LawRanges:
-    """Intervals of a law that runs for ever on inputs inside :data:`WIRE`.
+def analyse_law(
+    program: LawProgram, state_bounds: Mapping[str, tuple[float, float]], wire: Mapping[str, Interval] = WIRE
+) -> LawRanges:
+    """Intervals of a law that runs for ever on inputs inside ``wire``.
 
     :param state_bounds: what :meth:`~railhil.controller_node.laws.base.Law.state_bounds` says; all other state
         variables begin with the law's start and grow period by period until nothing grows any more.
     """
-    inputs = analyse(program.inputs, WIRE)
+    inputs = analyse(program.inputs, wire)
     given = {name: inputs.of(value) for name, value in program.inputs.outputs}
     start = analyse(program.start, given)
     state = {name: start.of(value) for name, value in program.start.outputs}
@@ -212,17 +212,25 @@ def analyse_law(program: LawProgram, state_bounds: Mapping[str, tuple[float, flo
     return LawRanges(inputs, start, analyse(program.step, given | state | unbounded))
 
 
-def refuse_wraps(program: LawProgram, law: Law[Any, Any], scenario: Scenario) -> None:
+class Bounded(Protocol):
+    """A law that knows bounds of its state."""
+
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        """See :meth:`railhil.controller_node.laws.base.Law.state_bounds`."""
+
+
+def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval] = WIRE) -> None:
     """Let no law start in fixed point of which an operation may wrap: a wrapped notch is full traction for full brake.
 
     :param law: the law of the program, for its ``state_bounds``.
+    :param at: for what it was made, in a complaint: "at 0.5 s and 7 notches".
+    :param wire: what the law may be handed, raw.
     :raises InputError: the first such operation, by the quantity on whose way it lies.
     """
-    found = analyse_law(program, law.state_bounds()).may_wrap
+    found = analyse_law(program, law.state_bounds(), wire).may_wrap
     if not found:
         return
     operation, (low, high) = found[0]
-    period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
     # A curve wraps in its argument, which ends at 1; all else in its result.
     q = operation.curve.q_in if operation.curve else operation.result.q or 0
     reached, held = math.ldexp(max(-low, high), -q), 1.0 if operation.curve else math.ldexp(1, 31 - q)
@@ -230,7 +238,7 @@ def refuse_wraps(program: LawProgram, law: Law[Any, Any], scenario: Scenario) ->
         "controller",
         program.law,
         Words(f"{_quantity(program, operation)} that may reach {reached:.6g} in Q{q}, which ends at {held:g}"),
-        f"a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches",
+        f"a law whose fixed point cannot wrap {at}",
         f"operations that may wrap: {len(found)}; railhil audit --runs 0 shows all bounds, floats have no such limit",
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Protocol
 
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
@@ -56,49 +56,105 @@ def record(
     """
     tracer = Tracer(wide)
     loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing, parameters)
+
+    def inputs() -> Any:
+        k = tracer.input("k", None, Kind.INDEX)
+        speed, position = tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0)
+        balise: BaliseReading[Any] = NO_BALISE
+        if loop.law.track:
+            balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
+        return loop.inputs(k, speed, position, balise)
+
+    def told() -> Any:
+        return tracer.input("notch", NOTCH_Q)
+
+    def check(outputs: Any) -> None:
+        if len(outputs.notes) != len(loop.law.notes):
+            raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(loop.law.notes)}")
+        for note, value in zip(loop.law.notes, outputs.notes, strict=True):
+            if not wide and value.q is not None and value.q != note.q:
+                raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
+
+    return recorded(tracer, law, type(loop.law), loop.law, inputs, told, check)
+
+
+class Stepped(Protocol):
+    """The functions of a law that are traced."""
+
+    @property
+    def start(self) -> Callable[[Any], Any]:
+        """Inputs -> state."""
+
+    @property
+    def step(self) -> Callable[[Any, Any], Any]:
+        """State and inputs -> state and outputs."""
+
+    @property
+    def with_sent(self) -> Callable[[Any, Any], Any]:
+        """State and what was sent -> state."""
+
+
+def _unchecked(outputs: Any) -> None:
+    """What has been zipped together already."""
+
+
+def recorded(
+    tracer: Tracer,
+    law: str,
+    kind: type[Any],
+    functions: Stepped,
+    given: Callable[[], Any],
+    told: Callable[[], Any],
+    check: Callable[[Any], None] = _unchecked,
+) -> LawProgram:
+    """Programs of a law that is bound to a tracer.
+
+    :param law: under which it was asked for; ``kind``: its class, for complaints.
+    :param given: makes the law's inputs from inputs of the tracer; ``told``: inputs for what was really sent.
+    :param check: raises FormatError for outputs of a step that are not as declared.
+    :raises InputError: as :func:`record`.
+    """
     try:
-        return _recorded(tracer, loop, law)
+        return _recorded(tracer, law, functions, given, told, check)
     except Exception as error:
         program = tracer.program
         quantity = program.quantities[-1].name if program is not None and program.quantities else None
         function = program.name if program is not None else "inputs"
-        raise law_fault(law, type(loop.law), error, _FUNCTIONS.get(function, function), quantity) from error
+        raise law_fault(law, kind, error, _FUNCTIONS.get(function, function), quantity) from error
 
 
-def _recorded(tracer: Tracer, loop: ControlLoop[Value], law: str) -> LawProgram:
+def _recorded(
+    tracer: Tracer,
+    law: str,
+    functions: Stepped,
+    inputs_of: Callable[[], Any],
+    told_of: Callable[[], Any],
+    check: Callable[[Any], None],
+) -> LawProgram:
     wide = tracer.wide
 
     def fresh(name: str, old: Value) -> Value:
         return tracer.input(name, old.q, old.kind)
 
     inputs = tracer.begin("inputs")
-    k = tracer.input("k", None, Kind.INDEX)
-    speed, position = tracer.input("speed_01mmps", 0), tracer.input("position_01mm", 0)
-    balise: BaliseReading[Any] = NO_BALISE
-    if loop.law.track:
-        balise = BaliseReading(*(tracer.input(name, 0) for name in BALISE_INPUTS))
-    given = loop.inputs(k, speed, position, balise)
+    given = inputs_of()
     inputs.outputs = list(leaves(given, "in"))
 
     start = tracer.begin("start")
-    first_state = loop.law.start(like(given, fresh, "in"))
+    first_state = functions.start(like(given, fresh, "in"))
     start.outputs = list(leaves(first_state, "state"))
-    formats = _formats(tracer, loop, first_state, given)
+    formats = _formats(tracer, functions, first_state, given)
 
     def state_input(name: str, old: Value) -> Value:
         return tracer.input(name, formats[name])
 
     step = tracer.begin("step")
     state = like(first_state, state_input, "state")
-    new_state, outputs = loop.law.step(state, like(given, fresh, "in"))
-    if len(outputs.notes) != len(loop.law.notes):
-        raise FormatError(f"step answers {len(outputs.notes)} notes, the law declares {len(loop.law.notes)}")
-    for note, value in zip(loop.law.notes, outputs.notes, strict=True):
-        if not wide and value.q is not None and value.q != note.q:
-            raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
+    new_state, outputs = functions.step(state, like(given, fresh, "in"))
+    check(outputs)
     step.outputs = [*leaves(new_state, "state"), *leaves(outputs, "out")]
     sent = tracer.begin("sent")
-    told = loop.law.with_sent(like(first_state, state_input, "state"), tracer.input("notch", NOTCH_Q))
+    told = functions.with_sent(like(first_state, state_input, "state"), told_of())
     sent.outputs = list(leaves(told, "state"))
     if not wide:
         _check(step, formats)
@@ -106,7 +162,7 @@ def _recorded(tracer: Tracer, loop: ControlLoop[Value], law: str) -> LawProgram:
     return LawProgram(law, inputs, start, step, sent)
 
 
-def _formats(tracer: Tracer, loop: ControlLoop[Value], first_state: Any, given: Any) -> dict[str, int | None]:
+def _formats(tracer: Tracer, functions: Stepped, first_state: Any, given: Any) -> dict[str, int | None]:
     """Format of every leaf of the state: from its start; of a start at the constant 0, from what steps make of it."""
     formats = {name: value.q for name, value in leaves(first_state, "state")}
 
@@ -115,7 +171,7 @@ def _formats(tracer: Tracer, loop: ControlLoop[Value], first_state: Any, given: 
 
     while True:
         tracer.begin("first step")
-        after, _ = loop.law.step(like(first_state, known, "state"), like(given, known, "in"))
+        after, _ = functions.step(like(first_state, known, "state"), like(given, known, "in"))
         found = {name: value.q for name, value in leaves(after, "state") if formats[name] is None}
         if all(q is None for q in found.values()):
             return formats

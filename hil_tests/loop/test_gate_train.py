@@ -83,11 +83,11 @@ def test_the_train_stops_by_itself_when_commands_fail_a_check(
 ) -> None:
     answers = AnswerFault(GOOD_ANSWERS, fault)
     plant, _ = run_with_answers(short, answers)
-    assert plant.gate.counters["accepted"] in (GOOD_ANSWERS, GOOD_ANSWERS + 1)
+    assert plant.plant.gate.counters["accepted"] in (GOOD_ANSWERS, GOOD_ANSWERS + 1)
     # The life sign is judged first: of a telegram that is refused nothing is remembered, so it runs away and around.
     refused = [cause, "duplicate", "out_of_order"] if cause != "duplicate" else ["duplicate"]
-    assert plant.gate.counters[cause] > 100
-    assert sum(plant.gate.counters[key] for key in ("accepted", *refused)) == answers.count
+    assert plant.plant.gate.counters[cause] > 100
+    assert sum(plant.plant.gate.counters[key] for key in ("accepted", *refused)) == answers.count
     first_tick = 2 * GOOD_ANSWERS
     assert train[first_tick - 10][1] > 0
     levels = [level for level, _ in train[first_tick:]]
@@ -96,7 +96,7 @@ def test_the_train_stops_by_itself_when_commands_fail_a_check(
         for level in (CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.SERVICE_BRAKE, CommandWatchLevel.EMERGENCY)
     }
     # One command more when the first frozen one was still good.
-    spare = 2 if plant.gate.counters["accepted"] > GOOD_ANSWERS else 0
+    spare = 2 if plant.plant.gate.counters["accepted"] > GOOD_ANSWERS else 0
     assert reached_ticks[CommandWatchLevel.TRACTION_CUT] <= 7 + spare
     assert reached_ticks[CommandWatchLevel.SERVICE_BRAKE] <= 27 + spare
     assert reached_ticks[CommandWatchLevel.EMERGENCY] <= 102 + spare
@@ -128,6 +128,6 @@ def test_damaged_commands_age_and_nobody_is_called_silent(
     assert damaged > 30
     assert plant.counters["missed_polls"] == damaged
     assert plant.counters["wrong_check_sequence"] + plant.counters.get("wrong_master_word", 0) == damaged
-    assert plant.gate.counters == {"accepted": seen - damaged, "gap": damaged}
+    assert plant.plant.gate.counters == {"accepted": seen - damaged, "gap": damaged}
     assert ended is Event.ENDED_COMPLETE
     assert max(level for level, _ in train[300:]) <= CommandWatchLevel.HOLD

@@ -18,7 +18,7 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
-from railhil.plant_sim.plant import PlantError
+from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
 from railhil.supervisor.journey import ErrorGrid, stop_error_m, stops_of, time_error_s
 from railhil.supervisor.score import WRAP_FAILURE, Measured, Score, judged

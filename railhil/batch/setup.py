@@ -17,10 +17,10 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.command_watch import INITIAL, watch_ticks
-from railhil.plant_sim.cycle import RunEnd
 from railhil.plant_sim.dynamics import lag
 from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
+from railhil.plant_sim.run_end import RunEnd
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit

@@ -6,7 +6,6 @@ import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,12 +19,13 @@ from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.exit_codes import USAGE
 from railhil.common.extras import install_command
-from railhil.common.law_order import in_order
 from railhil.common.output import Output
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
@@ -72,18 +72,26 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_bus_arguments(parser)
 
 
-def law_names() -> list[str]:
-    """Names of the registered control laws, in the order of every table."""
-    return in_order(entry.name for entry in entry_points(group="railhil.laws"))
+def law_names(system: System | None = None) -> list[str]:
+    """Names of the installed laws of a system, in the order of every table; None: of railhil's own train."""
+    return (system or system_named(DEFAULT)).law_names()
 
 
-def check_law(name: str, key: str) -> None:
+def run_system(namespace: argparse.Namespace) -> System:
+    """The system of the scenario on the command line.
+
+    :raises InputError: it cannot be loaded.
+    """
+    return system_named(load_any(namespace.scenario, namespace.set).system)
+
+
+def check_law(name: str, key: str, system: System | None = None) -> None:
     """Refuse a name that no law has.
 
     :param key: the option that gave it.
     :raises InputError: there is no such law.
     """
-    known = law_names()
+    known = law_names(system)
     if name not in known:
         raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
 
@@ -135,7 +143,7 @@ def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[
 
 
 def recorded(
-    scenario: Scenario,
+    scenario: AnyScenario,
     spec: RunSpec,
     start_up: StartUp,
     choice: BusChoice,
@@ -155,6 +163,9 @@ def recorded(
         except OSError as error:
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
+        except BaseException:
+            discard_folder(folder, made)
+            raise
         run = _bench(scenario, spec, start_up, choice, folder, on_progress)
         with run.stop:
             result = _executed(run, folder, made)
@@ -190,7 +201,7 @@ def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] 
 
 
 def _bench(
-    scenario: Scenario,
+    scenario: AnyScenario,
     spec: RunSpec,
     start_up: StartUp,
     choice: BusChoice,
@@ -219,7 +230,7 @@ def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
 
 @contextmanager
 def _progress(
-    scenario: Scenario, spec: RunSpec, console: Output, quiet: bool
+    scenario: AnyScenario, spec: RunSpec, console: Output, quiet: bool
 ) -> Iterator[Callable[[float], None] | None]:
     """What the run calls with its simulation time in s; None when nothing is to be shown."""
     if quiet:
@@ -231,7 +242,7 @@ def _progress(
         TextColumn("{task.completed:6.1f} of {task.total:.0f} s simulated"),
     )
     with Progress(*columns, console=console, auto_refresh=False, transient=True) as progress:
-        task = progress.add_task(spec.law.controller, total=scenario.plan.running_time_s)
+        task = progress.add_task(spec.law.controller, total=scenario.planned_s)
         shown_s = -1e9
 
         def on_progress(sim_time_s: float) -> None:

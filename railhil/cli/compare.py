@@ -15,6 +15,7 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_spec,
+    run_system,
     start_up,
 )
 from railhil.cli.controller_check import check_controllers
@@ -22,14 +23,15 @@ from railhil.cli.remarks import assumed
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import System
 from railhil.supervisor.comparison_file import write_comparison
 from railhil.supervisor.folder import run_folder
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import stops_sentence
 from railhil.supervisor.training_seeds import check_unseen
 
 _ALL = "all"
@@ -57,10 +59,10 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _laws(text: str) -> list[str]:
-    names = law_names() if text == _ALL else [name.strip() for name in text.split(",")]
+def _laws(text: str, system: System) -> list[str]:
+    names = law_names(system) if text == _ALL else [name.strip() for name in text.split(",")]
     for name in names:
-        check_law(name, "--laws")
+        check_law(name, "--laws", system)
     if len(set(names)) < len(names):
         raise InputError("command line", "--laws", text, "each law once")
     return names
@@ -84,7 +86,7 @@ def _parameter_sets(namespace: argparse.Namespace, laws: Sequence[str]) -> dict[
 
 
 def _planned(namespace: argparse.Namespace) -> list[RunSpec]:
-    laws = _laws(namespace.laws)
+    laws = _laws(namespace.laws, run_system(namespace))
     files = _parameter_sets(namespace, laws)
     found = []
     for law in laws:
@@ -96,7 +98,7 @@ def _planned(namespace: argparse.Namespace) -> list[RunSpec]:
 
 
 def _checked(
-    namespace: argparse.Namespace, scenario: Scenario, wanted: Sequence[RunSpec]
+    namespace: argparse.Namespace, scenario: AnyScenario, wanted: Sequence[RunSpec]
 ) -> tuple[list[RunSpec], list[str]]:
     """The runs that will be made, and sentences on those that are left out.
 
@@ -165,7 +167,8 @@ def work(namespace: argparse.Namespace) -> int:
     document = write_comparison(folder, scenario, plan[0], runs, notes)
     print_scores(console, scenario, [(f"{run.label} (measured)", run.score) for run in found])
     report = "" if namespace.no_report else report_line(found, folder, notes)
-    console.say(f"runs that {stops_sentence([run.score for run in found])}")
+    if remark := judging_of(scenario).remark([run.score for run in found]):
+        console.say(f"runs that {remark}")
     for line in assumed(scenario, folder, namespace.verbose):
         console.say(line, style="dim")
     print_watch(console, scenario)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from railhil import dbc
 from railhil.common.errors import InputError, Words
+from railhil.dbc import Contract
+from railhil.dbc.generate import dbc_text
 
 
 def _load(path: Path) -> Any:
@@ -40,14 +41,16 @@ def _layout(message: Any) -> dict[str, dict[str, Any]]:
     }
 
 
-def check_foreign_dbc(file: str) -> None:
-    """Compare a DBC file with the wire contract, message by message; messages of its own may come on top.
+def check_foreign_dbc(file: str, contract: Contract) -> None:
+    """Compare a DBC file with a wire contract, message by message; messages of its own may come on top.
 
     :raises InputError: first difference, one line.
     """
     path = Path(file)
     theirs = {(message.frame_id, message.is_extended_frame): message for message in _load(path).messages}
-    ours = _load(Path(dbc.__file__).with_name("railhil.dbc"))
+    import cantools
+
+    ours: Any = cantools.database.load_string(dbc_text(contract), database_format="dbc")
     for message in ours.messages:
         other = theirs.get((message.frame_id, message.is_extended_frame))
         key = f"message {message.name} ({message.frame_id:#05x})"

@@ -10,6 +10,7 @@ from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
+from railhil.scenarios.model import Scenario
 from railhil.supervisor.errors import not_written
 from railhil.supervisor.record import checked_record
 
@@ -34,6 +35,9 @@ def work(namespace: argparse.Namespace) -> int:
     except ImportError as error:
         raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
+    if not isinstance(record.scenario, Scenario):
+        allowed = "ato: railhil report draws the run of another system"
+        raise InputError(record.log, "system", record.scenario.system, allowed)
     points = record.trace.count(SimTruth.PORT)
     if points < _POINTS_MIN:
         raise InputError(record.log, SimTruth.PORT, points, f"at least {_POINTS_MIN} telegrams to draw")

@@ -39,7 +39,7 @@ def work(namespace: argparse.Namespace) -> int:
     if bit_rate <= 0:
         raise InputError("command line", "--bitrate", namespace.bitrate, "bit/s above 0")
     if namespace.dbc:
-        check_foreign_dbc(namespace.dbc)
+        check_foreign_dbc(namespace.dbc, wire_contract())
     loads = bus_load(contract, bit_rate)
     chosen = [_port(namespace.port)] if namespace.port else list(contract.ports)
     if namespace.json:

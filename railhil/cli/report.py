@@ -8,12 +8,12 @@ from pathlib import Path
 from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
-from railhil.scenarios.canonical import judged_sha256
+from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
-from railhil.supervisor.score import score
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -43,7 +43,7 @@ def work(namespace: argparse.Namespace) -> int:
     runs = [_run(folder, namespace.scenario) for folder in folders]
     first = runs[0].scenario
     for folder, run in zip(folders, runs, strict=True):
-        if judged_sha256(run.scenario) != judged_sha256(first):
+        if any_judged_sha256(run.scenario) != any_judged_sha256(first):
             raise InputError(folder, "scenario", run.scenario.name, f"{first.name}, as in {folders[0]}")
     if namespace.out is not None:
         out = Path(namespace.out)
@@ -61,6 +61,6 @@ def work(namespace: argparse.Namespace) -> int:
 
 def _run(folder: Path, scenario: str | None) -> RecordedRun:
     record = checked_record(str(folder), scenario)
-    found = score(record.scenario, record.trace)
+    found = judging_of(record.scenario).score(record.scenario, record.trace)
     invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
     return recorded_run(record.log.parent, record.certificate, record.scenario, record.trace, found, invalid)

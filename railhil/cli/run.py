@@ -16,6 +16,7 @@ from railhil.cli.bus_run import (
     recorded,
     report_line,
     run_spec,
+    run_system,
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
@@ -24,6 +25,7 @@ from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.folder import run_folder, score_json
 from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.start_up import StartUp
@@ -33,7 +35,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     """Register the subcommand."""
     parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
     add_arguments(parser)
-    parser.add_argument("--controller", default="ipfc", metavar="LAW", help=f"one of {', '.join(law_names())}")
+    parser.add_argument(
+        "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; of another system: one of its own"
+    )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
@@ -47,7 +51,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
-    check_law(namespace.controller, "--controller")
+    system = run_system(namespace)
+    controller = namespace.controller or system.law
+    check_law(controller, "--controller", system)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
     given += ["--bus local"] * (namespace.bus == LOCAL)
     if len(given) > 1:
@@ -63,7 +69,7 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         foreign=namespace.no_controller,
         rerun_command=namespace.rerun_command,
     )
-    return run_spec(namespace, namespace.controller, parameters), how
+    return run_spec(namespace, controller, parameters), how
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -71,7 +77,7 @@ def work(namespace: argparse.Namespace) -> int:
     spec, how = _asked(namespace)
     scenario = spec.load()
     if namespace.dbc is not None:
-        check_foreign_dbc(namespace.dbc)
+        check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     console = Output(stderr=namespace.json)
     with chosen_bus(namespace, how.attach or how.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)

@@ -7,8 +7,8 @@ import argparse
 from railhil.cli.show import print_watch
 from railhil.common.errors import InputError
 from railhil.common.output import Output, add_json_argument, print_json, table
-from railhil.scenarios.load import load, names, short_names
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any, names, short_names
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import add_set_argument
 
 #: The longest short name leaves room for the other columns from this width on.
@@ -24,14 +24,14 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _row(scenario: Scenario) -> dict[str, object]:
+def _row(scenario: AnyScenario) -> dict[str, object]:
     return {
         "name": scenario.name,
         "short_name": short_names().get(scenario.name),
         "title": scenario.title,
-        "train": scenario.train.name,
-        "distance_m": scenario.plan.distance_m,
-        "running_time_s": scenario.plan.running_time_s,
+        "system": scenario.system,
+        **scenario.described,
+        "running_time_s": scenario.planned_s,
         "sha256": scenario.sha256,
     }
 
@@ -40,7 +40,9 @@ def work(namespace: argparse.Namespace) -> int:
     """Print the table (or JSON)."""
     if namespace.set and not namespace.scenario:
         raise InputError("command line", "--set", namespace.set[0], "a scenario beside it")
-    found = [load(namespace.scenario, namespace.set)] if namespace.scenario else [load(name) for name in names()]
+    found = (
+        [load_any(namespace.scenario, namespace.set)] if namespace.scenario else [load_any(name) for name in names()]
+    )
     if namespace.json:
         print_json([_row(scenario) | {"assumptions": list(scenario.assumptions)} for scenario in found])
         return 0
@@ -53,16 +55,16 @@ def work(namespace: argparse.Namespace) -> int:
     rows.add_column("s", justify="right", no_wrap=True)
     short = short_names()
     for scenario in found:
-        plan = scenario.plan
         rows.add_row(
             short.get(scenario.name, scenario.name),
             scenario.title,
-            f"{plan.distance_m:.0f}",
-            f"{plan.running_time_s:.1f}",
+            f"{distance_m:.0f}" if isinstance(distance_m := scenario.described.get("distance_m"), float | int) else "-",
+            f"{scenario.planned_s:.1f}",
         )
     console.print(rows)
     if namespace.scenario:
-        console.say(f"name {found[0].name}, train {found[0].train.name}, scenario sha256 {found[0].sha256}")
+        said = "".join(f", {key} {value}" for key, value in found[0].described.items() if isinstance(value, str))
+        console.say(f"name {found[0].name}{said}, scenario sha256 {found[0].sha256}")
         for sentence in found[0].assumptions:
             console.say(f"assumed: {sentence}")
         print_watch(console, found[0])

@@ -7,8 +7,8 @@ import argparse
 from railhil.cli.show import print_scores, print_verdict
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
-from railhil.supervisor.score import score
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -23,7 +23,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
-    found = score(record.scenario, record.trace)
+    found = judging_of(record.scenario).score(record.scenario, record.trace)
     verdict, line = found.verdict, "; ".join(found.failures)
     if record.invalid:
         # What made the run INVALID (its timing, a node that was killed) need not stand in the log.

@@ -9,8 +9,8 @@ from rich.table import Table
 
 from railhil.cli.remarks import assumed, next_step
 from railhil.common.output import Output, table
-from railhil.scenarios.model import Scenario
-from railhil.supervisor.criteria import ATO_CRITERIA
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
 from railhil.supervisor.report.recorded import RecordedRun
@@ -23,31 +23,31 @@ _TIGHT_COLUMNS = 66
 _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 
 
-def score_table(scenario: Scenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
+def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
     """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
-    rows = table(tight)
+    rows, criteria = table(tight), judging_of(scenario).criteria
     rows.add_column("")
-    for criterion in ATO_CRITERIA:
+    for criterion in criteria:
         rows.add_column(criterion.heading, justify="right", no_wrap=True)
     for label, score in found:
-        values = (criterion.shown(score.values[criterion.key]) for criterion in ATO_CRITERIA)
+        values = (criterion.shown(score.values[criterion.key]) for criterion in criteria)
         rows.add_row(label, *values, style="bold")
     for row in scenario.published:
-        values = (published_text(row, criterion) for criterion in ATO_CRITERIA)
+        values = (published_text(row, criterion) for criterion in criteria)
         rows.add_row(f"{row.controller} (published)", *values)
     return rows
 
 
-def print_scores(console: Output, scenario: Scenario, found: Sequence[tuple[str, Score]]) -> None:
+def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
     """Title and table of runs that came to their end; nothing when none did."""
     if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
 
 
-def print_watch(console: Output, scenario: Scenario) -> None:
+def print_watch(console: Output, scenario: AnyScenario) -> None:
     """One line when the scenario's watches are weaker than usual: a verdict under them says less."""
-    if weakened := scenario.watch.weakened:
+    if weakened := scenario.watch_weakened:
         console.say(f"watch weakened: {weakened}", style="bold yellow")
 
 

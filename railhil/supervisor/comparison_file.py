@@ -8,13 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.whole_file import whole_file
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.documents import COMPARISON
 from railhil.supervisor.errors import RecordFailed
 from railhil.supervisor.json_file import write_json
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.report.score_table import stopped_within
 
 #: Name in the folder of a comparison, beside ``compare.json``.
 _TABLE = "compare.csv"
@@ -52,7 +52,7 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 
 def write_comparison(
     folder: Path,
-    scenario: Scenario,
+    scenario: AnyScenario,
     common: RunSpec,
     runs: Sequence[tuple[Path, RecordedRun]],
     notes: Sequence[str] = (),
@@ -71,10 +71,7 @@ def write_comparison(
         "scenario_sha256": scenario.sha256,
         "notes": list(notes),
         "runs": rows,
-        "stopped_within_m": {
-            f"{limit:g}": {"runs": count, "share": count / len(runs)}
-            for limit, count in stopped_within([run.score for _, run in runs]).items()
-        },
+        **judging_of(scenario).counted([run.score for _, run in runs]),
         "published": [row.as_table() for row in scenario.published],
     }
     try:

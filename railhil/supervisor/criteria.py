@@ -9,14 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.scenarios.model import Scenario
 from railhil.supervisor import journey
-from railhil.supervisor.journey import Journey
 
 #: Stop errors, in m, by which runs are counted beside the scenario's own limit: the stricter figures stay visible.
 STOP_WITHIN_M = (0.1, 0.2, 0.3)
@@ -26,7 +24,7 @@ STOP_WITHIN_M = (0.1, 0.2, 0.3)
 class Limit:
     """What a scenario allows: ``of`` reads it, ``place`` is its place among the limits where they are named in turn."""
 
-    of: Callable[[Scenario], float]
+    of: Callable[[Any], float]
     place: int
 
 
@@ -47,7 +45,7 @@ class Criterion:
     title: str
     unit: str
     digits: int
-    measure: Callable[[Journey], float | None]
+    measure: Callable[[Any], float | None]
     better: Literal["low", "high"] = "low"
     limit: Limit | None = None
     signed: str | None = None
@@ -88,13 +86,13 @@ class Criterion:
         """Values turned so that less is better, NaN as it is."""
         return values if self.better == "low" else -values
 
-    def inside(self, scenario: Scenario, values: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def inside(self, scenario: Any, values: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which values (without sign) the scenario allows; NaN, a run that never got there, is not allowed."""
         assert self.limit is not None
         limit = self.limit.of(scenario)
         return np.asarray(values <= limit if self.better == "low" else values >= limit, dtype=np.bool_)
 
-    def missed(self, scenario: Scenario, value: float | None) -> str:
+    def missed(self, scenario: Any, value: float | None) -> str:
         """What of the limit a value (with its sign) misses, in words; empty when nothing, or when there is none."""
         if value is None or self.limit is None:
             return ""

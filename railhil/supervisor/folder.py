@@ -8,7 +8,6 @@ import shlex
 import tempfile
 import time
 import xml.etree.ElementTree as ET
-from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -17,41 +16,25 @@ import numpy as np
 
 import railhil
 from railhil.bus.ident import PROFILES
-from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
-from railhil.dbc import Contract, wire_contract
-from railhil.scenarios.canonical import judged_sha256
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
-from railhil.supervisor.notes import ToldNote, note_values, notes_of
+from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import WRAP_FAILURE
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
-#: Columns of ``signals.csv``: header and the signal behind it; then come the law's notes and the ladder.
-_COLUMNS = (
-    ("true_position_m", SimTruth.PORT, "TruePos"),
-    ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
-    ("true_accel_mps2", SimTruth.PORT, "TrueAccel"),
-    ("traction_n", SimTruth.PORT, "TractionForce"),
-    ("brake_n", SimTruth.PORT, "BrakeForce"),
-    ("grade_permil", SimTruth.PORT, "TrueGrade"),
-    ("measured_speed_mps", TrnSpeed.PORT, "TrainSpeed"),
-    ("odometer_m", TrnPos.PORT, "TrainPos"),
-    ("notch_command", NotchCmd.PORT, "NotchCmd"),
-    ("controller_mode", NotchCmd.PORT, "CtlMode"),
-)
-
 
 #: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
@@ -148,7 +131,7 @@ def rerun_needs(start_up: StartUp) -> str | None:
     return None
 
 
-def score_json(scenario: Scenario, result: RunResult, spec: RunSpec) -> dict[str, Any]:
+def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[str, Any]:
     """Content of ``score.json``: what the log gives, and how the run went."""
     document = result.score.as_json()
     document["verdict"] = result.verdict
@@ -174,7 +157,7 @@ def score_json(scenario: Scenario, result: RunResult, spec: RunSpec) -> dict[str
 
 
 def certificate(
-    scenario: Scenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str]
+    scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str]
 ) -> dict[str, Any]:
     """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
     return {
@@ -182,8 +165,9 @@ def certificate(
         **spec.as_json(),
         "scenario_sha256": scenario.sha256,
         # With the limits and factors that the record is judged by.
-        "judged_sha256": judged_sha256(scenario),
-        "dbc_sha256": wire_contract().sha256,
+        "judged_sha256": any_judged_sha256(scenario),
+        "system": scenario.system,
+        "dbc_sha256": system_named(scenario.system).contract.sha256,
         "code_sha256": code_sha256(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
         # What the law has told of itself in CTL_STAT; None: the controller has not said.
@@ -204,7 +188,7 @@ def certificate(
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
         # Limits of the watches above the usual ones; empty: none.
-        "watch_weakened": scenario.watch.weakened,
+        "watch_weakened": scenario.watch_weakened,
     }
 
 
@@ -212,22 +196,20 @@ def _notes(result: RunResult) -> list[dict[str, Any]] | None:
     return None if result.origin is None else [note.as_json() for note in result.origin.notes]
 
 
-def junit(scenario: Scenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
+def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
     """JUnit report with one case per limit of the scenario.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
-    found = result.score
+    found, judging = result.score, judging_of(scenario)
     cases: list[tuple[str, str]] = []
     if result.trusted:
         cases = [
-            ("stops", "" if found.stops else "did not stop"),
-            *((criterion.name, criterion.missed(scenario, found.with_sign(criterion))) for criterion in limited()),
-            ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
-            ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
-            ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
+            (criterion.name, criterion.missed(scenario, found.with_sign(criterion)))
+            for criterion in limited(judging.criteria)
         ]
+        cases += judging.checks(scenario, found)
     suite = ET.Element(
         "testsuite",
         name=_xml(f"{scenario.name}.{spec.law.controller}"),
@@ -262,18 +244,17 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def signal_table(trace: Trace, notes: Sequence[ToldNote]) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per SIM_TRUTH telegram, last known values.
+def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals, one row per telegram of the truth, last known values.
 
-    :param notes: what the law has told of itself, a column each.
+    :param notes: what the law has declared of its notes, as the certificate has it; None: not known.
     """
-    time_s = trace.times_s(SimTruth.PORT)
-    found = [(header, port, trace.values(port, signal)) for header, port, signal in _COLUMNS]
-    found += [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes]
-    found.append(("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel")))
+    time_s = trace.times_s(judging.truth)
+    found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
+    found += judging.told(trace, notes)
     columns = [time_s]
     for _, port, values in found:
-        if port == SimTruth.PORT:
+        if port == judging.truth:
             columns.append(values)
             continue
         at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
@@ -281,29 +262,29 @@ def signal_table(trace: Trace, notes: Sequence[ToldNote]) -> tuple[list[str], Fl
     return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
-def signal_units(contract: Contract, notes: Sequence[ToldNote]) -> dict[str, str]:
+def signal_units(judging: Judging, trace: Trace, notes: Any = None) -> dict[str, str]:
     """Unit of each column of :func:`signal_table`, empty for numbers without one."""
 
     def unit(port: str, signal: str) -> str:
-        return next(item.unit for item in contract.port(port).signals if item.name == signal)
+        return next(item.unit for item in trace.contract.port(port).signals if item.name == signal)
 
     return {
         "time_s": "s",
-        **{header: unit(port, signal) for header, port, signal in _COLUMNS},
-        **{note.name: note.unit for note in notes},
-        "ladder_level": unit(CtlStat.PORT, "LadderLevel"),
+        **{header: unit(port, signal) for header, port, signal in judging.columns},
+        **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
+        **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
     }
 
 
-def write_signals(trace: Trace, path: Path, notes: Sequence[ToldNote]) -> None:
-    """Write ``signals.csv``: header with units, then one row per 20 ms; unknown values are ``nan``."""
-    header, rows = signal_table(trace, notes)
+def write_signals(judging: Judging, trace: Trace, path: Path, notes: Any = None) -> None:
+    """Write ``signals.csv``: header with units, then one row per telegram of the truth; unknown values are ``nan``."""
+    header, rows = signal_table(judging, trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
 def write_folder(
     folder: Path,
-    scenario: Scenario,
+    scenario: AnyScenario,
     spec: RunSpec,
     start_up: StartUp,
     result: RunResult,
@@ -316,9 +297,10 @@ def write_folder(
         said and measured) and nothing that looks like a result.
     """
     try:
-        if trace.count(SimTruth.PORT):
+        judging = judging_of(scenario)
+        if trace.count(judging.truth):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(trace, draft, notes_of(trace, _notes(result)))
+                write_signals(judging, trace, draft, _notes(result))
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, spec))

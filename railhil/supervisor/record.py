@@ -9,10 +9,9 @@ from typing import Any
 from railhil.bus.ident import PltIdent
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract, recorded_contract
-from railhil.scenarios.canonical import judged_sha256
-from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.stored import SCENARIO, earlier_scenario, read_scenario
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import Trace, trace_of
@@ -29,7 +28,8 @@ class Record:
     """
 
     log: Path
-    scenario: Scenario
+    #: Of its system: what the system's own parts make of it, they know.
+    scenario: Any
     trace: Trace
     invalid: str = ""
     certificate: dict[str, Any] = field(default_factory=dict)
@@ -48,7 +48,7 @@ def log_path(text: str) -> Path:
     return log
 
 
-def _recorded_scenario(log: Path, name: str | None) -> Scenario:
+def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
     """The scenario that a log was recorded with: by name, else of its folder, else what the certificate names.
 
     A folder of version 0.1.0 has no scenario; the shipped ones of that version are kept with their hashes.
@@ -56,7 +56,7 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     :raises InputError: none of them says it.
     """
     if name is not None:
-        return load(name)
+        return load_any(name)
     if (log.parent / SCENARIO).is_file():
         return read_scenario(log.parent / SCENARIO)
     path = log.parent / CERTIFICATE
@@ -69,7 +69,7 @@ def _recorded_scenario(log: Path, name: str | None) -> Scenario:
     earlier = earlier_scenario(str(document.get("scenario_sha256")))
     if earlier is not None:
         return earlier
-    return load(str(scenario), document.get("settings", ()))
+    return load_any(str(scenario), document.get("settings", ()))
 
 
 def checked_record(text: str, name: str | None) -> Record:
@@ -105,15 +105,15 @@ def checked_record(text: str, name: str | None) -> Record:
     return Record(log, scenario, trace, invalid, document)
 
 
-def _check_judged(log: Path, scenario: Scenario, document: dict[str, Any], name: str | None) -> None:
+def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], name: str | None) -> None:
     """The limits in the folder must be those of the run; a scenario that the user names may have others."""
-    wanted, found = document.get("judged_sha256"), judged_sha256(scenario)
+    wanted, found = document.get("judged_sha256"), any_judged_sha256(scenario)
     if name is None and wanted is not None and wanted != found:
         allowed = f"{wanted} ({CERTIFICATE}): limits that nobody changed"
         raise InputError(log.parent / SCENARIO, "judged_sha256", found, allowed)
 
 
-def _trace(log: Path, scenario: Scenario, contract: Contract) -> Trace:
+def _trace(log: Path, scenario: AnyScenario, contract: Contract) -> Trace:
     """Telegrams of a log, after its handshake was compared with scenario and DBC."""
     trace = trace_of(read_log(log), contract)
     ident = trace.ident(PltIdent)

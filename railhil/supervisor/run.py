@@ -16,8 +16,9 @@ from railhil.bus.telegrams import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -28,15 +29,15 @@ from railhil.supervisor.jitter import (
     realtime_timing,
     write_wall_times,
 )
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import start_hub, start_nodes
 from railhil.supervisor.processes import Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import score
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
-from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
+from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary
 from railhil.supervisor.trace import Trace, trace_of
 
 #: Realtime: wall time without a tick after which a started run counts as dead; an outage of the interface is no part of
@@ -61,7 +62,7 @@ class Run:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: AnyScenario,
         spec: RunSpec,
         start_up: StartUp,
         choice: BusChoice,
@@ -82,8 +83,10 @@ class Run:
         self._after_loss_s = after_loss_s
         self.log = FrameLog(folder)
         self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress)
+        contract = system_named(scenario.system).contract
+        self._judging = judging_of(scenario)
         #: Telegrams of the record, read back from the log when the run has ended.
-        self.trace = Trace()
+        self.trace = Trace(contract)
         #: Exit code of a run that a signal has ended (128 + its number), else 0.
         self.stopped_exit_code = 0
         #: Who writes results after :meth:`execute` enters it too: then no signal strikes before they are whole.
@@ -92,7 +95,7 @@ class Run:
         self._scheduling = Scheduling()
         # The hub has one order for all; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
-        self._order = None if in_order else BusOrder(fd=choice.fd)
+        self._order = None if in_order else BusOrder(fd=choice.fd, contract=contract)
 
     def execute(self) -> RunResult:
         """The whole run. A signal (Ctrl-C, SIGTERM, SIGHUP) during the record ends it as INVALID, with what was
@@ -258,8 +261,8 @@ class Run:
 
     def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
         session = self.session
-        self.trace = trace_of(read_log(self.log.path)) if session.frames else Trace()
-        result = score(self.scenario, self.trace)
+        self.trace = trace_of(read_log(self.log.path), self.trace.contract) if session.frames else self.trace
+        result = self._judging.score(self.scenario, self.trace)
         timing = self._timing()
         if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
             # The kernel may swallow frames while an interface goes down, and says nothing.
@@ -281,11 +284,14 @@ class Run:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
             transport=self.choice.transport,
-            telemetry=read_summary(self.folder) or shown_telemetry(self.trace),
+            telemetry=read_summary(self.folder) or self._shown(),
             origin=read_origin(self.folder),
             counters=counters,
             timing=timing,
         )
+
+    def _shown(self) -> ShownTelemetry | None:
+        return None if self._judging.shown is None else self._judging.shown(self.trace)
 
     def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""

@@ -17,9 +17,9 @@ from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
-from railhil.dbc import wire_contract
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
 
 
@@ -32,14 +32,14 @@ class Session:
 
     def __init__(
         self,
-        scenario: Scenario,
+        scenario: AnyScenario,
         write: Callable[[str], object],
         run: RunSpec,
         *,
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        contract = wire_contract()
+        contract = system_named(scenario.system).contract
         self.ended: Event | None = None
         #: In what the nodes disagree, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
@@ -58,15 +58,16 @@ class Session:
         self._write = write
         self._on_progress = on_progress
         self._life = 0
-        self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity)
+        self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
         self._responder = Responder(
             Role.SUPERVISOR,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
+            contract=contract,
         )
         self._responder.on(PltIdent, self._take_ident)
         self._responder.on(CtlIdent, self._take_ident)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from railhil.common.errors import InputError, Words
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.telemetry import LawOrigin
 
 
-def seed_was_trained(scenario: Scenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
+def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
     """True when the parameters were tuned, or the law's own ones designed, on this run.
 
     :param origin: what the law says of its own parameters; None when it has not been heard.
@@ -24,7 +24,7 @@ def seed_was_trained(scenario: Scenario, run: RunSpec, origin: LawOrigin | None)
     return run.seed in origin.design_seeds.get(scenario.name, ())
 
 
-def check_unseen(scenario: Scenario, run: RunSpec, origin: LawOrigin | None = None) -> None:
+def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None = None) -> None:
     """Refuse to judge parameters by a run that they were made from.
 
     :param origin: as above.

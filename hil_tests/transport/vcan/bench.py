@@ -96,7 +96,7 @@ def run_on(
             node.run()
         finally:
             link.close()
-            _write_counters(folder, "plant", {**link.counters, **node.counters, **node.gate.counters})
+            _write_counters(folder, "plant", {**link.counters, **node.counters, **node.plant.gate.counters})
         return 0
 
     nodes: list[_Forked | _Program] = []

@@ -10,10 +10,11 @@ from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, SupCmd, TimeSync, TrnSpeed
 from railhil.dbc import Port
-from railhil.plant_sim.cycle import BRAKING_MAX_NS, RunEnd, TickLoop
+from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.plant import Plant
+from railhil.plant_sim.run_end import BRAKING_MAX_NS, RunEnd
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario
@@ -68,7 +69,9 @@ class Noting:
 def cycle_of(scenario: Scenario, plant: Plant, noting: Noting, *ports: str) -> TickLoop:
     makers = TrainTelegrams(scenario, plant, 0.0).makers
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
-    return TickLoop(scenario, plant, schedule, noting, {port: makers[port] for port in ports})
+    asked = [telegram.port() for telegram in (SupCmd, NotchCmd, CtlStat)]
+    published = {port: makers[port] for port in ports}
+    return TickLoop(plant, RunEnd(scenario, plant), schedule, noting, published, asked, TrnSpeed.PORT)
 
 
 def test_order_of_a_tick() -> None:
@@ -117,23 +120,25 @@ def test_a_run_goes_on_for_a_second_after_the_stop() -> None:
 
 def test_the_first_stop_counts() -> None:
     scenario = scenario_of(0.5)
-    plant, run_end = Plant(scenario, 0), RunEnd(scenario)
-    run_end.stopped(20)
-    run_end.stopped(90)
-    found = [run_end.reached(tick, plant, False) for tick in (51, 119, 120)]
+    run_end = RunEnd(scenario, Plant(scenario, 0))
+    run_end.happened("departed", 10)
+    run_end.happened("stopped", 20)
+    run_end.happened("stopped", 90)
+    found = [run_end.reached(tick, False) for tick in (51, 119, 120)]
     assert found == [None, None, Event.ENDED_COMPLETE]
 
 
 def test_a_train_without_its_controller_may_brake_after_the_timetable() -> None:
     scenario = scenario_of(0.5)
-    plant, run_end = Plant(scenario, 0), RunEnd(scenario)
-    assert run_end.reached(50, plant, False) is None
-    assert run_end.reached(51, plant, False) is Event.ENDED_NOT_STOPPED
-    assert run_end.reached(3, plant, True) is Event.ENDED_NOT_STOPPED, "nobody will ever move it"
+    plant = Plant(scenario, 0)
+    run_end = RunEnd(scenario, plant)
+    assert run_end.reached(50, False) is None
+    assert run_end.reached(51, False) is Event.ENDED_NOT_STOPPED
+    assert run_end.reached(3, True) is Event.ENDED_NOT_STOPPED, "nobody will ever move it"
     for _ in range(200):
         plant.command(1792, False)
         plant.advance()
     assert plant.true_speed_01mmps > 0
     last = 50 + BRAKING_MAX_NS // scenario.timing.base_tick_ns
-    assert [run_end.reached(tick, plant, True) for tick in (3, 51, last)] == [None] * 3
-    assert run_end.reached(last + 1, plant, True) is Event.ENDED_NOT_STOPPED
+    assert [run_end.reached(tick, True) for tick in (3, 51, last)] == [None] * 3
+    assert run_end.reached(last + 1, True) is Event.ENDED_NOT_STOPPED

@@ -14,7 +14,7 @@ from typing import Any
 
 from railhil.bus.limits import limits_of
 from railhil.scenarios.parameters import DIGEST_DIGITS
-from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.jitter_panel import timing_rows
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySummary
@@ -92,16 +92,6 @@ def _settings(certificate: dict[str, Any]) -> str:
     return "".join(f"; set: {without_paths(text)}" for text in certificate.get("settings", ()))
 
 
-def _signed(run: RecordedRun) -> str:
-    late_s, past_m = (run.score.with_sign(criterion) for criterion in (TIME_ERROR, STOP_ERROR))
-    if late_s is None or past_m is None:
-        return "did not stop"
-    return (
-        f"{abs(late_s):.4f} s {'late' if late_s > 0 else 'early'}, "
-        f"{abs(past_m):.4f} m {'past' if past_m > 0 else 'short of'} the stopping point"
-    )
-
-
 def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
     """All facts of one run, in reading order."""
     certificate, scenario, document = run.certificate, run.scenario, run.score_document
@@ -111,16 +101,17 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         return _UNKNOWN if found is None else str(found)
 
     transport = said("transport")
+    own = list(judging_of(scenario).facts(run))
     rows = [
         ("Scenario", f"{scenario.title} ({scenario.name}){_settings(certificate)}"),
-        ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
+        *own[:1],
         ("Controller", said("controller")),
         ("Parameters", _parameters(run)),
         ("Arithmetic", f"{said('arithmetic')} (profile {said('arithmetic_profile')})"),
         ("Set-point over", said("indexing")),
         ("Seed", said("seed")),
         ("Plant", "drawn from the scenario's distributions" if certificate.get("perturbed") else "nominal"),
-        ("Stopped", _signed(run)),
+        *own[1:],
         ("Arithmetic telemetry", _telemetry(document["telemetry"]) if document else _NO_SCORE),
         ("Pacing", said("pace")),
         *timing_rows(document),

@@ -83,7 +83,7 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Pa
         return [picture for panel in shown or ATO_PANELS for picture in panel.draw(Record(scenario, drawn, late))]
 
 
-def _svg(figure: Figure, name: str, title: str) -> str:
+def svg(figure: Figure, name: str, title: str) -> str:
     """The figure as an element of a page.
 
     Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers get the name in front;
@@ -142,7 +142,7 @@ def _speed(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
         "Train, target and speed limit in force for the whole train; the grade of the line (up positive); close views "
         "where a train differs most from the target, in each half."
     )
-    return Picture("speed", title, caption, _svg(figure, "speed", title))
+    return Picture("speed", title, caption, svg(figure, "speed", title))
 
 
 def _distance(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
@@ -174,7 +174,7 @@ def _distance(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
     )
     if outside := panels.outside_window(scenario, runs):
         caption += f" Outside the right-hand picture: {', '.join(outside)}."
-    return Picture("stop", title, caption, _svg(figure, "stop", title))
+    return Picture("stop", title, caption, svg(figure, "stop", title))
 
 
 def _stacked(
@@ -204,7 +204,7 @@ def _stacked(
             axes.tick_params(labelbottom=False)
         else:
             axes.set_xlabel("time (s)")
-    return Picture(name, title, caption, _svg(figure, name, title))
+    return Picture(name, title, caption, svg(figure, name, title))
 
 
 def _error(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
@@ -273,7 +273,7 @@ def _lateness(runs: Sequence[Lateness]) -> Picture:
     axes = _axes(figure, _BOTTOM_IN, 2.2)
     lateness(axes, runs)
     panels.legend(axes, columns)
-    return Picture("lateness", title, caption, _svg(figure, "lateness", title))
+    return Picture("lateness", title, caption, svg(figure, "lateness", title))
 
 
 #: The report of a train that drives itself from one stop to the next, in reading order.

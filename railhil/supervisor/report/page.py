@@ -10,13 +10,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
-from railhil.supervisor.criteria import ATO_CRITERIA
+from railhil.scenarios.system import system_named
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
-from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import Panel, pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
-from railhil.supervisor.report.score_table import better_sentence, rows, stops_sentence
+from railhil.supervisor.report.score_table import better_sentence, rows
 
 
 def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequence[Panel] | None = None) -> str:
@@ -39,20 +39,24 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         # What is safe already (markup, drawings) is no plain text.
         finalize=lambda value: plain(value) if type(value) is str else value,
     )
-    source, deviating = deviations() if scenario.published else ("", ())
+    judging, system = judging_of(scenario), system_named(scenario.system)
+    criteria = judging.criteria
+    known = judging.deviations if scenario.published else None
+    source, deviating = known() if known else ("", ())
     return environment.get_template("report.html.j2").render(
         scenario=scenario,
         runs=runs,
         notes=notes,
-        columns=ATO_CRITERIA,
-        better=better_sentence(),
-        best="least" if all(criterion.better == "low" for criterion in ATO_CRITERIA) else "best",
-        rows=rows(scenario, runs),
-        stops=stops_sentence([run.score for run in runs]),
+        columns=criteria,
+        better=better_sentence(criteria),
+        best="least" if all(criterion.better == "low" for criterion in criteria) else "best",
+        rows=rows(scenario, criteria, runs),
+        remark=judging.remark([run.score for run in runs]),
+        asked=judging.asked(scenario),
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
-        pictures=pictures(scenario, runs, panels),
+        pictures=system.part("pictures")(scenario, runs) if panels is None else pictures(scenario, runs, panels),
         source=source,
         deviations=deviating,
     )

@@ -11,10 +11,11 @@ import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
-from railhil.scenarios.model import PublishedScore, Scenario
+from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.target import Target
 from railhil.supervisor.documents import read_score
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
 from railhil.supervisor.score import Score
@@ -34,7 +35,8 @@ class RecordedRun:
     """
 
     label: str
-    scenario: Scenario
+    #: Of its system: what the system's own parts make of it, they know.
+    scenario: Any
     trace: Trace
     score: Score
     verdict: str
@@ -68,12 +70,12 @@ class RecordedRun:
 
     @property
     def can_be_drawn(self) -> bool:
-        """True when the train's state was recorded more than once."""
-        return self.trace.count(SimTruth.PORT) >= _POINTS_MIN
+        """True when the state of what was driven was recorded more than once."""
+        return self.trace.count(judging_of(self.scenario).truth) >= _POINTS_MIN
 
 
 def recorded_run(
-    folder: Path, certificate: dict[str, Any], scenario: Scenario, trace: Trace, score: Score, invalid: str = ""
+    folder: Path, certificate: dict[str, Any], scenario: AnyScenario, trace: Trace, score: Score, invalid: str = ""
 ) -> RecordedRun:
     """The run whose folder this is.
 

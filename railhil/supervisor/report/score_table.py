@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from railhil.scenarios.model import PublishedScore, Scenario
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, Criterion
+from railhil.scenarios.model import AnyScenario, PublishedScore
+from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import Score
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +22,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One law: its cells in the order of :data:`ATO_CRITERIA`; no verdict when it is only published."""
+    """One law: its cells in the order of the criteria; no verdict when it is only published."""
 
     label: str
     verdict: str
@@ -35,47 +34,35 @@ def published_text(row: PublishedScore, criterion: Criterion) -> str:
     return criterion.shown(row.values.get(criterion.key), criterion.published_digits)
 
 
-def stopped_within(found: Sequence[Score]) -> dict[float, int]:
-    """How many of the runs stopped within each of ``STOP_WITHIN_M``; one that never stopped is within none."""
-    errors_m = [error for score in found if (error := score.values[STOP_ERROR.key]) is not None]
-    return {limit: sum(error <= limit for error in errors_m) for limit in STOP_WITHIN_M}
-
-
-def stops_sentence(found: Sequence[Score]) -> str:
-    """:func:`stopped_within` in words."""
-    parts = (f"{limit:g} m: {count} of {len(found)}" for limit, count in stopped_within(found).items())
-    return f"stopped within {', '.join(parts)}"
-
-
 def _cell(run: RecordedRun, criterion: Criterion, best: str) -> Cell:
     text = criterion.shown(run.score.values[criterion.key])
     is_best = text == best and not run.seed_was_trained
     return Cell(text, published_text(run.published, criterion) if run.published else "", is_best)
 
 
-def rows(scenario: Scenario, runs: Sequence[RecordedRun]) -> list[Row]:
+def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[RecordedRun]) -> list[Row]:
     """Rows of the runs in their order, then the published rows of laws that were not run."""
     best = []
     judged = [run.score for run in runs if not run.seed_was_trained]
-    for criterion in ATO_CRITERIA:
+    for criterion in criteria:
         values = [value for score in judged if (value := score.values[criterion.key]) is not None]
         best.append(criterion.shown(criterion.best(values)) if len(values) > 1 else "")
-    pairs = list(zip(ATO_CRITERIA, best, strict=True))
+    pairs = list(zip(criteria, best, strict=True))
     found = [
         Row(run.label, run.verdict, tuple(_cell(run, criterion, text) for criterion, text in pairs)) for run in runs
     ]
     run_here = {run.controller for run in runs}
     for row in scenario.published:
         if row.controller not in run_here:
-            cells = (Cell("", published_text(row, criterion), False) for criterion in ATO_CRITERIA)
+            cells = (Cell("", published_text(row, criterion), False) for criterion in criteria)
             found.append(Row(row.controller, "", tuple(cells)))
     return found
 
 
-def better_sentence() -> str:
+def better_sentence(criteria: Sequence[Criterion]) -> str:
     """Which way each column counts, and which stand without their sign."""
-    more = [criterion.title for criterion in ATO_CRITERIA if criterion.better == "high"]
-    bare = [criterion.title.removesuffix(" error") for criterion in ATO_CRITERIA if criterion.signed]
+    more = [criterion.title for criterion in criteria if criterion.better == "high"]
+    bare = [criterion.title.removesuffix(" error") for criterion in criteria if criterion.signed]
     text = f"Less is better in every column{f' but {_listed(more)}' if more else ''}"
     return f"{text}; {_listed(bare)} error stand without sign." if bare else f"{text}."
 

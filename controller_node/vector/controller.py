@@ -1,0 +1,193 @@
+"""A law over several units on one arithmetic: raw integers of the bus in, raw integers out, once per control period."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters, T
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.fault import law_fault, place
+from railhil.controller_node.laws.parameters import law_parameters
+from railhil.controller_node.program.model import LawProgram, Value
+from railhil.controller_node.program.ranges import refuse_wraps
+from railhil.controller_node.program.record import recorded
+from railhil.controller_node.program.tracer import Tracer
+from railhil.controller_node.telemetry import Telemetry
+from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.system import System
+
+
+@dataclass(frozen=True, slots=True)
+class VectorOutput:
+    """What one control period gives: raw integers, in the order of the interface.
+
+    ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
+    """
+
+    commands: tuple[int, ...]
+    notes: tuple[int, ...]
+    overflow_flags: int
+
+
+class VectorLoop(Generic[T]):
+    """Law and state on one arithmetic.
+
+    :raises InputError: there is no such law for this system, it cannot be made for this scenario, or the parameters
+        are not its own.
+    """
+
+    def __init__(
+        self, system: System, scenario: AnyScenario, law: str, arithmetic: Arithmetic[T], given: ParameterSet | None
+    ) -> None:
+        self.arithmetic = arithmetic
+        #: Under which the law was asked for.
+        self.name = law
+        self.interface: Interface = system.part("interface")
+        kind = find(law, system.laws, VectorLaw)
+        parameters = law_parameters(law, kind, given)
+        try:
+            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters)
+        except InputError:
+            raise
+        except Exception as error:
+            at = place(kind, error)
+            cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
+            allowed = f"a law that can be made for {scenario.name}"
+            raise InputError("controller", law, Words("a law that fails at its start"), allowed, cause) from error
+        self._bounds = [
+            tuple(arithmetic.const(Constant(f"{command.name}_{end}", raw / 2**command.q, command.q, "port table"))
+                  for end, raw in zip(("lowest", "highest"), command.bounds, strict=True))
+            for command in self.interface.commands
+        ]  # fmt: skip
+        self.state: Any = None
+
+    def inputs(self, raws: Sequence[Any]) -> tuple[T, ...]:
+        """Raw integers of the bus as the law takes them."""
+        ar = self.arithmetic
+        return tuple(
+            ar.note(reading.name, ar.from_raw(raw, reading.q), reading.q, reading.unit)
+            for reading, raw in zip(self.interface.readings, raws, strict=True)
+        )
+
+    def step(self, raws: Sequence[Any]) -> Answer[T]:
+        """One control period; the first one also makes the law's state."""
+        inputs = self.inputs(raws)
+        if self.state is None:
+            self.state = self.law.start(inputs)
+        self.state, answer = self.answered(self.state, inputs)
+        return answer
+
+    def answered(self, state: Any, inputs: tuple[T, ...]) -> tuple[Any, Answer[T]]:
+        """The law's step, its commands rounded and kept inside their bounds."""
+        ar = self.arithmetic
+        after, answer = self.law.step(state, inputs)
+        commands = tuple(
+            ar.note(command.name, ar.clip(_rounded(ar, value, command.law_q, command.q), high, low), command.q,
+                    command.unit)
+            for command, value, (low, high) in zip(self.interface.commands, answer.commands, self._bounds, strict=True)
+        )  # fmt: skip
+        notes = tuple(
+            ar.note(note.name, value, note.law_q, note.unit)
+            for note, value in zip(self.interface.notes, answer.notes, strict=True)
+        )
+        return after, Answer(commands, notes)
+
+
+def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
+    return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
+
+
+class _Traced:
+    """A vector loop as the recorder of programs takes a law."""
+
+    def __init__(self, loop: VectorLoop[Value]) -> None:
+        self.start = loop.law.start
+        self.step = loop.answered
+        self.with_sent = loop.law.with_sent
+
+
+def vector_program(
+    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, wide: bool
+) -> LawProgram:
+    """Programs of a law over several units, see :func:`railhil.controller_node.program.record.record`."""
+    tracer = Tracer(wide)
+    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given)
+    interface = loop.interface
+
+    def inputs() -> tuple[Value, ...]:
+        return loop.inputs([tracer.input(reading.name, reading.q) for reading in interface.readings])
+
+    def told() -> tuple[Value, ...]:
+        return tuple(tracer.input(command.name, command.q) for command in interface.commands)
+
+    return recorded(tracer, law, type(loop.law), _Traced(loop), inputs, told)
+
+
+class VectorController:
+    """Controller of one system; ``telemetry`` and ``cost`` as in :mod:`railhil.controller_node.controller`.
+
+    :raises InputError: as :class:`VectorLoop`; a fixed-point format of the law may wrap on some reading. In
+        :meth:`step` and :meth:`sent`: the law has raised.
+    """
+
+    def __init__(
+        self, system: System, scenario: AnyScenario, law: str, arithmetic: str, given: ParameterSet | None = None
+    ) -> None:
+        self._number = number = make(arithmetic)
+        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, law, number, given)
+        self._interface = interface = self._loop.interface
+        program = vector_program(system, scenario, law, given, number.wide)
+        if not number.wide:
+            wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
+            period_s = scenario.timing.control_period_ns / 1e9
+            refuse_wraps(program, self._loop.law, f"at {period_s:g} s on {scenario.name}", wire)
+        # From here on: the constants of the law are made by now.
+        number.noted = []
+        self.telemetry = Telemetry(program.quantities)
+        self.cost = cost_of(program, number, scenario.timing.control_period_ns)
+
+    @property
+    def counters(self) -> Counters:
+        """Wraps, saturations and divisions by zero since the controller was made."""
+        return self._number.counters
+
+    def step(self, raws: Sequence[int]) -> VectorOutput:
+        """One control period, from one raw integer for each reading."""
+        number, interface = self._number, self._interface
+        try:
+            answer = self._loop.step(raws)
+        except Exception as fault:
+            raise self._failed(fault, "step") from fault
+        commands = zip(interface.commands, answer.commands, strict=True)
+        notes = zip(interface.notes, answer.notes, strict=True)
+        output = VectorOutput(
+            tuple(number.raw(value, command.q) for command, value in commands),
+            tuple(number.raw(value, note.law_q) >> (note.law_q - note.q) for note, value in notes),
+            number.counters.flags,
+        )
+        self.telemetry.take(number)
+        return output
+
+    def sent(self, raws: Sequence[int]) -> None:
+        """Tell the law the commands that were really sent, when they are not those that :meth:`step` answered."""
+        number, loop = self._number, self._loop
+        if loop.state is None:
+            return
+        commands = zip(self._interface.commands, raws, strict=True)
+        try:
+            loop.state = loop.law.with_sent(loop.state, [number.from_raw(raw, item.q) for item, raw in commands])
+        except Exception as fault:
+            raise self._failed(fault, "with_sent") from fault
+        self.telemetry.take(number)
+
+    def _failed(self, error: Exception, function: str) -> InputError:
+        named = self.telemetry.quantities[: len(self._number.noted or ())]
+        last = named[-1].name if named else None
+        return law_fault(self._loop.name, type(self._loop.law), error, function, last)

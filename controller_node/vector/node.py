@@ -1,0 +1,161 @@
+"""The controller's side of the bus for a law over several units: readings in, answers to the administrator's polls."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from railhil.bus.frame import Frame
+from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
+from railhil.bus.layout import Telegram
+from railhil.bus.responder import Reading, Responder
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import Event, RunEvent, TimeSync
+from railhil.common.errors import InputError
+from railhil.controller_node.laws import find
+from railhil.controller_node.vector.controller import VectorController, VectorOutput
+from railhil.controller_node.vector.law import Interface, VectorLaw
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+
+
+class VectorNode:
+    """See :class:`railhil.controller_node.any_controller.AnyController`; the system has a part ``interface``.
+
+    :param controller: what computes the commands; None: the law that is asked for.
+    :param bit_rate: of the bus in bit/s, of no meaning here: nothing is stamped by bit times.
+    :raises InputError: an option that this controller cannot have.
+    """
+
+    def __init__(
+        self,
+        scenario: AnyScenario,
+        law: LawSpec,
+        controller: VectorController | None = None,
+        *,
+        fd: bool = False,
+        bit_rate: int | None = None,
+    ) -> None:
+        system = system_named(scenario.system)
+        contract = system.contract
+        if law.task_period_ms:
+            raise InputError("command line", "--task-period-ms", law.task_period_ms, f"0 with system {system.name}")
+        if law.indexing != "time":
+            raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
+        self.law = law
+        self.law_type: Any = find(law.controller, system.laws, VectorLaw)
+        self.controller = controller or VectorController(
+            system, scenario, law.controller, law.arithmetic, law.parameters
+        )
+        self.ended: Event | None = None
+        self.lost_messages = 0
+        self.lost_by_mailbox: dict[str, int] = {}
+        self._interface: Interface = system.part("interface")
+        self._control_ns = scenario.timing.control_period_ns
+        self._ident = make_ident(
+            Role.CONTROLLER,
+            scenario.sha256,
+            **law.identity,
+            contract=contract,
+        )
+        self._output: VectorOutput | None = None
+        self._last_k = -1
+        self._steps = 0
+        self._stale = 0
+        self._life: dict[str, int] = {}
+        read = dict.fromkeys([*(item.telegram for item in self._interface.readings), TimeSync, RunEvent])
+        sent = dict.fromkeys(item.telegram for item in self._interface.commands)
+        answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
+        if self._interface.status is not None:
+            answers[self._interface.status.PORT] = partial(self._status, self._interface.status)
+        sinks = {port.name: port for port in (contract.clock_port, *(kind.port() for kind in read))}
+        self.responder = Responder(
+            Role.CONTROLLER,
+            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
+            sinks.values(),
+            {**answers, CtlIdent.PORT: self._own_ident},
+            fd=fd,
+            contract=contract,
+        )
+        self.responder.on(RunEvent, self._event)
+        self._clock = self.responder.clock
+        self._store = self.responder.store
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order; returns the answer to a poll of the controller."""
+        return self.responder.handle(frame)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """What was refused, by cause; ``stale``: commands that were the safe ones for a reading too old."""
+        return {**self._store.counters, **({"stale": self._stale} if self._stale else {})}
+
+    @property
+    def lockstep(self) -> bool:
+        """True while nothing says that time goes on by the wall clock."""
+        return not self._clock.rate
+
+    def was_out(self, wall_ns: int) -> None:
+        """The interface was out for ``wall_ns``: the readings are that much older."""
+        self._clock.silence(wall_ns)
+
+    def _event(self, reading: Reading[RunEvent]) -> None:
+        number = reading.telegram.event
+        if number in Event._value2member_map_ and Event(number).ends_run:
+            self.ended = Event(number)
+
+    def _readings(self) -> tuple[list[int] | None, bool]:
+        """One raw integer for each reading, None before the first of any; and whether all are fresh."""
+        now_ns, oldest_ns, raws = self._clock.now_ns, 0, []
+        for reading in self._interface.readings:
+            telegram, age_ns = self._store.read(reading.telegram, now_ns)
+            if telegram is None:
+                return None, False
+            oldest_ns = max(oldest_ns, age_ns)
+            raws.append(getattr(telegram, reading.field))
+        return raws, oldest_ns <= self._interface.age_max_ms * 1_000_000
+
+    def _control(self) -> bool:
+        """Run the law when a control period has begun since the last step; whether its answer may be sent."""
+        raws, fresh = self._readings()
+        k = self._clock.now_ns // self._control_ns
+        if raws is not None and fresh and self._clock.running and k != self._last_k:
+            self._output, self._last_k = self.controller.step(raws), k
+            self._steps += 1
+        return fresh and self._output is not None
+
+    def _next_life(self, port: str) -> int:
+        self._life[port] = life = (self._life.get(port, -1) + 1) & 0xF
+        return life
+
+    def _command(self, kind: type[Telegram]) -> Telegram:
+        may_be_sent = self._control()
+        output, commands = self._output, self._interface.commands
+        values = tuple(item.safe for item in commands)
+        if output is not None and may_be_sent:
+            values = output.commands
+        elif output is not None:
+            self._stale += 1
+            self.controller.sent(values)
+        fields = {item.field: raw for item, raw in zip(commands, values, strict=True) if item.telegram is kind}
+        fields["life"] = self._next_life(kind.PORT)
+        return kind(**fields)
+
+    def _status(self, kind: type[Telegram]) -> Telegram:
+        known = {name for name, _ in kind.signal_names()}
+        fields = {"step_count": self._steps & 0xFFFF, "life": self._next_life(kind.PORT)}
+        if self._output is not None:
+            fields["overflow_flags"] = self._output.overflow_flags
+            notes = zip(self._interface.notes, self._output.notes, strict=True)
+            fields |= {note.field: _held(kind, note.field, raw) for note, raw in notes}
+        return kind(**{name: value for name, value in fields.items() if name in known})
+
+    def _own_ident(self) -> Ident:
+        return self._ident
+
+
+def _held(kind: type[Telegram], field: str, raw: int) -> int:
+    """A note as its signal can hold it: what is said of a law must not end its run."""
+    low, high = dict(kind.signals())[field].raw_range
+    return min(max(raw, low), high)

@@ -1,0 +1,81 @@
+"""What a run of two carts is judged by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.telegrams import Event, RunEvent
+from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.supervisor.judging import Judging
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import Trace
+from two_carts import SYSTEM
+from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
+
+
+@dataclass(frozen=True)
+class Ride:
+    """A whole run as arrays: times (n,), positions (2, n)."""
+
+    task: Any
+    time_s: Any
+    position_m: Any
+
+
+def _error_m(ride: Ride) -> float:
+    """Largest distance of a cart from its target over the last second."""
+    last = ride.time_s >= ride.time_s[-1] - 1.0
+    target_m = np.array(ride.task.target_m)[:, None]
+    return float(np.abs(ride.position_m[:, last] - target_m).max())
+
+
+def _stretch_m(ride: Ride) -> float:
+    """Largest stretch of the spring, either way."""
+    return float(np.abs(ride.position_m[1] - ride.position_m[0]).max())
+
+
+CRITERIA = (
+    Criterion("error_m", "end error", "m", 4, _error_m, limit=Limit(lambda scenario: scenario.task.error_max_m, 0)),
+    Criterion("stretch_m", "stretch", "m", 3, _stretch_m),
+)
+
+
+def score(scenario: Any, trace: Trace) -> Score:
+    """Verdict on the end error; INVALID for a record without a regular end."""
+    codes = trace.raw(RunEvent.PORT, "RunEvent")
+    if Event.ENDED_COMPLETE not in codes or trace.count(TRUTH.PORT) < 2:
+        return Score("INVALID", *unscored(CRITERIA), 0.0, ("run did not come to its end",), "record_incomplete")
+    places = np.array([trace.values(TRUTH.PORT, f"TruePos{unit}") for unit in (1, 2)])
+    ride = Ride(scenario.task, trace.times_s(TRUTH.PORT), places)
+    measured = {criterion.key: criterion.measure(ride) for criterion in CRITERIA}
+    missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
+    return Score("FAIL" if missed else "PASS", *scores(measured, CRITERIA), 0.0, tuple(missed), "ended_complete")
+
+
+def _facts(run: Any) -> list[tuple[str, str]]:
+    task = run.scenario.task
+    arrived = SYSTEM.events["arrived"] in run.trace.raw(RunEvent.PORT, "RunEvent")
+    return [
+        ("Carts", f"{task.mass_kg[0]:g} kg and {task.mass_kg[1]:g} kg"),
+        ("Arrived", "yes" if arrived else "no"),
+    ]
+
+
+JUDGING = Judging(
+    criteria=CRITERIA,
+    score=score,
+    truth=TRUTH.PORT,
+    columns=(
+        ("true_position1_m", TRUTH.PORT, "TruePos1"),
+        ("true_position2_m", TRUTH.PORT, "TruePos2"),
+        ("position1_m", STATS[0].PORT, "Unit1Pos"),
+        ("force1_n", COMMANDS[0].PORT, "Unit1Force"),
+        ("force2_n", COMMANDS[1].PORT, "Unit2Force"),
+        ("stretch_m", LAW_STAT.PORT, "LawStretch"),
+    ),
+    asked=lambda scenario: f"{scenario.task.duration_s:g} s; allowed ±{scenario.task.error_max_m:g} m",
+    facts=_facts,
+)

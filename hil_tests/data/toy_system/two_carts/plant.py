@@ -1,0 +1,122 @@
+"""Two carts on a spring, on the bus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+from railhil.bus.clock import rate_to_10th, to_time_sync
+from railhil.bus.layout import CHECK_CORRECT, Telegram
+from railhil.bus.telegrams import Event, TimeState, TimeSync
+from railhil.plant_sim.any_plant import PlantError
+from railhil.scenarios import streams
+from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
+
+#: Steps of the simulation in a tick.
+_STEPS = 10
+_FORCE_LSB_N = 0.01
+
+
+@dataclass(frozen=True)
+class Happened:
+    """A milestone."""
+
+    kind: str
+    instant_01ms: int
+    position_01mm: int
+
+
+class UntilDuration:
+    """The run is over when its time is, or its controller is gone."""
+
+    def __init__(self, duration_s: float, tick_ns: int) -> None:
+        self.due_tick = round(duration_s * 1e9 / tick_ns)
+
+    def happened(self, kind: str, tick: int) -> None:
+        """Nothing that happens ends the run."""
+
+    def reached(self, tick: int, controller_lost: bool) -> Event | None:
+        if controller_lost:
+            return Event.ENDED_NOT_STOPPED
+        return Event.ENDED_COMPLETE if tick >= self.due_tick else None
+
+
+class Carts:
+    """See railhil.plant_sim.any_plant.AnyPlant."""
+
+    commands: Mapping[str, type[Telegram]] = {kind.PORT: kind for kind in COMMANDS}
+    statuses = (LAW_STAT.PORT,)
+
+    def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
+        self._task, timing = scenario.task, scenario.timing
+        self.tick = 0
+        self.position_m, self.speed_mps, self._force_n = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
+        self.refused = {"check_variable": 0}
+        self._tick_ns, self._step_s = timing.base_tick_ns, timing.base_tick_ns / 1e9 / _STEPS
+        self._noise = streams.generator(seed, streams.SPEED_NOISE)
+        self._life: dict[str, int] = {}
+        self._events: list[Happened] = []
+        self._arrived = False
+        rate_10th = rate_to_10th(rate)
+        self.ending = UntilDuration(self._task.duration_s, self._tick_ns)
+        self.makers: dict[str, Callable[[], Telegram | None]] = {
+            STATS[0].PORT: lambda: self._stat(0),
+            STATS[1].PORT: lambda: self._stat(1),
+            TRUTH.PORT: self._truth,
+            TimeSync.PORT: lambda: to_time_sync(
+                self.tick, self._tick_ns, rate_10th=rate_10th, state=TimeState.RUNNING, life=self._next(TimeSync.PORT)
+            ),
+        }
+
+    @property
+    def position_01mm(self) -> int:
+        return round(self.position_m[0] * 1e4)
+
+    def _next(self, port: str) -> int:
+        self._life[port] = life = (self._life.get(port, -1) + 1) & 0xF
+        return life
+
+    def _stat(self, unit: int) -> Telegram:
+        read_m = self.position_m[unit] + self._task.noise_sigma_m * self._noise.standard_normal()
+        return STATS[unit](round(read_m * 1e4), life=self._next(STATS[unit].PORT))
+
+    def _truth(self) -> Telegram:
+        places = [round(at_m * 1e5) for at_m in self.position_m]
+        speeds = [round(mps * 1e4) for mps in self.speed_mps]
+        return TRUTH(*places, *speeds, life=self._next(TRUTH.PORT))
+
+    def take(self, telegram: Telegram) -> None:
+        unit = [kind.PORT for kind in COMMANDS].index(telegram.PORT)
+        if telegram.check != CHECK_CORRECT:
+            self.refused["check_variable"] += 1
+            return
+        self._force_n[unit] = telegram.force_001n * _FORCE_LSB_N
+
+    def advance(self) -> None:
+        task = self._task
+        for _ in range(_STEPS):
+            pull_n = task.spring_n_per_m * (self.position_m[1] - self.position_m[0])
+            pull_n += task.damping_n_per_mps * (self.speed_mps[1] - self.speed_mps[0])
+            for unit, sign in ((0, 1), (1, -1)):
+                accel = (self._force_n[unit] + sign * pull_n) / task.mass_kg[unit]
+                self.speed_mps[unit] += accel * self._step_s
+                self.position_m[unit] += self.speed_mps[unit] * self._step_s
+        self.tick += 1
+        if not isfinite(sum(self.position_m)) or max(map(abs, self.position_m)) > 100:
+            raise PlantError(f"carts have left the track at tick {self.tick}")
+        errors_m = [abs(at - to) for at, to in zip(self.position_m, task.target_m, strict=True)]
+        if not self._arrived and max(errors_m) < task.error_max_m:
+            self._arrived = True
+            self._events.append(Happened("arrived", self.tick * self._tick_ns // 100_000, self.position_01mm))
+
+    def drain_events(self) -> list[Happened]:
+        events, self._events = self._events, []
+        return events
+
+    def telegram_of(self, event: Happened) -> None:
+        return None
+
+    def is_abandoned(self, command_age_ns: int) -> bool:
+        return command_age_ns > 1_000_000_000

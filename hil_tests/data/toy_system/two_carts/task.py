@@ -1,0 +1,25 @@
+"""What a scenario of two carts says."""
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field, Strict
+
+from railhil.scenarios.task import Task
+
+Number = Annotated[float, Field(ge=-1000, le=1000)]
+Mass = Annotated[float, Field(gt=0, le=1000)]
+Two = Annotated[tuple[Number, Number], Strict(False)]
+Masses = Annotated[tuple[Mass, Mass], Strict(False)]
+
+
+class CartsTask(Task):
+    """The section ``[task]``: carts from rest at 0, each to its target."""
+
+    JUDGING: ClassVar[tuple[str, ...]] = ("error_max_m",)
+
+    mass_kg: Masses
+    spring_n_per_m: Annotated[float, Field(ge=0, le=1000)]
+    damping_n_per_mps: Annotated[float, Field(ge=0, le=1000)] = 0.0
+    target_m: Two
+    noise_sigma_m: Annotated[float, Field(ge=0, le=1)] = 0.0
+    error_max_m: Annotated[float, Field(gt=0, le=10)]

@@ -1,0 +1,195 @@
+"""A system that plugs in: two carts on a spring, in a distribution of its own, through every command of railhil.
+
+No line of the tree knows of it: it is installed here, and its entry points are all that railhil sees.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
+
+pytestmark = pytest.mark.loop
+
+_IN_PROCESS = """
+import json, sys
+from pathlib import Path
+from railhil.bench import local_run
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+scenario = load_any(sys.argv[1])
+law = system_named(scenario.system).law
+for arithmetic in ("iq", "float64"):
+    folder = Path(sys.argv[2]) / arithmetic
+    folder.mkdir()
+    run = local_run(scenario, folder, RunSpec(law=LawSpec(law, arithmetic)))
+    quantities = [row["name"] for row in run.telemetry["quantities"]]
+    print(json.dumps([run.score.verdict, run.score.values, run.frames_sha256, run.refused, quantities]))
+"""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install_toy(tmp_path_factory.mktemp("toy"))
+
+
+@pytest.fixture(scope="module")
+def recorded(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Run folder of one run over the hub."""
+    folder = tmp_path_factory.mktemp("runs") / "run"
+    done = railhil(site, "run", str(SCENARIO), "--out", str(folder), "--quiet")
+    assert done.returncode == 0, done.stderr
+    assert "end" in done.stdout
+    assert "apart (published)" in done.stdout
+    return folder
+
+
+def certificate(folder: Path) -> dict[str, object]:
+    found: dict[str, object] = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
+    return found
+
+
+def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
+    """Both arithmetics drive the carts there; in fixed point the record is that of the run over the hub."""
+    done = subprocess.run(
+        [sys.executable, "-c", _IN_PROCESS, str(SCENARIO), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "PYTHONPATH": str(site)},
+    )
+    assert done.returncode == 0, done.stderr
+    runs = [json.loads(line) for line in done.stdout.splitlines()]
+    for verdict, values, _, refused, quantities in runs:
+        assert (verdict, refused) == ("PASS", {})
+        assert 0 < values["error_m"] < 0.005
+        assert {"position[0]", "position[1]", "force[0]", "force[1]", "stretch"} <= set(quantities)
+    assert runs[0][2] == certificate(recorded)["frames_sha256"]
+    assert runs[1][2] != runs[0][2]
+
+
+def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:
+    document = certificate(recorded)
+    assert (document["system"], document["controller"], document["verdict"]) == ("two_carts", "apart", "PASS")
+    header = (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert header == "time_s,true_position1_m,true_position2_m,position1_m,force1_n,force2_n,stretch_m"
+    cases = [case.get("name") for case in ET.parse(recorded / "junit.xml").getroot().iter("testcase")]
+    assert cases == ["bench_valid", "end_error"]
+    assert "UNIT2_CMD" in (recorded / "railhil.dbc").read_text(encoding="utf-8")
+    scores = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
+    assert set(scores["scores"]) == {"error_m", "stretch_m"}
+    assert scores["telemetry"]["wraps"] == 0
+
+
+def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded: Path) -> None:
+    done = railhil(site, "score", str(recorded), "--json")
+    assert done.returncode == 0, done.stderr
+    live = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
+    assert json.loads(done.stdout)["scores"] == live["scores"]
+
+
+def test_score_of_a_limit_that_is_missed_is_a_fail(site: Path, recorded: Path, tmp_path: Path) -> None:
+    """The limit judges and changes no frame: the same log under a stricter scenario."""
+    strict = tmp_path / "strict.toml"
+    text = SCENARIO.read_text(encoding="utf-8")
+    strict.write_text(text.replace("error_max_m = 0.02", "error_max_m = 1e-6"), encoding="utf-8")
+    done = railhil(site, "score", str(recorded), "--scenario", str(strict))
+    assert done.returncode == 1, done.stderr
+    assert "end error 0.0006 m, allowed at most 1e-06 m" in done.stdout
+
+
+def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    done = railhil(site, "report", str(recorded), "--out", str(page))
+    assert done.returncode == 0, done.stderr
+    text = page.read_text(encoding="utf-8")
+    assert text == (recorded / "report.html").read_text(encoding="utf-8")
+    for said in ("Both carts over time", "12 s; allowed ±0.02 m", "1 kg and 2 kg", "Arrived", "end error"):
+        assert said in text
+    for foreign in ("stopping point", "notch", "Table 2 of the paper", "Runs that"):
+        assert foreign not in text
+
+
+def test_compare(site: Path, tmp_path: Path) -> None:
+    """Of one law with two sets of parameters."""
+    soft = tmp_path / "soft.toml"
+    soft.write_text('law = "apart"\n[parameters]\nstiffness_n_per_m = 3.0\n', encoding="utf-8")
+    folder = tmp_path / "compared"
+    words = ("--parameters", str(soft), "--both", "--out", str(folder), "--quiet", "--no-report")
+    done = railhil(site, "compare", str(SCENARIO), *words)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads((folder / "compare.json").read_text(encoding="utf-8"))["runs"]
+    assert [row["controller"] for row in rows] == ["apart", "apart"]
+    assert rows[0]["scores"]["error_m"] < rows[1]["scores"]["error_m"]
+    assert rows[0]["published"] == {"error_m": 0.001, "stretch_m": 0.2}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("campaign", str(SCENARIO), "--runs", "2"),
+        ("audit", str(SCENARIO)),
+        ("export-c", "apart", str(SCENARIO), "--out", "c"),
+        ("tune", "apart", str(SCENARIO)),
+    ],
+    ids=lambda words: words[0],
+)
+def test_what_knows_only_railhils_own_train_says_so(site: Path, words: tuple[str, ...], tmp_path: Path) -> None:
+    done = railhil(site, *words, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "system: found 'two_carts', allowed ato" in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_plot_says_so_too(site: Path, recorded: Path, tmp_path: Path) -> None:
+    done = railhil(site, "plot", str(recorded), "--out", str(tmp_path / "picture.png"))
+    assert done.returncode == 2
+    assert "system: found 'two_carts', allowed ato" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--controller", "ipfc"), "--controller: found 'ipfc', allowed apart"),
+        (("--perturbed",), "which has no [perturbations]"),
+        (("--indexing", "distance"), "--indexing: found 'distance', allowed time with system two_carts"),
+        (("--set", "task.mass_kg=[1, -3]"), "task.mass_kg[1]: found -3"),
+        (("--set", "task.colour=3"), "task.colour: found the unknown key colour"),
+        (("--set", "timing.port_period_ms.NOTCH_CMD=20"), "found the unknown port NOTCH_CMD, allowed only TIME_SYNC"),
+    ],
+)
+def test_bad_input_is_one_line(site: Path, words: tuple[str, ...], said: str, tmp_path: Path) -> None:
+    done = railhil(site, "run", str(SCENARIO), *words, "--out", str(tmp_path / "run"), "--quiet")
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_record_whose_system_is_not_installed_is_refused(recorded: Path, tmp_path: Path) -> None:
+    done = railhil(tmp_path, "score", str(recorded))
+    assert done.returncode == 2
+    assert "scenario.json: system: found 'two_carts', allowed one that is installed: ato" in done.stderr
+
+
+def test_a_gain_that_could_wrap_is_refused_in_fixed_point(site: Path, tmp_path: Path) -> None:
+    """The interval analysis knows the readings of any system: the wire's whole range, not what this run reaches."""
+    copy = tmp_path / "site"
+    shutil.copytree(site, copy)
+    law = copy / "two_carts" / "laws.py"
+    text = law.read_text(encoding="utf-8")
+    assert "*self._far)" in text
+    law.write_text(text.replace("ar.clip(reading, *self._far)", "ar.mpy(reading, self._far[0], 0)"), encoding="utf-8")
+    done = railhil(copy, "run", str(SCENARIO), "--out", str(tmp_path / "run"), "--quiet")
+    assert done.returncode == 2
+    assert "allowed a law whose fixed point cannot wrap at 0.1 s on two_carts_2m" in done.stderr

@@ -1,0 +1,35 @@
+"""The toy system of ``hil_tests/data/toy_system``, installed as any distribution is, into a folder of its own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+SOURCE = Path(__file__).parents[1] / "data" / "toy_system"
+SCENARIO = SOURCE / "two_carts_2m.toml"
+_BUILD = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
+
+
+def install_toy(folder: Path) -> Path:
+    """Build its wheel, offline, and unpack it as an installer does; returns the folder for PYTHONPATH."""
+    copy, wheels, site = folder / "source", folder / "wheels", folder / "site"
+    shutil.copytree(SOURCE, copy)
+    wheels.mkdir()
+    subprocess.run(
+        [sys.executable, "-c", _BUILD, str(wheels)], cwd=copy, check=True, capture_output=True, text=True, timeout=120
+    )
+    (wheel,) = wheels.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    return site
+
+
+def railhil(site: Path, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """A railhil command of an environment in which the toy system is installed."""
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    command = [sys.executable, "-m", "railhil.cli", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=cwd)

@@ -1,0 +1,49 @@
+"""When the run of a train is over."""
+
+from __future__ import annotations
+
+from railhil.bus.telegrams import Event
+from railhil.plant_sim.plant import Plant
+from railhil.scenarios.model import Scenario
+
+#: The record goes on this long after the stop, so that it shows the standstill.
+AFTER_STOP_S = 1.0
+#: No train brakes longer than this after its controller was lost.
+BRAKING_MAX_NS = 300_000_000_000
+
+
+class RunEnd:
+    """When a run of a train is over: some time after it has stopped, or when the timetable is over and it has not.
+
+    A train whose controller is lost may still be braking when the timetable is over; once it stands, nobody will ever
+    move it again.
+
+    :param plant: whose standstill counts then; None where no controller is ever lost.
+    """
+
+    def __init__(self, scenario: Scenario, plant: Plant | None = None) -> None:
+        plan, tick_ns = scenario.plan, scenario.timing.base_tick_ns
+        #: Last tick at which a stop is waited for.
+        self.last_tick = round((plan.running_time_s + plan.overtime_max_s) * 1e9 / tick_ns)
+        self.after_stop_ticks = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
+        #: Before this tick no run ends whose controller is there.
+        self.due_tick = self.last_tick + 1
+        self._braking_ticks = BRAKING_MAX_NS // tick_ns
+        self._has_stopped = False
+        self._plant = plant
+
+    def happened(self, kind: str, tick: int) -> None:
+        """The train may have stopped before this tick; only the first stop counts."""
+        if kind == "stopped" and not self._has_stopped:
+            self._has_stopped, self.due_tick = True, tick + self.after_stop_ticks
+
+    def reached(self, tick: int, controller_lost: bool) -> Event | None:
+        """The event that ends the run at this tick, None when it goes on."""
+        if self._has_stopped:
+            return Event.ENDED_COMPLETE if tick >= self.due_tick else None
+        over = tick >= self.due_tick
+        if controller_lost:
+            over = (
+                self._plant is None or self._plant.true_speed_01mmps == 0 or tick > self.last_tick + self._braking_ticks
+            )
+        return Event.ENDED_NOT_STOPPED if over else None

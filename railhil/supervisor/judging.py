@@ -1,0 +1,68 @@
+"""How records of a system are judged and shown: what score, tables, report and folder ask of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+from railhil.supervisor.criteria import Criterion
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import FloatArray, Trace
+
+
+def _nothing(*given: Any) -> tuple[Any, ...]:
+    return ()
+
+
+def _no_columns(*given: Any) -> list[tuple[str, str, FloatArray]]:
+    return []
+
+
+def _no_figures(*given: Any) -> dict[str, Any]:
+    return {}
+
+
+def _no_text(*given: Any) -> str:
+    return ""
+
+
+@dataclass(frozen=True, slots=True)
+class Judging:
+    """The part ``judging`` of a system.
+
+    ``criteria``: its scores, in the order of their columns. ``score``: (scenario, trace) -> score, a pure function of
+    both. ``truth``: port of which each telegram is a row of ``signals.csv``; ``columns``: its columns behind the time,
+    header with unit, port and signal; ``told``: (trace, notes as the certificate has them) -> more columns, header,
+    port and values. ``asked``: one sentence for the head of the report, what the scenario asks for. ``checks``:
+    (scenario, score) -> JUnit cases besides the limits of the criteria, name and failure (empty: none). ``facts``:
+    (recorded run) -> rows of the report's facts, name and text. ``counted``: (scores) -> figures over several runs for
+    ``compare.json``; ``remark``: the same in words. ``shown``: (trace) -> what the record says of the controller's
+    arithmetic when its process has left no file. ``deviations``: source of the published rows and its readings.
+    ``advice``: (recorded run, report folder) -> what to try after a FAIL.
+    """
+
+    criteria: tuple[Criterion, ...]
+    score: Callable[[Any, Trace], Score]
+    truth: str
+    columns: tuple[tuple[str, str, str], ...]
+    asked: Callable[[Any], str]
+    told: Callable[[Trace, Any], list[tuple[str, str, FloatArray]]] = _no_columns
+    checks: Callable[[Any, Score], Sequence[tuple[str, str]]] = _nothing
+    facts: Callable[[Any], Sequence[tuple[str, str]]] = _nothing
+    counted: Callable[[Sequence[Score]], Mapping[str, Any]] = _no_figures
+    remark: Callable[[Sequence[Score]], str] = _no_text
+    shown: Callable[[Trace], Any] | None = None
+    deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
+    advice: Callable[[Any, Any], str] = _no_text
+
+
+def judging_of(scenario: AnyScenario) -> Judging:
+    """How records of a scenario's system are judged.
+
+    :raises InputError: the system has no such part.
+    """
+    judging: Judging = system_named(scenario.system).part("judging")
+    return judging

@@ -1,0 +1,18 @@
+"""The first system: a train under automatic train operation, one notch, one target curve, one stop."""
+
+from __future__ import annotations
+
+from railhil.scenarios.system import System
+
+ATO = System(
+    name="ato",
+    title="one train, one notch, one stop",
+    ports="railhil.dbc:ports.toml",
+    scenarios="railhil.scenarios.load:TrainScenarios",
+    plant="railhil.plant_sim.train:TrainOnBus",
+    controller="railhil.controller_node.node:ControllerNode",
+    laws="railhil.laws",
+    law="ipfc",
+    judging="railhil.supervisor.ato:JUDGING",
+    pictures="railhil.supervisor.report.figures:pictures",
+)

@@ -1,0 +1,125 @@
+"""Systems: what the bench needs to know of one kind of train and task (entry point group ``railhil.systems``).
+
+A scenario file says ``system = "..."``; railhil's own train on its line is ``ato``. A system names its parts by
+reference, ``module:object``: each process imports only those that it needs, and no room has to import another.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.metadata import entry_points
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.law_order import in_order
+from railhil.dbc import Contract, system_contract
+
+GROUP = "railhil.systems"
+#: The system of a scenario that names none.
+DEFAULT = "ato"
+#: Numbers of the milestones in RUN_EVENT that systems may have for their own.
+OWN_EVENTS = range(32, 256)
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """One kind of train and task. Every part is a reference, ``module:object``, unless it says otherwise.
+
+    ``ports``: port table, ``package:file``. ``scenarios``: reads its scenario files
+    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant, of (scenario, seed, pace)
+    (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus, of
+    (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
+    entry point group of its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by
+    name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
+    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task`` and
+    ``interface``.
+    """
+
+    name: str
+    title: str
+    ports: str
+    plant: str
+    controller: str
+    laws: str
+    law: str
+    judging: str
+    pictures: str
+    scenarios: str = "railhil.scenarios.task:TaskScenarios"
+    events: Mapping[str, int] = field(default_factory=dict)
+    own: Mapping[str, str] = field(default_factory=dict)
+
+    def part(self, name: str) -> Any:
+        """What a reference of this system names.
+
+        :param name: of the field, or of an entry in ``own``.
+        :raises InputError: there is no such part, or it cannot be imported.
+        """
+        reference = self.own.get(name) or getattr(self, name, None)
+        if not isinstance(reference, str):
+            raise InputError(f"system {self.name}", name, Words("no such part"), "a reference, module:object")
+        module, _, attribute = reference.partition(":")
+        try:
+            return getattr(import_module(module), attribute)
+        except Exception as error:
+            # Code that somebody plugs in may raise anything.
+            cause = f"{type(error).__name__}: {error}"
+            raise InputError(f"system {self.name}", name, reference, "a part that can be imported", cause) from error
+
+    @property
+    def port_table(self) -> Path:
+        """The file of its port table.
+
+        :raises InputError: the package is not there, or not on a file system.
+        """
+        package, _, name = self.ports.partition(":")
+        try:
+            return Path(str(files(package))) / name
+        except (ImportError, TypeError) as error:
+            raise InputError(f"system {self.name}", "ports", self.ports, "package:file", str(error)) from error
+
+    @property
+    def contract(self) -> Contract:
+        """Its wire contract.
+
+        :raises ContractError: the port table is unusable.
+        """
+        return system_contract(self.port_table)
+
+    def law_names(self) -> list[str]:
+        """Names of the installed laws that drive this system, in the order of every table."""
+        return in_order(entry.name for entry in entry_points(group=self.laws))
+
+
+def names() -> list[str]:
+    """Names of the installed systems, sorted."""
+    return sorted({entry.name for entry in entry_points(group=GROUP)})
+
+
+def system_named(name: str, file: str | Path = "scenario") -> System:
+    """The installed system of that name.
+
+    :param file: what names it, for a complaint.
+    :raises InputError: there is none, or its entry point is none that can be used.
+    """
+    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    if name not in found:
+        allowed = f"one that is installed: {', '.join(sorted(found))}"
+        raise InputError(file, "system", name, allowed, did_you_mean(name, found))
+    entry = found[name]
+    try:
+        system = entry.load()
+    except Exception as error:
+        # Code that somebody plugs in may raise anything.
+        cause = f"{type(error).__name__}: {error}"
+        raise InputError(file, "system", entry.value, "an entry point that can be imported", cause) from error
+    if not isinstance(system, System) or system.name != name:
+        raise InputError(file, "system", entry.value, f"an entry point in {GROUP} naming a System called {name}")
+    for event, number in system.events.items():
+        if number not in OWN_EVENTS:
+            allowed = f"{OWN_EVENTS.start} to {OWN_EVENTS[-1]}"
+            raise InputError(f"system {name}", f"events.{event}", number, allowed)
+    return system

@@ -1,0 +1,186 @@
+"""Scenarios of systems that plug in: what every scenario says, and a section ``[task]`` that only the system knows.
+
+::
+
+    schema_version = 1
+    system = "two_carts"
+    name = "two_carts_2m"
+    title = "Two carts on a spring, 2 m"
+    [task]                    # the system's own table, a subclass of Task
+    duration_s = 10
+    [timing]
+    control_period_ms = 100
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal, Protocol
+
+from pydantic import Field, create_model
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios import convert
+from railhil.scenarios.canonical import text_sha256
+from railhil.scenarios.layers import Layers
+from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
+from railhil.scenarios.schema import RUNNING_TIME_MAX_S, Name, Number, Table, Text, TimingTable
+from railhil.scenarios.system import System
+from railhil.scenarios.validation import dotted, validated
+
+_ALLOWED = "a scenario that railhil has written"
+
+
+class ScenarioKind(Protocol):
+    """Reads and writes the scenarios of a system."""
+
+    def __init__(self, system: System) -> None:
+        """Of that system."""
+
+    def read(self, layers: Layers) -> AnyScenario:
+        """Scenario of a file and what it builds upon. Raises InputError."""
+
+    def document(self, scenario: Any) -> dict[str, Any]:
+        """Every field of a scenario as JSON can hold it."""
+
+    def stored(self, fields: dict[str, Any], file: Path) -> AnyScenario:
+        """The scenario of a document with the hash that it has now. Raises InputError."""
+
+    def judged_sha256(self, scenario: Any) -> str:
+        """Hash of what the run uses and what it is judged by."""
+
+
+class Task(Table):
+    """The section ``[task]`` of a system's scenario file: it adds its keys, with units in their names."""
+
+    #: Keys that change no frame of a run, but what is said of it.
+    JUDGING: ClassVar[tuple[str, ...]] = ()
+
+    duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)]
+
+
+class TaskFile(Table):
+    """What every scenario file of a system says beside its task."""
+
+    schema_version: Literal[1]
+    system: Name
+    name: Name
+    title: Text
+    assumptions: Annotated[list[Text], Field(default_factory=list)]
+    timing: TimingTable = TimingTable()
+    published: Annotated[list[dict[Text, Text | Number]], Field(default_factory=list)]
+
+
+@dataclass(frozen=True, slots=True)
+class TaskScenario:
+    """A scenario with a section of its system's own."""
+
+    name: str
+    title: str
+    system: str
+    timing: Timing
+    task: Any
+    published: tuple[PublishedScore, ...] = ()
+    assumptions: tuple[str, ...] = ()
+    sha256: str = ""
+
+    @property
+    def planned_s(self) -> float:
+        """How long the run is planned to last, in s."""
+        return float(self.task.duration_s)
+
+    @property
+    def watch_weakened(self) -> str:
+        """Limits of the watches above the usual ones: the house knows none of this system."""
+        return ""
+
+    @property
+    def described(self) -> Mapping[str, object]:
+        """Its system; the rest its task knows."""
+        return {"system": self.system}
+
+    @property
+    def can_be_perturbed(self) -> bool:
+        """Whether there is something that a seed draws beside the noise."""
+        return False
+
+
+class TaskScenarios:
+    """See :class:`ScenarioKind`; the system's part ``task`` is its subclass of :class:`Task`."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._file = create_model("ScenarioFile", __base__=TaskFile, task=(system.part("task"), ...))
+
+    def read(self, layers: Layers) -> TaskScenario:
+        file: Any = validated(self._file, layers.merged(), lambda keys: layers.origin(*keys))
+        timing = convert.timing(file.timing)
+
+        def refuse(keys: tuple[str | int, ...], found: object, allowed: str) -> InputError:
+            return InputError(layers.origin(*keys), dotted(keys), found, allowed)
+
+        ports = [port.name for port in self._system.contract.ports if port.period_ns]
+        for port, period_ns in {"": timing.control_period_ns, **timing.port_period_ns}.items():
+            keys = ("timing", "port_period_ms", port) if port else ("timing", "control_period_ms")
+            if port and port not in ports:
+                raise refuse(keys, Words(f"the unknown port {port}"), f"only {', '.join(ports)}")
+            if period_ns <= 0 or timing.base_tick_ns <= 0 or period_ns % timing.base_tick_ns:
+                raise refuse(keys, period_ns / 1e6, f"a whole multiple of base_tick_ms = {timing.base_tick_ns / 1e6:g}")
+        for row, published in enumerate(file.published):
+            if not isinstance(published.get("controller"), str):
+                raise refuse(("published", row, "controller"), published.get("controller"), "the name of a law")
+        return self._hashed(
+            file.name,
+            file.title,
+            timing,
+            file.task,
+            tuple(map(PublishedScore.of, file.published)),
+            tuple(file.assumptions),
+        )
+
+    def _hashed(self, name: str, title: str, timing: Timing, task: Any, *rest: Any) -> TaskScenario:
+        made = TaskScenario(name, title, self._system.name, timing, task, *rest)
+        return replace(made, sha256=text_sha256(self._used(made)))
+
+    def _used(self, scenario: TaskScenario, judging: bool = False) -> dict[str, Any]:
+        document = self.document(scenario)
+        used = {key: document[key] for key in ("name", "system", "timing", "task")}
+        if not judging:
+            for key in scenario.task.JUDGING:
+                used["task"].pop(key, None)
+        return used
+
+    def document(self, scenario: Any) -> dict[str, Any]:
+        timing = scenario.timing
+        return {
+            "name": scenario.name,
+            "title": scenario.title,
+            "system": scenario.system,
+            "timing": {
+                "base_tick_ns": timing.base_tick_ns,
+                "control_period_ns": timing.control_period_ns,
+                "loop_delay_s": timing.loop_delay_s,
+                "port_period_ns": dict(timing.port_period_ns),
+            },
+            "task": scenario.task.model_dump(mode="json"),
+            "published": [row.as_table() for row in scenario.published],
+            "assumptions": list(scenario.assumptions),
+            "sha256": scenario.sha256,
+        }
+
+    def stored(self, fields: dict[str, Any], file: Path) -> TaskScenario:
+        task_type = self._system.part("task")
+        try:
+            timing = Timing(**fields["timing"])
+            # Through JSON, so that arrays become what the table makes of them.
+            task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
+            rest = tuple(map(PublishedScore.of, fields["published"])), tuple(fields["assumptions"])
+            return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, *rest)
+        except (KeyError, TypeError, ValueError) as error:
+            raise InputError(file, "", Words(f"{type(error).__name__}: {error}"), _ALLOWED) from None
+
+    def judged_sha256(self, scenario: Any) -> str:
+        return text_sha256(self._used(scenario, judging=True))
