@@ -37,6 +37,28 @@ for arithmetic in ("iq", "float64"):
 """
 
 
+_DEAF = """
+import json, sys
+from pathlib import Path
+from railhil.bench import local_run
+from railhil.scenarios.load import load_any
+from two_carts.wire import COMMANDS, STATS
+scenario = load_any(sys.argv[1])
+folder = Path(sys.argv[2])
+seen = 0
+def wire(frame):
+    global seen
+    seen += frame.can_id == STATS[1].port().address
+    return [] if frame.can_id == STATS[1].port().address and 50 <= seen < 150 else [frame]
+run = local_run(scenario, folder, arithmetic="float64", wire=wire)
+time_s = run.trace.times_s(COMMANDS[0].PORT)
+force_n = run.trace.values(COMMANDS[0].PORT, "Unit1Force")
+kept = force_n[(time_s > 0.52) & (time_s < 0.7)].tolist()
+safe = force_n[(time_s > 0.8) & (time_s < 1.45)].tolist()
+print(json.dumps([run.score.verdict, run.counters["controller"]["stale"], kept, safe]))
+"""
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return install_toy(tmp_path_factory.mktemp("toy"))
@@ -75,6 +97,23 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
         assert {"position[0]", "position[1]", "force[0]", "force[1]", "stretch"} <= set(quantities)
     assert runs[0][2] == certificate(recorded)["frames_sha256"]
     assert runs[1][2] != runs[0][2]
+
+
+def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, tmp_path: Path) -> None:
+    """One second without the second cart's position: commands are held for 0.256 s, then both forces are 0."""
+    done = subprocess.run(
+        [sys.executable, "-c", _DEAF, str(SCENARIO), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "PYTHONPATH": str(site)},
+    )
+    assert done.returncode == 0, done.stderr
+    verdict, stale, kept, safe = json.loads(done.stdout)
+    assert verdict == "PASS", "it comes back"
+    assert stale > 50
+    assert all(kept)
+    assert not any(safe)
 
 
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:

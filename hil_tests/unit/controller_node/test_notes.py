@@ -65,13 +65,13 @@ def test_the_wire_holds_what_its_bits_can(note: Note, raw: int, wire: int) -> No
 
 
 def test_the_controller_says_what_the_notes_are() -> None:
-    said = {one["signal"]: one for one in law_document("ipfc")["notes"]}
+    said = {one["signal"]: one for one in law_document("ipfc", load("ipfc"))["notes"]}
     assert {signal: one["name"] for signal, one in said.items()} == {
         "Note1": "basis_in_use", "Note2": "softening_factor", "Note3": "satisfaction",
     }  # fmt: skip
     assert said["Note1"]["bits"] == ["step", "wavelet", "ramp"]
     assert (said["Note2"]["scale"], said["Note2"]["signed"]) == (1 / 16384, False)
-    assert law_document("tdmc")["notes"] == []
+    assert law_document("tdmc", load("tdmc"))["notes"] == []
 
 
 @pytest.mark.parametrize("law", names())
