@@ -155,6 +155,25 @@ def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path
         assert foreign not in text
 
 
+def test_a_perturbed_run_draws_what_the_system_draws(site: Path, recorded: Path, tmp_path: Path) -> None:
+    folders = [tmp_path / "3", tmp_path / "again"]
+    for folder in folders:
+        words = ("--perturbed", "--seed", "3", "--out", str(folder), "--quiet", "--no-report")
+        done = railhil(site, "run", str(SCENARIO), *words)
+        assert done.returncode == 0, done.stderr
+    first, again = (certificate(folder)["frames_sha256"] for folder in folders)
+    assert first == again != certificate(recorded)["frames_sha256"]
+    assert railhil(site, "score", str(folders[0])).returncode == 0
+
+
+def test_ports_of_the_system(site: Path, recorded: Path) -> None:
+    done = railhil(site, "ports", "--system", "two_carts", "--dbc", str(recorded / "railhil.dbc"))
+    assert done.returncode == 0, done.stderr
+    assert "UNIT2_CMD" in done.stdout
+    assert str(certificate(recorded)["dbc_sha256"]) in done.stdout
+    assert "NOTCH_CMD" not in done.stdout
+
+
 def test_compare(site: Path, tmp_path: Path) -> None:
     """Of one law with two sets of parameters."""
     soft = tmp_path / "soft.toml"
@@ -197,7 +216,7 @@ def test_plot_says_so_too(site: Path, recorded: Path, tmp_path: Path) -> None:
     ("words", "said"),
     [
         (("--controller", "ipfc"), "--controller: found 'ipfc', allowed apart"),
-        (("--perturbed",), "which has no [perturbations]"),
+        (("--perturbed", "--set", "task.mass_spread=0"), "has nothing to draw"),
         (("--indexing", "distance"), "--indexing: found 'distance', allowed time with system two_carts"),
         (("--set", "task.mass_kg=[1, -3]"), "task.mass_kg[1]: found -3"),
         (("--set", "task.colour=3"), "task.colour: found the unknown key colour"),
