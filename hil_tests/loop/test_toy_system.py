@@ -116,6 +116,8 @@ def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, t
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:
     document = certificate(recorded)
     assert (document["system"], document["controller"], document["verdict"]) == ("two_carts", "apart", "PASS")
+    assert len(str(document["system_sha256"])) == 64
+    assert document["system_sha256"] != document["code_sha256"]
     header = (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "time_s,true_position1_m,true_position2_m,position1_m,force1_n,force2_n,stretch_m"
     cases = [case.get("name") for case in ET.parse(recorded / "junit.xml").getroot().iter("testcase")]
