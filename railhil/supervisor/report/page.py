@@ -51,6 +51,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = ()) -> str:
         rows=rows(scenario, criteria, runs),
         remark=judging.remark([run.score for run in runs]),
         asked=judging.asked(scenario),
+        published=judging.published if scenario.published else "",
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
