@@ -2,7 +2,6 @@
 
 from railhil.dbc.contract import (
     DBC,
-    HOUSE_PORTS,
     PORTS,
     Contract,
     ContractError,
@@ -10,9 +9,9 @@ from railhil.dbc.contract import (
     Signal,
     load_contract,
     recorded_contract,
-    system_contract,
     wire_contract,
 )
+from railhil.dbc.house import HOUSE_PORTS, system_contract
 
 __all__ = [
     "DBC",

@@ -35,7 +35,7 @@ def require_perturbations(scenario: AnyScenario, key: str) -> None:
     :raises InputError: it leaves nothing.
     """
     if not scenario.can_be_perturbed:
-        found = Words(f"the scenario {scenario.name}, which has no [perturbations]")
+        found = Words(f"the scenario {scenario.name}, which has nothing to draw (no [perturbations])")
         raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
 

@@ -6,6 +6,7 @@ reference, ``module:object``: each process imports only those that it needs, and
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -88,6 +89,25 @@ class System:
         :raises ContractError: the port table is unusable.
         """
         return system_contract(self.port_table)
+
+    def code_sha256(self) -> str | None:
+        """Hash over the package that its plant comes from (paths and contents, in path order): code and tables.
+
+        None when that is railhil itself, of which the certificate has the hash anyway.
+
+        :raises InputError: the package cannot be imported.
+        """
+        self.part("plant")
+        name = self.plant.partition(":")[0].partition(".")[0]
+        if name == __name__.partition(".")[0]:
+            return None
+        package = import_module(name)
+        digest = hashlib.sha256()
+        for root in sorted(map(Path, package.__path__)):
+            for path in sorted(root.rglob("*")):
+                if path.suffix in (".py", ".toml", ".dbc", ".csv"):
+                    digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+        return digest.hexdigest()
 
     def law_names(self) -> list[str]:
         """Names of the installed laws that drive this system, in the order of every table."""

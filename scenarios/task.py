@@ -61,6 +61,11 @@ class Task(Table):
 
     duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)]
 
+    @property
+    def can_be_perturbed(self) -> bool:
+        """Whether the plant draws something with the seed when a perturbed run is asked for."""
+        return False
+
 
 class TaskFile(Table):
     """What every scenario file of a system says beside its task."""
@@ -105,7 +110,7 @@ class TaskScenario:
     @property
     def can_be_perturbed(self) -> bool:
         """Whether there is something that a seed draws beside the noise."""
-        return False
+        return bool(self.task.can_be_perturbed)
 
 
 class TaskScenarios:

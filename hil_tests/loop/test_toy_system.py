@@ -119,6 +119,8 @@ def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, t
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:
     document = certificate(recorded)
     assert (document["system"], document["controller"], document["verdict"]) == ("two_carts", "apart", "PASS")
+    assert len(str(document["system_sha256"])) == 64
+    assert document["system_sha256"] != document["code_sha256"]
     header = (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "time_s,true_position1_m,true_position2_m,position1_m,force1_n,force2_n,stretch_m"
     cases = [case.get("name") for case in ET.parse(recorded / "junit.xml").getroot().iter("testcase")]
@@ -156,6 +158,25 @@ def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path
         assert said in text
     for foreign in ("stopping point", "notch", "Table 2 of the paper", "Runs that"):
         assert foreign not in text
+
+
+def test_a_perturbed_run_draws_what_the_system_draws(site: Path, recorded: Path, tmp_path: Path) -> None:
+    folders = [tmp_path / "3", tmp_path / "again"]
+    for folder in folders:
+        words = ("--perturbed", "--seed", "3", "--out", str(folder), "--quiet", "--no-report")
+        done = railhil(site, "run", str(SCENARIO), *words)
+        assert done.returncode == 0, done.stderr
+    first, again = (certificate(folder)["frames_sha256"] for folder in folders)
+    assert first == again != certificate(recorded)["frames_sha256"]
+    assert railhil(site, "score", str(folders[0])).returncode == 0
+
+
+def test_ports_of_the_system(site: Path, recorded: Path) -> None:
+    done = railhil(site, "ports", "--system", "two_carts", "--dbc", str(recorded / "railhil.dbc"))
+    assert done.returncode == 0, done.stderr
+    assert "UNIT2_CMD" in done.stdout
+    assert str(certificate(recorded)["dbc_sha256"]) in done.stdout
+    assert "NOTCH_CMD" not in done.stdout
 
 
 def test_compare(site: Path, tmp_path: Path) -> None:
@@ -200,7 +221,7 @@ def test_plot_says_so_too(site: Path, recorded: Path, tmp_path: Path) -> None:
     ("words", "said"),
     [
         (("--controller", "ipfc"), "--controller: found 'ipfc', allowed apart"),
-        (("--perturbed",), "which has no [perturbations]"),
+        (("--perturbed", "--set", "task.mass_spread=0"), "has nothing to draw"),
         (("--indexing", "distance"), "--indexing: found 'distance', allowed time with system two_carts"),
         (("--set", "task.mass_kg=[1, -3]"), "task.mass_kg[1]: found -3"),
         (("--set", "task.colour=3"), "task.colour: found the unknown key colour"),

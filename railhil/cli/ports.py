@@ -8,7 +8,8 @@ from railhil.bus.load import bus_load
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.common.errors import InputError
 from railhil.common.output import Output, add_json_argument, print_json, table
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Contract, Port
+from railhil.scenarios.system import DEFAULT, system_named
 
 #: The table has a column with each port's purpose from this width on.
 _DESCRIBED_COLUMNS = 90
@@ -19,31 +20,32 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("ports", help="print ports, telegram layouts and bus load")
     parser.add_argument("port", nargs="?", help="port whose layout is wanted")
     parser.add_argument("-b", "--bitrate", type=int, help="bit/s for the load (default: the port table's)")
+    parser.add_argument("--system", default=DEFAULT, metavar="NAME", help=f"of which system (default {DEFAULT})")
     parser.add_argument("--dbc", metavar="FILE", help="check that a DBC file describes the same telegrams")
     add_json_argument(parser)
     parser.set_defaults(work=work)
 
 
-def _port(name: str) -> Port:
+def _port(contract: Contract, name: str) -> Port:
     try:
-        return wire_contract().port(name.upper())
+        return contract.port(name.upper())
     except KeyError:
-        allowed = ", ".join(port.name for port in wire_contract().ports)
+        allowed = ", ".join(port.name for port in contract.ports)
         raise InputError("command line", "port", name, allowed) from None
 
 
 def work(namespace: argparse.Namespace) -> int:
     """Print what was asked for."""
-    contract = wire_contract()
+    contract = system_named(namespace.system, "command line").contract
     bit_rate = contract.bit_rate if namespace.bitrate is None else namespace.bitrate
     if bit_rate <= 0:
         raise InputError("command line", "--bitrate", namespace.bitrate, "bit/s above 0")
     if namespace.dbc:
-        check_foreign_dbc(namespace.dbc, wire_contract())
+        check_foreign_dbc(namespace.dbc, contract)
     loads = bus_load(contract, bit_rate)
-    chosen = [_port(namespace.port)] if namespace.port else list(contract.ports)
+    chosen = [_port(contract, namespace.port)] if namespace.port else list(contract.ports)
     if namespace.json:
-        print_json(_document(chosen, bit_rate, loads))
+        print_json(_document(contract, chosen, bit_rate, loads))
         return 0
     console = Output()
     _print_ports(console, chosen, loads)
@@ -58,11 +60,11 @@ def work(namespace: argparse.Namespace) -> int:
     return 0
 
 
-def _document(ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict[str, object]:
+def _document(contract: Contract, ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict[str, object]:
     return {
         "bit_rate": bit_rate,
         "load": sum(loads.values()),
-        "dbc_sha256": wire_contract().sha256,
+        "dbc_sha256": contract.sha256,
         "ports": [
             {
                 "name": port.name,

@@ -126,6 +126,7 @@ JUDGING = Judging(
     counted=counted,
     remark=stops_sentence,
     shown=shown_telemetry,
+    published="Published: Table 2 of the paper, on another train model",
     deviations=deviations,
     advice=advice,
 )

@@ -60,6 +60,8 @@ class _Certificate(_Part):
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
     notes: list[_Note] | None = None
+    system: str | None = None
+    system_sha256: str | None = None
     seed_was_trained: bool | None = None
     arithmetic: str | None = None
     arithmetic_profile: str | None = None

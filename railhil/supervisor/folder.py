@@ -167,6 +167,8 @@ def certificate(
         # With the limits and factors that the record is judged by.
         "judged_sha256": any_judged_sha256(scenario),
         "system": scenario.system,
+        # Of the package that it comes from, which need not be ours.
+        "system_sha256": system_named(scenario.system).code_sha256(),
         "dbc_sha256": system_named(scenario.system).contract.sha256,
         "code_sha256": code_sha256(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},

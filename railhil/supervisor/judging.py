@@ -40,8 +40,9 @@ class Judging:
     (scenario, score) -> JUnit cases besides the limits of the criteria, name and failure (empty: none). ``facts``:
     (recorded run) -> rows of the report's facts, name and text. ``counted``: (scores) -> figures over several runs for
     ``compare.json``; ``remark``: the same in words. ``shown``: (trace) -> what the record says of the controller's
-    arithmetic when its process has left no file. ``deviations``: source of the published rows and its readings.
-    ``advice``: (recorded run, report folder) -> what to try after a FAIL.
+    arithmetic when its process has left no file. ``published``: what the published rows are;
+    ``deviations``: their source and how it is read here. ``advice``: (recorded run, report folder) -> what to try
+    after a FAIL.
     """
 
     criteria: tuple[Criterion, ...]
@@ -55,6 +56,7 @@ class Judging:
     counted: Callable[[Sequence[Score]], Mapping[str, Any]] = _no_figures
     remark: Callable[[Sequence[Score]], str] = _no_text
     shown: Callable[[Trace], Any] | None = None
+    published: str = ""
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
 

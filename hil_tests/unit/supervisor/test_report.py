@@ -20,8 +20,7 @@ from railhil.bus.limits import LIMITS, limits_of
 from railhil.bus.telegrams import CtlStat, NotchCmd
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.ato import stopped_within
-from railhil.supervisor.criteria import ATO_CRITERIA
+from railhil.supervisor.ato import JUDGING, stopped_within
 from railhil.supervisor.report import panels
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.page import page
@@ -206,7 +205,7 @@ def test_every_deviation_from_the_paper_is_listed(lvshun: Scenario, run: Recorde
 
 
 def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
-    table = rows(lvshun, ATO_CRITERIA, [run, other])
+    table = rows(lvshun, JUDGING.criteria, [run, other])
     assert [row.label for row in table[:2]] == [run.label, other.label]
     assert [cell.published for cell in table[0].cells] == ["262", "74075", "0.0439", "0.0464", "20.658"]
     assert table[0].cells[0].measured == f"{run.score.values['itae']:.1f}"
@@ -216,9 +215,8 @@ def test_measured_stands_beside_published(lvshun: Scenario, run: RecordedRun, ot
         values = [item.score.values[key] for item in (run, other)]
         best = [row.cells[index].best for row in table[:2]]
         assert best[values.index(min(values))]
-    own = replace(run, certificate={**run.certificate, "controller": "mine"})
-    assert {cell.published for cell in rows(lvshun, ATO_CRITERIA, [own])[0].cells} == {""}
-    assert len(rows(lvshun, ATO_CRITERIA, [own])) == 6
+    own = rows(lvshun, JUDGING.criteria, [replace(run, certificate={**run.certificate, "controller": "mine"})])
+    assert ({cell.published for cell in own[0].cells}, len(own)) == ({""}, 6)
 
 
 def test_the_page_says_how_many_runs_stopped_within_strict_figures(
@@ -280,10 +278,10 @@ def test_own_parameters_say_where_they_come_from(run: RecordedRun, single: str, 
 def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: RecordedRun, other: RecordedRun) -> None:
     trained = replace(run, certificate={**run.certificate, "seed_was_trained": True})
     third = replace(other, label="third")
-    for cells in zip(*(row.cells for row in rows(lvshun, ATO_CRITERIA, [trained, other, third])[:3]), strict=True):
+    for cells in zip(*(row.cells for row in rows(lvshun, JUDGING.criteria, [trained, other, third])[:3]), strict=True):
         # Two of one score are both the best; the trained run is not, whatever its score.
         assert [cell.best for cell in cells] == [False, True, True]
-    assert not any(cell.best for row in rows(lvshun, ATO_CRITERIA, [trained, other]) for cell in row.cells)
+    assert not any(cell.best for row in rows(lvshun, JUDGING.criteria, [trained, other]) for cell in row.cells)
     assert "of the runs that are an evaluation is bold" in words(page([trained, other]))
 
 

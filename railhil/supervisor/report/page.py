@@ -53,6 +53,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         rows=rows(scenario, criteria, runs),
         remark=judging.remark([run.score for run in runs]),
         asked=judging.asked(scenario),
+        published=judging.published if scenario.published else "",
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,

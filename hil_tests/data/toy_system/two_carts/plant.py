@@ -52,6 +52,11 @@ class Carts:
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
         self._task, timing = scenario.task, scenario.timing
         self.tick = 0
+        factors = (1.0, 1.0)
+        if drawn:
+            spread = self._task.mass_spread
+            factors = 1 + spread * (2 * streams.generator(seed, streams.PERTURBATION).random(2) - 1)
+        self._mass_kg = [float(mass * factor) for mass, factor in zip(self._task.mass_kg, factors, strict=True)]
         self.position_m, self.speed_mps, self._force_n = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
         self.refused = {"check_variable": 0}
         self._tick_ns, self._step_s = timing.base_tick_ns, timing.base_tick_ns / 1e9 / _STEPS
@@ -100,7 +105,7 @@ class Carts:
             pull_n = task.spring_n_per_m * (self.position_m[1] - self.position_m[0])
             pull_n += task.damping_n_per_mps * (self.speed_mps[1] - self.speed_mps[0])
             for unit, sign in ((0, 1), (1, -1)):
-                accel = (self._force_n[unit] + sign * pull_n) / task.mass_kg[unit]
+                accel = (self._force_n[unit] + sign * pull_n) / self._mass_kg[unit]
                 self.speed_mps[unit] += accel * self._step_s
                 self.position_m[unit] += self.speed_mps[unit] * self._step_s
         self.tick += 1

@@ -22,4 +22,10 @@ class CartsTask(Task):
     damping_n_per_mps: Annotated[float, Field(ge=0, le=1000)] = 0.0
     target_m: Two
     noise_sigma_m: Annotated[float, Field(ge=0, le=1)] = 0.0
+    mass_spread: Annotated[float, Field(ge=0, lt=1)] = 0.0
     error_max_m: Annotated[float, Field(gt=0, le=10)]
+
+    @property
+    def can_be_perturbed(self) -> bool:
+        """A perturbed run draws both masses, each by this share at most."""
+        return self.mass_spread > 0

@@ -1,0 +1,52 @@
+"""What the wire contracts of all systems have in common, and the check of it."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+from railhil.dbc.contract import Contract, ContractError, load_contract, wire_contract
+
+#: Ports that every system has, laid out alike: clock, orders, milestones and handshake of the bench itself.
+HOUSE_PORTS = ("TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
+
+
+@cache
+def system_contract(path: Path) -> Contract:
+    """The contract of a system from its port table, with no DBC beside it: that is made from the table.
+
+    The bench's own ports (:data:`HOUSE_PORTS`) and the identifiers of its polls are those of every system, and the
+    plant's fastest port opens every tick: one frame with its life sign in the last four bits.
+
+    :raises ContractError: one line with file, key, found and allowed.
+    """
+    contract, house = load_contract(path, check_dbc=False), wire_contract()
+    file = path.name
+    for key in ("bit_rate", "poll_id", "device_status_id"):
+        if getattr(contract, key) != getattr(house, key):
+            raise ContractError(
+                f"{file}: bus.{key}: found {getattr(contract, key)}, allowed {getattr(house, key)}, as in every system"
+            )
+    taken: dict[int, str] = {}
+    for port in contract.ports:
+        if port.address in taken:
+            raise ContractError(
+                f"{file}: {port.name}.address: found that of {taken[port.address]}, allowed one of its own"
+            )
+        taken[port.address] = port.name
+    names = set(taken.values())
+    if len(names) < len(contract.ports):
+        raise ContractError(f"{file}: port.name: found one twice, allowed each once")
+    for name in HOUSE_PORTS:
+        if name not in names:
+            raise ContractError(f"{file}: {name}: found no such port, allowed a table with the ports of every system")
+        if contract.port(name) != house.port(name):
+            raise ContractError(f"{file}: {name}: found another layout, allowed that of every system")
+    if not any(port.source == "plant" and port.mode == "publish" and port.period_ns for port in contract.ports):
+        raise ContractError(f"{file}: port: found none that the plant publishes, allowed at least one")
+    clock = contract.clock_port
+    if clock.f_code != 1 or not any((s.byte, s.msb, s.length) == (3, 3, 4) for s in clock.signals):
+        raise ContractError(
+            f"{file}: {clock.name}: found F{clock.f_code}, allowed F1 with a life sign at 3.3:4: it opens every tick"
+        )
+    return contract
