@@ -66,7 +66,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.
         print(json.dumps(law_document(law.controller)), flush=True)
-        Controller(scenario, law.controller, law.arithmetic, law.indexing, law.parameters)
+        Controller(scenario, law)
         return 0
     if namespace.telemetry is not None:
         check_writable(namespace.telemetry)

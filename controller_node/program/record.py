@@ -11,7 +11,7 @@ from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 #: Functions of a law behind the names of its programs, where they differ.
 _FUNCTIONS = {"sent": "with_sent", "first step": "step"}
@@ -42,27 +42,26 @@ def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> An
 
 def record(
     scenario: Scenario,
-    law: str,
-    indexing: str = "time",
+    law: LawSpec,
     *,
     wide: bool = False,
-    parameters: ParameterSet | None = None,
 ) -> LawProgram:
     """Programs of a law on a scenario.
 
+    :param law: its arithmetic is not looked at.
     :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
     :raises scenarios.errors.InputError: an unknown law or indexing; a law that raises, mixes formats, computes with
         Python's operators or changes the formats of its state: with its place in the law's text.
     """
     tracer = Tracer(wide)
-    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing, parameters)
+    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer)
     try:
-        return _recorded(tracer, loop, law)
+        return _recorded(tracer, loop, law.controller)
     except Exception as error:
         program = tracer.program
         quantity = program.quantities[-1].name if program is not None and program.quantities else None
         function = program.name if program is not None else "inputs"
-        raise law_fault(law, type(loop.law), error, _FUNCTIONS.get(function, function), quantity) from error
+        raise law_fault(law.controller, type(loop.law), error, _FUNCTIONS.get(function, function), quantity) from error
 
 
 def _recorded(tracer: Tracer, loop: ControlLoop[Value], law: str) -> LawProgram:

@@ -12,13 +12,14 @@ from railhil.controller_node.program.record import record
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Perturbations, Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec
 
 SCENARIO = load("yizhuang_04_jiugong_yizhuang_qiao")
 DRAWN = perturbed(load("lvshun_tieshan_worn_wheels"), 1003)
 
 
 def recorded(scenario: Scenario, law: str) -> Program:
-    return record(scenario, law, "time")
+    return record(scenario, LawSpec(law))
 
 
 @pytest.mark.parametrize("law", names())

@@ -30,7 +30,7 @@ class Shadowed:
 
 def shadowed(scenario: Scenario, law: str, indexing: str = "time") -> Shadowed:
     """Let a law drive in fixed point and compute along in float64."""
-    quantities = record(scenario, law, indexing).quantities
+    quantities = record(scenario, LawSpec(law, indexing=indexing)).quantities
     run = shadow_run(scenario, LawSpec(law, indexing=indexing), make("iq"), quantities)
     raw = next(e for e in errors(quantities, run.audited, run.reference) if e.name == "notch_raw")
     assert raw.maximum is not None
@@ -40,8 +40,8 @@ def shadowed(scenario: Scenario, law: str, indexing: str = "time") -> Shadowed:
 def same_for_many_and_for_one(scenario: Scenario, law: str, arithmetic: str, periods: int = 20) -> None:
     """Random and wild speeds of 4 trains, stepped together and alone, other notches sent now and then."""
     generator = np.random.Generator(np.random.PCG64(20210825))
-    batch = BatchController(scenario, 4, law, arithmetic)
-    alone = [Controller(scenario, law, arithmetic) for _ in range(4)]
+    batch = BatchController(scenario, 4, LawSpec(law, arithmetic))
+    alone = [Controller(scenario, LawSpec(law, arithmetic)) for _ in range(4)]
     for k in range(100, 100 + periods):
         speed = np.array([generator.integers(0, 220_000), generator.integers(0, 1_500_000), 216_667, 216_667])
         speed[2:] += generator.integers(-20, 21, 2)
@@ -65,5 +65,5 @@ def bounds_hold_at_the_corners(scenario: Scenario, kind: type[Law[Any, Any]], co
     for corner in drawn:
         parameters = ParameterSet(kind.name, corner, Path("corner"))
         law = kind(make("float64"), scenario, law_parameters(kind.name, kind, parameters))
-        program = record(scenario, kind.name, kind.indexings[0], parameters=parameters)
+        program = record(scenario, LawSpec(kind.name, indexing=kind.indexings[0], parameters=parameters))
         assert analyse_law(program, law.state_bounds()).may_wrap == [], corner

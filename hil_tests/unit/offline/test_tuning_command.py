@@ -52,7 +52,7 @@ def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     assert allowed.seen == (1,)
     other = evaluate(case, given, range(2, 4))
     assert other.seen == ()
-    assert other.tuned.scores == run_batch(replace(case, parameters=given), (2, 3)).scores
+    assert other.tuned.scores == run_batch(replace(case, law=replace(case.law, parameters=given)), (2, 3)).scores
     assert other.default.scores == run_batch(case, (2, 3)).scores
 
 
@@ -223,7 +223,7 @@ def test_shipped_files_are_of_every_law_and_of_this_code() -> None:
     """
     files = shipped()
     # Laws that somebody plugs in have no file here.
-    own = {law for law in laws.names() if laws.load(law).__module__.startswith("controller_node.")}
+    own = {law for law in laws.names() if laws.load(law).__module__.startswith("railhil.controller_node.")}
     assert {given.law for given in files} == own
     for given in files:
         content = tomllib.loads(given.source.read_text(encoding="utf-8"))
