@@ -127,7 +127,7 @@ class CompiledController(Controller):
     """
 
     def __init__(self, scenario: Scenario, folder: Path, bundle: Bundle, indexing: str) -> None:
-        super().__init__(scenario, "ipfc", "iq", indexing)
+        super().__init__(scenario, LawSpec(indexing=indexing))
         self.library = ctypes.CDLL(str(folder / "libipfc.so"))
         structures = _structures(bundle)
         self._in, self._state, self._out, self._events = (
