@@ -15,6 +15,7 @@ from railhil.controller_node.laws.base import NOTCH_Q
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 TITLE = "controller step"
 METHOD = (
@@ -37,9 +38,9 @@ def _scalar_us(
     taken_us: list[float] = []
     bare_us: list[float] = []
     for _ in range(passes):
-        controller = Controller(scenario, arithmetic=arithmetic)
+        controller = Controller(scenario, LawSpec(arithmetic=arithmetic))
         number = make(arithmetic)
-        loop: ControlLoop[Any] = ControlLoop(scenario, "ipfc", number, "time")
+        loop: ControlLoop[Any] = ControlLoop(scenario, LawSpec(), number)
         for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):
             start_ns = time.perf_counter_ns()
             output = controller.step(k, speed, position)
@@ -56,7 +57,7 @@ def _scalar_us(
 
 def _batch_us(scenario: Scenario, arithmetic: str, recording: Recording) -> list[float]:
     """Time per train of each step of ``_TRAINS`` trains."""
-    controller = BatchController(scenario, _TRAINS, arithmetic=arithmetic)
+    controller = BatchController(scenario, _TRAINS, LawSpec(arithmetic=arithmetic))
     spread = np.linspace(-_SPREAD_01MMPS, _SPREAD_01MMPS, _TRAINS).astype(np.int64)
     taken_us = []
     for k, (speed, position) in enumerate(zip(recording.speeds_01mmps, recording.positions_01mm, strict=True)):
@@ -100,7 +101,7 @@ def measure(setting: Setting) -> list[Figure]:
             ),
         ]
     for arithmetic in _ON_CHIP:
-        cost = Controller(scenario, arithmetic=arithmetic).cost
+        cost = Controller(scenario, LawSpec(arithmetic=arithmetic)).cost
         figures += [
             Figure(f"{arithmetic}: estimated C28x cycles per step", cost.cycles, "cycles"),
             Figure(

@@ -16,6 +16,7 @@ from railhil.controller_node.laws.ipfc_constants import IpfcParameters, internal
 from railhil.controller_node.laws.pfc_model import polynomial_fit
 from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 with warnings.catch_warnings():
     # It names every optional part that is not installed.
@@ -103,7 +104,7 @@ class _DoMpc:
 def _driven(scenario: Scenario, peer: bool) -> tuple[BenchRun, list[float]]:
     """A whole run, and the time of each step in us."""
     number = make("float64")
-    loop: ControlLoop[float] = ControlLoop(scenario, "ipfc", number, "time")
+    loop: ControlLoop[float] = ControlLoop(scenario, LawSpec(), number)
     mpc = _DoMpc(scenario) if peer else None
     taken_us: list[float] = []
 

@@ -20,6 +20,7 @@ from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.score import Score
 
 _SCENARIO = "lvshun_tieshan"
@@ -38,7 +39,7 @@ class Alternating:
 
 def alternating_run(scenario: Scenario, notches: float) -> Alternating:
     """One run of IPFC in float64; the sum stays in the notch range."""
-    controller = Controller(scenario, "ipfc", "float64")
+    controller = Controller(scenario, LawSpec("ipfc", "float64"))
     amplitude = round(notches * 2**NOTCH_Q)
     largest = round(scenario.train.notch_max * 2**NOTCH_Q)
 

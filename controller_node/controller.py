@@ -20,7 +20,7 @@ from railhil.controller_node.program.ranges import refuse_wraps
 from railhil.controller_node.program.record import record
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,12 +50,10 @@ class BatchOutput:
     overflow_flags: int
 
 
-def _watched(
-    scenario: Scenario, law: str, arithmetic: Arithmetic[Any], indexing: str, parameters: ParameterSet | None
-) -> tuple[ControlLoop[Any], Telemetry, Cost]:
+def _watched(scenario: Scenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> tuple[ControlLoop[Any], Telemetry, Cost]:
     """A control loop whose arithmetic notes its quantities, what takes them, and what a step costs."""
-    loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic, indexing, parameters)
-    program = record(scenario, law, indexing, wide=arithmetic.wide, parameters=parameters)
+    loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
+    program = record(scenario, law, wide=arithmetic.wide)
     if not arithmetic.wide:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
@@ -77,11 +75,9 @@ class Controller:
 
     ``telemetry`` is up to date after each :meth:`step`; ``cost`` is that of every control period.
 
-    :param law: name of a law (entry point group ``railhil.laws``).
-    :param arithmetic: ``iq`` (C28x fixed point, no float between the arguments of :meth:`step` and its result) or
-        another of :func:`~railhil.controller_node.arithmetic.names`; or a fresh arithmetic itself.
-    :param indexing: set-points by ``time`` or by ``distance``.
-    :param parameters: of the law; None: its own.
+    :param law: a registered law (entry point group ``railhil.laws``) and how it is run; in ``iq`` (C28x fixed point)
+        there is no float between the arguments of :meth:`step` and its result. None: the usual one.
+    :param arithmetic: a fresh one in the place of the one that ``law`` names.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
         fixed-point format of the law may wrap for this scenario. In :meth:`step` and :meth:`sent`: the law has raised.
     """
@@ -89,14 +85,12 @@ class Controller:
     def __init__(
         self,
         scenario: Scenario,
-        law: str = "ipfc",
-        arithmetic: str | Arithmetic[Any] = "iq",
-        indexing: str = "time",
-        parameters: ParameterSet | None = None,
+        law: LawSpec | None = None,
+        arithmetic: Arithmetic[Any] | None = None,
     ) -> None:
-        number = make(arithmetic) if isinstance(arithmetic, str) else arithmetic
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, number, indexing, parameters)
-        self._number = number
+        law = law or LawSpec()
+        self._number = number = arithmetic or make(law.arithmetic)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, number)
         self._code: int | None = None
         #: What the law tells of itself.
         self.notes = self._loop.law.notes
@@ -152,20 +146,18 @@ class Controller:
 class BatchController:
     """Controllers of N trains on the same scenario, stepped together; same law, same results as N controllers.
 
-    Parameters, attributes and errors as :class:`Controller`, plus ``trains``, the number N; the arithmetic by its name.
+    Parameters, attributes and errors as :class:`Controller`, plus ``trains``, the number N.
     """
 
     def __init__(
         self,
         scenario: Scenario,
         trains: int,
-        law: str = "ipfc",
-        arithmetic: str = "iq",
-        indexing: str = "time",
-        parameters: ParameterSet | None = None,
+        law: LawSpec | None = None,
     ) -> None:
-        self._number = make(arithmetic, batch=True)
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number, indexing, parameters)
+        law = law or LawSpec()
+        self._number = make(law.arithmetic, batch=True)
+        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number)
         self._trains = trains
 
     def step(

@@ -15,7 +15,7 @@ from railhil.controller_node.laws.fault import place
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.setpoint import SetPoints
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 #: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
@@ -55,7 +55,7 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
 class ControlLoop(Generic[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 
-    :param parameters: of the law, from a file; None: the law's defaults.
+    :param arithmetic: a fresh one; the one that ``law`` names is not looked at.
     :raises scenarios.errors.InputError: an unknown law or indexing, a law that cannot be made for this scenario or
         does not work with this indexing, parameters that are not those of the law.
     """
@@ -63,25 +63,23 @@ class ControlLoop(Generic[T]):
     def __init__(
         self,
         scenario: Scenario,
-        law: str,
+        law: LawSpec,
         arithmetic: Arithmetic[T],
-        indexing: str,
-        parameters: ParameterSet | None = None,
     ) -> None:
         self.arithmetic = arithmetic
         #: Under which the law was asked for.
-        self.name = law
-        kind = load(law)
+        self.name = name = law.controller
+        kind, indexing = load(name), law.indexing
         if indexing in INDEXINGS and indexing not in kind.indexings:
-            raise InputError("indexing", law, indexing, f"{' or '.join(kind.indexings)} with this law")
+            raise InputError("indexing", name, indexing, f"{' or '.join(kind.indexings)} with this law")
         distance_m = scenario.plan.distance_m
-        if (kind.track or indexing == "distance") and distance_m * 1e4 > POSITION_MAX_01MM:
+        if (kind.track or law.over_distance) and distance_m * 1e4 > POSITION_MAX_01MM:
             allowed = (
-                f"at most {POSITION_MAX_01MM / 1e4:g} m for {law} with set-points by {indexing}: it uses the position"
+                f"at most {POSITION_MAX_01MM / 1e4:g} m for {name} with set-points by {indexing}: it uses the position"
             )
             raise InputError(scenario.name, "plan.distance_m", distance_m, allowed)
-        given = law_parameters(law, kind, parameters)
-        with _starting(law, kind, scenario):
+        given = law_parameters(name, kind, law.parameters)
+        with _starting(name, kind, scenario):
             self.law: Law[T, Any] = kind(arithmetic, scenario, given)
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)

@@ -81,9 +81,7 @@ class ControllerNode:
         bit_rate: int | None = None,
     ) -> None:
         contract = wire_contract()
-        self.controller = controller or Controller(
-            scenario, law.controller, law.arithmetic, law.indexing, law.parameters
-        )
+        self.controller = controller or Controller(scenario, law)
         self.law = law
         self.ended: Event | None = None
         bit_rate = contract.bit_rate if bit_rate is None else bit_rate

@@ -52,9 +52,8 @@ def telemetry_document(node: AnyController) -> dict[str, Any]:
     counters, cost = controller.counters, controller.cost
     return {
         **law_document(law.controller, node.law_type),
-        "arithmetic": law.arithmetic,
+        **law.how,
         "profile": PROFILES[law.arithmetic],
-        "indexing": law.indexing,
         "steps": controller.telemetry.steps,
         "totals": {
             "wraps": counters.wraps,

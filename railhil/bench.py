@@ -137,7 +137,7 @@ def plant_beside(
 def direct_run(scenario: Scenario, spec: RunSpec | None = None) -> BenchRun:
     """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
     spec = spec or RunSpec()
-    law = Controller(scenario, spec.law.controller, spec.law.arithmetic, spec.law.indexing, spec.law.parameters)
+    law = Controller(scenario, spec.law)
     run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, spec)
     run.arithmetic = law.counters
     return run
@@ -176,10 +176,7 @@ def coupled_run(
     actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
     plant = Plant(actual, spec.seed)
     coupled = _Coupled(scenario, plant, law)
-    indexing = spec.law.indexing
-    coupled.publish(
-        make_ident(Role.CONTROLLER, scenario.sha256, seed=spec.seed, perturbed=spec.perturbed, indexing=indexing)
-    )
+    coupled.publish(make_ident(Role.CONTROLLER, scenario.sha256, **spec.identity))
     truth = TrainTelegrams(actual, plant, 0.0).makers[SimTruth.PORT]
     makers = {SimTruth.PORT: truth, TrnPos.PORT: coupled.read_position}
     schedule, ending = coupled_schedule(scenario), RunEnd(scenario, plant)

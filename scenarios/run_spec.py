@@ -74,9 +74,19 @@ class LawSpec:
         return words + (["--task-period-ms", str(self.task_period_ms)] if self.task_period_ms else [])
 
     @property
+    def set_points(self) -> str:
+        """Over what its set-points run, in words."""
+        return f"set-points by {self.indexing}"
+
+    @property
     def said(self) -> str:
         """Arithmetic and set-points for the head of a table."""
         return f"{self.arithmetic}, indexed by {self.indexing}"
+
+    @property
+    def how(self) -> dict[str, str]:
+        """How the law is run, for documents that name it otherwise."""
+        return {"arithmetic": self.arithmetic, "indexing": self.indexing}
 
     def as_json(self) -> dict[str, Any]:
         """All of it, parameters with their values."""

@@ -10,13 +10,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from railhil.common.command_line import OneLineParser, parse
+from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.laws import names
 from railhil.scenarios.load import load
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
 
 _FILE_COLUMNS = 100
@@ -29,7 +30,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
     add_set_argument(parser)
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
-    parser.add_argument("--indexing", choices=("time", "distance"), default="time", help="set-point indexing")
+    add_indexing_argument(parser)
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
@@ -40,9 +41,10 @@ def main() -> int:
     namespace = parse(arguments())
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load(namespace.scenario, namespace.set)
-    bundle = make_bundle(scenario, namespace.law, namespace.indexing, parameters)
+    law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
+    bundle = make_bundle(scenario, law)
     # What may wrap does not start here, and is not for a chip either.
-    Controller(scenario, namespace.law, "iq", namespace.indexing, parameters)
+    Controller(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:

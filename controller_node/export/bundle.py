@@ -20,7 +20,7 @@ from railhil.controller_node.node import mailboxes
 from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram
 from railhil.controller_node.program.record import record
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 #: Words of a record without a balise.
 _RECORD_WORDS = 5
@@ -80,18 +80,19 @@ def _names_of_iqmath() -> str:
     return "\n".join(lines)
 
 
-def make_bundle(scenario: Scenario, law: str, indexing: str = "time", parameters: ParameterSet | None = None) -> Bundle:
+def make_bundle(scenario: Scenario, law: LawSpec) -> Bundle:
     """The files of a law on a scenario; the same bytes for the same law, parameters and scenario.
 
+    :param law: in fixed point, ``iq``.
     :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
     try:
-        programs = record(scenario, law, indexing, parameters=parameters)
-        name = c_name(law)
-        source = SourceWriter(programs, scenario, indexing).write()
+        programs = record(scenario, law)
+        name = c_name(law.controller)
+        source = SourceWriter(programs, scenario, law).write()
     except ValueError as error:
         allowed = "operations of the arithmetic, formats that agree, no branch on data"
-        raise InputError("controller", law, Words(str(error)), allowed) from error
+        raise InputError("controller", law.controller, Words(str(error)), allowed) from error
     return Bundle(
         source,
         {
@@ -99,12 +100,12 @@ def make_bundle(scenario: Scenario, law: str, indexing: str = "time", parameters
             f"{name}.h": source.header,
             "railhil_iq.h": _template("railhil_iq.h", name).replace("@NAMES@", _names_of_iqmath()),
             f"{name}_mailboxes.h": mailbox_header(name, mailboxes()),
-            f"{name}_node.h": node_header(name, programs, scenario, indexing, parameters),
+            f"{name}_node.h": node_header(name, programs, scenario, law),
             **{file: _node_file(file, name, programs) for file in _NODE_FILES},
-            f"{name}_log.txt": reference_log(scenario, programs, indexing, source.columns, parameters),
+            f"{name}_log.txt": reference_log(scenario, programs, law, source.columns),
             "railhil_run.c": _host_program(name, programs),
             "Makefile": _template("Makefile", name),
-            "README.md": memory_note(programs, scenario, indexing, source),
+            "README.md": memory_note(programs, scenario, law, source),
         },
     )
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.bus.ident import INDEXINGS, Role, make_ident
+from railhil.bus.ident import Role, make_ident
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import master_word
 from railhil.bus.schedule import Schedule
@@ -16,19 +16,17 @@ from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.speed_watch import Ladder
 from railhil.dbc import Port, wire_contract
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 _ARITHMETIC = "iq"
 _CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
 
 
-def node_header(
-    law: str, programs: LawProgram, scenario: Scenario, indexing: str, parameters: ParameterSet | None
-) -> str:
+def node_header(name: str, programs: LawProgram, scenario: Scenario, law: LawSpec) -> str:
     """``<law>_node.h``.
 
-    :param law: its name in C.
+    :param name: of the law in C.
     :raises ValueError: the port table has another clock port than the C counts by.
     """
     contract = wire_contract()
@@ -36,15 +34,12 @@ def node_header(
         raise ValueError(f"clock port {contract.clock_port.name}: the C counts time by {TrnSpeed.PORT}")
     received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
     ports = [*received, *sent]
-    name = programs.law if parameters is None else parameters.controller
-    ident = make_ident(
-        Role.CONTROLLER, scenario.sha256, controller=name, arithmetic=_ARITHMETIC, indexing=indexing
-    ).encode()
-    guard = f"{law.upper()}_NODE_H"
+    ident = make_ident(Role.CONTROLLER, scenario.sha256, **law.identity).encode()
+    guard = f"{name.upper()}_NODE_H"
     return "\n".join(
         [
-            f"/* {law}_node.h: what the controller knows of its bus, its scenario and its watch.",
-            f" * {comment(f'Law {name}, scenario {scenario.name}, set-points by {indexing}')}.",
+            f"/* {name}_node.h: what the controller knows of its bus, its scenario and its watch.",
+            f" * {comment(f'Law {law.label}, scenario {scenario.name}, {law.set_points}')}.",
             f" * Scenario SHA-256 {scenario.sha256},",
             f" * DBC SHA-256 {contract.sha256}.",
             " * Generated: export again, do not change. Times in simulation time, codes in 1/256 notch.",
@@ -55,7 +50,7 @@ def node_header(
             '#include "railhil_mvb.h"',
             "",
             *(f"#define RAILHIL_{key} {value}{f' /* {words} */' if words else ''}" for key, value, words in
-              _constants(programs, scenario, indexing, sent)),
+              _constants(programs, scenario, law, sent)),
             "",
             "/* Ports: first those with receive mailboxes, then the answers. */",
             "enum {",
@@ -84,7 +79,7 @@ def _port_row(port: Port) -> str:
     return f"    {{UINT32_C({port.address:#x}), UINT32_C({word:#x}), {port.data_bytes}}}, /* {port.name} */"
 
 
-def _constants(programs: LawProgram, scenario: Scenario, indexing: str, sent: list[Port]) -> list[tuple[str, str, str]]:
+def _constants(programs: LawProgram, scenario: Scenario, law: LawSpec, sent: list[Port]) -> list[tuple[str, str, str]]:
     """Name, literal and comment of each number."""
     contract, timing, sensors = wire_contract(), scenario.timing, scenario.sensors
     schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
@@ -94,7 +89,7 @@ def _constants(programs: LawProgram, scenario: Scenario, indexing: str, sent: li
     paced = [port for port in sent if port.period_ns and schedule.ticks(port.name) <= MAX_STEP]
     words = [(schedule.ticks(port.name), int.from_bytes(master_word(port.f_code, port.address))) for port in paced]
     pace_ticks, pace_word = min(words, default=(0, 0))
-    needs_position = programs.track or indexing == INDEXINGS[2]
+    needs_position = programs.track or law.over_distance
     exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
     speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
     in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns

@@ -11,6 +11,7 @@ from railhil.controller_node.export.source import Source
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 #: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, where the stack usually is (TI SPRS439).
 RAM_WORDS = 34 * 1024
@@ -20,9 +21,9 @@ STACK_WORDS = 1024
 _ROUNDING_NAMED = 1e-4
 
 
-def memory_note(programs: LawProgram, scenario: Scenario, indexing: str, source: Source) -> str:
+def memory_note(programs: LawProgram, scenario: Scenario, law: LawSpec, source: Source) -> str:
     """The README as Markdown text."""
-    law = source.name
+    name = source.name
     cost = cost_of(programs, make("iq"), scenario.timing.control_period_ns)
     tables = sum(source.table_words.values())
     constants = source.constant_words + tables
@@ -33,22 +34,22 @@ def memory_note(programs: LawProgram, scenario: Scenario, indexing: str, source:
         [
             f"# Control law `{programs.law}` in C99",
             "",
-            f"Scenario `{comment(scenario.name)}`, set-points by {indexing}, control period {period_ms:g} ms.",
+            f"Scenario `{comment(scenario.name)}`, {law.set_points}, control period {period_ms:g} ms.",
             f"Scenario SHA-256 `{scenario.sha256}`.",
             "",
             "| file | what it is |",
             "|---|---|",
-            f"| `{law}.c`, `{law}.h` | the law: `{law}_inputs`, `{law}_start`, `{law}_step`, `{law}_sent` |",
+            f"| `{name}.c`, `{name}.h` | the law: `{name}_inputs`, `{name}_start`, `{name}_step`, `{name}_sent` |",
             "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it takes TI's `IQmathLib.h` instead |",
-            f"| `{law}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
-            f"| `{law}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
+            f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
+            f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
             "| `railhil_control.c`, `railhil_control.h` | the controller on the bus: frames in, answers to polls out |",
             "| `railhil_guard.c`, `.h`, `railhil_position.c` | its time, reaction ladder, position, balises |",
-            f"| `railhil_mvb.h`, `{law}_node.h` | telegrams on CAN frames; constants of wire and scenario |",
+            f"| `railhil_mvb.h`, `{name}_node.h` | telegrams on CAN frames; constants of wire and scenario |",
             "| `railhil_node.c`, `railhil_socket.c`, `.h` | host program: SocketCAN, or the bench's hub |",
             "| `railhil_run.c`, `Makefile` | host program for the log, and its build |",
             "",
-            f"`make node` builds the controller as a program: `./{law}_node can vcan0`, `./{law}_node hub PATH`.",
+            f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",
             "`make check` compiles and computes the log again, `make ubsan` does so under the undefined behaviour",
             "sanitizer, `make stack` prints the stack of each function on the host; `CC=clang` works too.",
             "",

@@ -22,7 +22,7 @@ from railhil.controller_node.program.evaluate import Evaluator
 from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram
 from railhil.controller_node.program.record import leaves
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 #: Bits of a record's flags.
 FLAG_BEGIN = 1
@@ -73,11 +73,9 @@ class _Twin:
     :raises InputError: in :meth:`period`, when their results differ.
     """
 
-    def __init__(
-        self, scenario: Scenario, programs: LawProgram, indexing: str, parameters: ParameterSet | None
-    ) -> None:
+    def __init__(self, scenario: Scenario, programs: LawProgram, law: LawSpec) -> None:
         self.number, other = make("iq"), make("iq")
-        self.loop: ControlLoop[int] = ControlLoop(scenario, programs.law, self.number, indexing, parameters)
+        self.loop: ControlLoop[int] = ControlLoop(scenario, law, self.number)
         self._law, self.track = programs.law, programs.track
         parts = (programs.inputs, programs.start, programs.step, programs.sent)
         self._inputs, self._start, self._step, self._sent = (Evaluator(part, other) for part in parts)
@@ -179,9 +177,8 @@ def _line(words: Sequence[int]) -> str:
 def reference_log(
     scenario: Scenario,
     programs: LawProgram,
-    indexing: str,
+    law: LawSpec,
     columns: Sequence[str],
-    parameters: ParameterSet | None = None,
 ) -> str:
     """The log as text: comment lines, then one line of hexadecimal words for each control period.
 
@@ -190,14 +187,14 @@ def reference_log(
     """
     wire = ["flags", "k", "speed_01mmps", "position_01mm", "sent", *(BALISE_INPUTS if programs.track else ())]
     lines = [
-        comment(f"# railhil log 1: law {programs.law}, scenario {scenario.name}, set-points by {indexing}"),
+        comment(f"# railhil log 1: law {programs.law}, scenario {scenario.name}, {law.set_points}"),
         f"# scenario SHA-256 {scenario.sha256}",
         "# each word: 8 hexadecimal digits of an int32, two's complement",
         f"# {' '.join([*wire, *columns])}",
     ]
 
     def fresh() -> _Twin:
-        return _Twin(scenario, programs, indexing, parameters)
+        return _Twin(scenario, programs, law)
 
     for records in (_following(scenario, fresh()), _settled(scenario, fresh()), _jumping(), _limits()):
         twin = fresh()

@@ -13,6 +13,7 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.program.model import LawProgram, Program, Value
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 _PER_LINE = 5
 _BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
@@ -94,14 +95,14 @@ class SourceWriter:
     """Writes the two files of one law.
 
     :param programs: the recorded law.
-    :param indexing: of the set-points in it, named in the files.
+    :param law: its set-points are named in the files.
     :raises ValueError: from :meth:`write` too, for what C or the library cannot do.
     """
 
-    def __init__(self, programs: LawProgram, scenario: Scenario, indexing: str) -> None:
-        self._law = law = c_name(programs.law)
+    def __init__(self, programs: LawProgram, scenario: Scenario, law: LawSpec) -> None:
+        self._law = name = c_name(programs.law)
         self._programs = programs
-        self._origin = comment(f"law {programs.law}, scenario {scenario.name}, set-points by {indexing}")
+        self._origin = comment(f"law {programs.law}, scenario {scenario.name}, {law.set_points}")
         self._sha256 = scenario.sha256
         self._period_ns = scenario.timing.control_period_ns
         given, outputs = programs.inputs.outputs, programs.step.outputs
@@ -110,11 +111,11 @@ class SourceWriter:
         def unit_of(_: str, value: Value) -> str:
             return units.get(value.number, "") if value.constant is None else ""
 
-        self._in = Struct(law, "in", "What the law is given each control period.", given, _input_unit)
-        self._state = Struct(law, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
-        self._out = Struct(law, "out", "What the law answers.", _group(outputs, "out"), unit_of)
+        self._in = Struct(name, "in", "What the law is given each control period.", given, _input_unit)
+        self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
+        self._out = Struct(name, "out", "What the law answers.", _group(outputs, "out"), unit_of)
         self._notes = load(programs.law).notes
-        self._data = Data(law)
+        self._data = Data(name)
         self._stack: dict[str, int] = {}
 
     def write(self) -> Source:

@@ -11,7 +11,7 @@ from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.model import BALISE_INPUTS, Kind, LawProgram, Program, Value
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
-from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
 
 #: Functions of a law behind the names of its programs, where they differ.
 _FUNCTIONS = {"sent": "with_sent", "first step": "step"}
@@ -42,20 +42,19 @@ def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> An
 
 def record(
     scenario: Scenario,
-    law: str,
-    indexing: str = "time",
+    law: LawSpec,
     *,
     wide: bool = False,
-    parameters: ParameterSet | None = None,
 ) -> LawProgram:
     """Programs of a law on a scenario.
 
+    :param law: its arithmetic is not looked at.
     :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
     :raises scenarios.errors.InputError: an unknown law or indexing; a law that raises, mixes formats, computes with
         Python's operators or changes the formats of its state: with its place in the law's text.
     """
     tracer = Tracer(wide)
-    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer, indexing, parameters)
+    loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer)
 
     def inputs() -> Any:
         k = tracer.input("k", None, Kind.INDEX)
@@ -75,7 +74,7 @@ def record(
             if not wide and value.q is not None and value.q != note.q:
                 raise FormatError(f"note {note.name} is Q{value.q}, declared Q{note.q}")
 
-    return recorded(tracer, law, type(loop.law), loop.law, inputs, told, check)
+    return recorded(tracer, law.controller, type(loop.law), loop.law, inputs, told, check)
 
 
 class Stepped(Protocol):

@@ -21,6 +21,7 @@ from railhil.controller_node.program.tracer import Tracer
 from railhil.local_run import LocalRun
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.folder import code_files
 
 #: What processes leave of their own.
 _OF_PROCESSES = {"hub.txt", "plant.txt", "controller.txt"}
@@ -89,6 +90,11 @@ def test_what_needs_a_bus_is_refused(short: Path, tmp_path: Path, words: tuple[s
     assert done.exit_code == USAGE
     assert "--bus local" in done.one_line()
     assert not (tmp_path / "run").exists()
+
+
+def test_the_hash_of_the_code_covers_what_such_a_run_is_made_by() -> None:
+    names = {name for name, _ in code_files()}
+    assert {"local_run.py", "bench.py", "supervisor/session.py", "scenarios/run_spec.py", "dbc/ports.toml"} <= names
 
 
 def test_what_it_does_not_model_is_said() -> None:

@@ -74,8 +74,8 @@ class LawProperties:
         """Random and wild speeds of 4 trains, stepped together and alone, other notches sent now and then."""
         scenario = load(self.scenario)
         generator = np.random.Generator(np.random.PCG64(20210825))
-        batch = BatchController(scenario, 4, self.law, arithmetic)
-        alone = [Controller(scenario, self.law, arithmetic) for _ in range(4)]
+        batch = BatchController(scenario, 4, LawSpec(self.law, arithmetic))
+        alone = [Controller(scenario, LawSpec(self.law, arithmetic)) for _ in range(4)]
         for k in range(100, 120):
             speed = np.array([generator.integers(0, 220_000), generator.integers(0, 1_500_000), 216_667, 216_667])
             speed[2:] += generator.integers(-20, 21, 2)
@@ -93,7 +93,7 @@ class LawProperties:
     def test_fixed_point_follows_float64(self, indexing: str) -> None:
         """It drives a nominal run in fixed point, and computes along in float64."""
         scenario = load(self.scenario)
-        quantities = record(scenario, self.law, indexing).quantities
+        quantities = record(scenario, LawSpec(self.law, indexing=indexing)).quantities
         run = shadow_run(scenario, LawSpec(self.law, indexing=indexing), make("iq"), quantities)
         raw = next(e for e in errors(quantities, run.audited, run.reference) if e.name == "notch_raw")
         codes = compare_codes(run.audited, run.reference)
@@ -107,7 +107,7 @@ class LawProperties:
         for corner in self.corners():
             given = ParameterSet(self.law, corner, Path("corner"))
             law = kind(make("float64"), scenario, law_parameters(self.law, kind, given))
-            program = record(scenario, self.law, kind.indexings[0], parameters=given)
+            program = record(scenario, LawSpec(self.law, indexing=kind.indexings[0], parameters=given))
             assert analyse_law(program, law.state_bounds()).may_wrap == [], corner
 
     def test_own_parameters_lie_inside_the_search(self) -> None:
@@ -141,7 +141,7 @@ class LawProperties:
         assert told.sensors != known.sensors
         assert told.timing != known.timing
         assert told.perturbations != known.perturbations
-        assert record(told, self.law, "time") == record(known, self.law, "time")
+        assert record(told, LawSpec(self.law)) == record(known, LawSpec(self.law))
 
     # -- on the train -------------------------------------------------------------------------------------------------
 

@@ -44,7 +44,7 @@ class PredictiveProperties(LawProperties):
         for corner in self.corners():
             given = ParameterSet(self.law, corner, Path("corner"))
             for arithmetic in ("float32", "iq"):
-                ControlLoop(scenario, self.law, make(arithmetic), "time", given)
+                ControlLoop(scenario, LawSpec(self.law, parameters=given), make(arithmetic))
 
 
 class TestIpfc(PredictiveProperties):
@@ -94,4 +94,4 @@ def test_what_a_law_may_know_is_in_the_program() -> None:
     """The comparison of programs sees a difference when there is one."""
     scenario = load("yizhuang_04_jiugong_yizhuang_qiao")
     heavier = replace(scenario, train=replace(scenario.train, inertial_mass_kg=scenario.train.inertial_mass_kg * 1.1))
-    assert record(heavier, "ipfc_plus", "time") != record(scenario, "ipfc_plus", "time")
+    assert record(heavier, LawSpec("ipfc_plus")) != record(scenario, LawSpec("ipfc_plus"))

@@ -21,6 +21,7 @@ from railhil.controller_node.laws.note import on_wire
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.program.record import leaves
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 #: As the issue asks for them, with each compiler.
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")
@@ -48,7 +49,7 @@ def checked(program: Path, log: Path) -> subprocess.CompletedProcess[str]:
 
 def written(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> Bundle:
     """An export in a folder."""
-    bundle = make_bundle(scenario, law, indexing)
+    bundle = make_bundle(scenario, LawSpec(law, indexing=indexing))
     write_bundle(bundle, folder)
     return bundle
 
@@ -89,7 +90,7 @@ class Results:
 def from_python(scenario: Scenario, wire: Wire, indexing: str = "time", law: str = "ipfc") -> Results:
     """The law itself in batch arithmetic."""
     number = make("iq", batch=True)
-    loop: ControlLoop[Any] = ControlLoop(scenario, law, number, indexing)
+    loop: ControlLoop[Any] = ControlLoop(scenario, LawSpec(law, indexing=indexing), number)
     periods, trains = wire.k.shape
     rows = []
     for s in range(periods):
@@ -127,7 +128,7 @@ class CompiledController(Controller):
     """
 
     def __init__(self, scenario: Scenario, folder: Path, bundle: Bundle, indexing: str) -> None:
-        super().__init__(scenario, "ipfc", "iq", indexing)
+        super().__init__(scenario, LawSpec(indexing=indexing))
         self.library = ctypes.CDLL(str(folder / "libipfc.so"))
         structures = _structures(bundle)
         self._in, self._state, self._out, self._events = (

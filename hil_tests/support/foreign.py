@@ -46,7 +46,7 @@ int level(void) { return control.guard.watch.level; }
 def export_node(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> None:
     """An export without its reference log, which takes nine tenths of the time and is not played here."""
     with patch("railhil.controller_node.export.bundle.reference_log", return_value="# not computed\n"):
-        write_bundle(make_bundle(scenario, law, indexing), folder)
+        write_bundle(make_bundle(scenario, LawSpec(law, indexing=indexing)), folder)
 
 
 def build(folder: Path, sources: Sequence[str], name: str, flags: Sequence[str], compiler: str = "gcc") -> Path:

@@ -92,7 +92,7 @@ def audit(scenario: Scenario, options: Options) -> Result:
         return make(law.arithmetic)
 
     wide = fresh().wide
-    formats = record(scenario, law.controller, law.indexing)
+    formats = record(scenario, law)
     quantities = formats.quantities
     shadow = shadow_run(
         scenario,
@@ -113,7 +113,7 @@ def audit(scenario: Scenario, options: Options) -> Result:
         codes = compare_codes(along, shadow.reference)
         floor = Floor(errors(quantities, along, shadow.reference), codes, driven(floored(fresh())))
     still = standstill(scenario, law.controller, fresh(), fresh())
-    program = record(scenario, law.controller, law.indexing, wide=True) if wide else formats
+    program = record(scenario, law, wide=True) if wide else formats
     price = cost_of(program, fresh(), scenario.timing.control_period_ns)
     over_runs = effect(scenario, options.runs, law) if options.runs else None
     bounds = None if wide else bounds_of(formats, shadow.audited.loop.law)

@@ -27,7 +27,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 class Watched:
     """A control loop that keeps the values of its named quantities and its notch codes, one row per period.
 
-    :param law: with its own parameters; its arithmetic is not looked at.
+    :param law: its arithmetic is not looked at.
     :param quantities: those of the law, in the order of its notes.
     """
 
@@ -39,7 +39,7 @@ class Watched:
         quantities: Sequence[Quantity],
     ) -> None:
         self.arithmetic = arithmetic
-        self.loop: ControlLoop[Any] = ControlLoop(scenario, law.controller, arithmetic, law.indexing)
+        self.loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
         self.telemetry = Telemetry(quantities)
         #: In the units of the quantities.
         self.rows: list[list[float]] = []

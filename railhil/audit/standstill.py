@@ -17,6 +17,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
 from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 
 HELD_S = 60.0
 #: One reading of 1 mm/s, in km/h with Q ``SPEED_Q``.
@@ -44,7 +45,7 @@ class _Held:
 
     def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[Any]) -> None:
         self._arithmetic = arithmetic
-        self._law = ControlLoop(scenario, law, arithmetic, "time").law
+        self._law = ControlLoop(scenario, LawSpec(law), arithmetic).law
         # Beyond the end of every timetable the last entry holds.
         stop, none = (arithmetic.from_raw(raw, 0) for raw in (round(scenario.plan.distance_m * 1e4), 0))
         self._track: Any = TrackInputs(_PERIODS_MAX, stop, BaliseReading(none, none, none)) if self._law.track else ()

@@ -175,10 +175,7 @@ def show(out: Output, result: Result) -> None:
     """Print everything."""
     options = result.options
     law = options.law
-    out.say(
-        f"{result.scenario.name}: {law.controller} in {law.arithmetic}, set-points by {law.indexing}, "
-        f"seed {options.seed}"
-    )
+    out.say(f"{result.scenario.name}: {law.controller} in {law.arithmetic}, {law.set_points}, seed {options.seed}")
     out.print()
     out.print(_ranges(result))
     if result.bounds is not None:

@@ -54,9 +54,7 @@ class Engine:
         self.grid = ErrorGrid.of(scenario)
         self.common = common(scenario, case.law.over_distance, self.times)
         if loop is None:
-            law = case.law
-            number = make(law.arithmetic, batch=True)
-            loop = ControlLoop(scenario, law.controller, number, law.indexing, law.parameters)
+            loop = ControlLoop(scenario, case.law, make(case.law.arithmetic, batch=True))
         self._loop: ControlLoop[Any] = loop
         self._number = loop.arithmetic
 

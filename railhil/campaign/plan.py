@@ -140,6 +140,11 @@ class Plan:
             for index, first in enumerate(self.seeds[::step]):
                 yield Chunk(entry, index, first, min(step, self.seeds.stop - first))
 
+    @property
+    def how(self) -> dict[str, str]:
+        """How every law is run."""
+        return self.entries[0].law.how
+
     def run(self, entry: Entry, seed: int) -> RunSpec:
         """One of its runs, as the full bench makes it."""
         return RunSpec(self.request.scenario, self.request.settings, entry.law, seed, perturbed=True)
@@ -159,8 +164,7 @@ class Plan:
         return {
             "scenario": self.scenario.name,
             "scenario_sha256": judged_sha256(self.scenario),
-            "arithmetic": self.request.arithmetic,
-            "indexing": self.request.indexing,
+            **self.how,
             "code_sha256": bench_sha256(),
             "batch_sha256": batch_sha256(),
         }
@@ -233,8 +237,7 @@ def make_plan(request: Request) -> Plan:
         raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
     plan = Plan(request, scenario, _entries(request))
     for entry in plan.entries:
-        law = entry.law
-        ControlLoop(scenario, law.controller, make(law.arithmetic), law.indexing, law.parameters)
+        ControlLoop(scenario, entry.law, make(entry.law.arithmetic))
         if not request.allow_training_seeds:
             _check_unseen(plan, entry)
     return plan

@@ -132,8 +132,7 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
     return {
         "scenario": plan.scenario.name,
         "scenario_sha256": judged_sha256(plan.scenario),
-        "arithmetic": plan.request.arithmetic,
-        "indexing": plan.request.indexing,
+        **plan.how,
         "runs": plan.request.runs,
         "first_seed": plan.seeds.start,
         "last_seed": plan.seeds.stop - 1,

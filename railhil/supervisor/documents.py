@@ -66,9 +66,13 @@ class _Certificate(_Part):
     arithmetic: str | None = None
     arithmetic_profile: str | None = None
     indexing: str | None = None
+    task_period_ms: int | None = None
     seed: int | None = None
     perturbed: bool | None = None
     pace: str | None = None
+    rate: float | None = None
+    patience_s: float | None = None
+    bus: str | None = None
     attached: bool | None = None
     foreign: bool | None = None
     transport: str | None = None

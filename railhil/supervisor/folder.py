@@ -8,6 +8,7 @@ import shlex
 import tempfile
 import time
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -34,7 +35,9 @@ from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
-_PACKAGES = ("common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor")
+_CODE = (
+    "common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "bench.py", "local_run.py"
+)  # fmt: skip
 
 #: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
@@ -97,14 +100,21 @@ def discard_folder(folder: Path, made: bool) -> None:
         folder.rmdir()
 
 
+def code_files() -> Iterator[tuple[str, Path]]:
+    """Source of the bench and its tables: names below the package, and the files."""
+    root = Path(railhil.__file__).parent
+    for name in _CODE:
+        place = root / name
+        for path in sorted(place.rglob("*")) if place.is_dir() else [place]:
+            if path.suffix in (".py", ".toml", ".dbc", ".csv"):
+                yield str(path.relative_to(root)), path
+
+
 def code_sha256() -> str:
     """Hash over the source of the bench and its tables (paths and contents, in path order)."""
-    root = Path(railhil.__file__).parent
     digest = hashlib.sha256()
-    for package in _PACKAGES:
-        for path in sorted((root / package).rglob("*")):
-            if path.suffix in (".py", ".toml", ".dbc", ".csv"):
-                digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
+    for name, path in code_files():
+        digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
 
 

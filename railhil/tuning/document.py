@@ -38,8 +38,7 @@ def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
     """What the search says about itself; no time and no place, so the same search writes the same bytes."""
     return {
         "scenario_sha256": protocol.scenario.sha256,
-        "indexing": protocol.law.indexing,
-        "arithmetic": protocol.law.arithmetic,
+        **protocol.law.how,
         "method": f"differential evolution of scipy {version('scipy')}",
         "search_seed": protocol.search_seed,
         "budget": protocol.budget,

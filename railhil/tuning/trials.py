@@ -38,8 +38,9 @@ class Trials:
         self._seeds = list(seeds)
         #: How often the law gave which reason for refusing parameters.
         self.refusals: Counter[str] = Counter()
-        published = record(scenario, REFERENCE, law.indexing, wide=True)
-        self.scale = Scale.of(scenario, self._runs(replace(law, controller=REFERENCE), [published])[0])
+        reference = replace(law, controller=REFERENCE)
+        published = record(scenario, reference, wide=True)
+        self.scale = Scale.of(scenario, self._runs(reference, [published])[0])
 
     def of_defaults(self) -> float | None:
         """Objective of the law's own parameters, None when the law cannot be made with them for this scenario."""
@@ -70,7 +71,7 @@ class Trials:
         law = self._law
         given = None if values is None else ParameterSet(law.controller, values, Path("search"))
         try:
-            return record(self._scenario, law.controller, law.indexing, wide=True, parameters=given)
+            return record(self._scenario, replace(law, parameters=given), wide=True)
         except InputError as error:
             # What a law says about parameters that do not go together.
             if isinstance(error.__cause__, ValueError):

@@ -44,7 +44,7 @@ def short(tmp_path_factory):
 
 
 def shadowed(arithmetic: Arithmetic[Any], others: Sequence[Arithmetic[Any]] = (), scenario=FULL) -> ShadowRun:
-    return shadow_run(scenario, LawSpec(), arithmetic, record(scenario, "ipfc").quantities, others=others)
+    return shadow_run(scenario, LawSpec(), arithmetic, record(scenario, LawSpec()).quantities, others=others)
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def missed(shadow: ShadowRun, arithmetic: Any = None) -> set[str]:
     """Names of the bars that are missed."""
     kind = arithmetic or type(make("iq"))
     still = standstill(FULL, "ipfc", kind(), kind())
-    price = cost_of(record(FULL, "ipfc"), kind(), FULL.timing.control_period_ns)
+    price = cost_of(record(FULL, LawSpec()), kind(), FULL.timing.control_period_ns)
     return {bar.name for bar in bars(shadow, still, price) if not bar.met}
 
 
@@ -81,7 +81,7 @@ def test_figures_of_the_shipped_arithmetic(sound):
 
 
 def test_the_run_stays_inside_its_bounds(sound):
-    bounds = bounds_of(record(FULL, "ipfc"), sound.audited.loop.law)
+    bounds = bounds_of(record(FULL, LawSpec()), sound.audited.loop.law)
     found = {bound.name: bound for bound in bounds.quantities}
     for row in sound.audited.telemetry.rows:
         bound = found[row.name]
@@ -275,7 +275,7 @@ def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short
 def test_an_audit_is_deterministic_and_whole(short, indexing):
     found = [document(audit(short, Options(LawSpec(indexing=indexing), runs=0))) for _ in range(2)]
     assert found[0] == found[1]
-    names = [quantity.name for quantity in record(short, "ipfc", indexing).quantities]
+    names = [quantity.name for quantity in record(short, LawSpec(indexing=indexing)).quantities]
     assert [row["name"] for row in found[0]["ranges"]] == names
     assert [error["name"] for error in found[0]["errors"]] == names
     assert [error["name"] for error in found[0]["floor"]["errors"]] == names
@@ -286,5 +286,5 @@ def test_an_audit_is_deterministic_and_whole(short, indexing):
 def test_an_arithmetic_without_formats_has_no_floor(short):
     result = audit(short, Options(LawSpec(arithmetic="float32"), runs=0))
     assert result.floor is None
-    fixed_point = cost_of(record(short, "ipfc"), make("iq"), short.timing.control_period_ns)
+    fixed_point = cost_of(record(short, LawSpec()), make("iq"), short.timing.control_period_ns)
     assert 0 < result.cost.cycles < fixed_point.cycles / 2

@@ -202,8 +202,8 @@ def test_the_compiled_loop_is_what_the_interpreter_makes_of_it(short, tmp_path):
         "from railhil.batch import Case, run_batch; from railhil.scenarios.load import load;"
         "from railhil.scenarios.run_spec import LawSpec;"
         f"short = load({str(tmp_path / 'quick.toml')!r});"
-        "runs = [run_batch(Case(short, LawSpec('ipfc', 'float64', law_indexing)), [3])"
-        " for law_indexing in ('time', 'distance')];"
+        "laws = [LawSpec('ipfc', 'float64', indexing) for indexing in ('time', 'distance')];"
+        "runs = [run_batch(Case(short, law), [3]) for law in laws];"
         "print([(run.notch_digest, run.scores) for run in runs])"
     )
     environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
@@ -225,7 +225,7 @@ def test_the_law_is_given_what_the_bench_gives_it():
     seeds = (1, 2, 3)
     alone: dict[int, list[tuple[Any, ...]]] = {}
     for seed in seeds:
-        law, given = Controller(scenario, "ipfc", "float64"), []
+        law, given = Controller(scenario, LawSpec("ipfc", "float64")), []
 
         def step(*values, law=law, given=given):
             given.append((*values[:3], *values[3]))
@@ -240,7 +240,7 @@ def test_the_law_is_given_what_the_bench_gives_it():
             together.append((np.full(len(seeds), k), speed.copy(), position.copy(), *(part.copy() for part in balise)))
             return super().step(k, speed, position, balise)
 
-    Engine(Case(scenario), Noting(scenario, "ipfc", make("float64", batch=True), "time")).run(seeds)
+    Engine(Case(scenario), Noting(scenario, LawSpec(), make("float64", batch=True))).run(seeds)
     for i, seed in enumerate(seeds):
         assert len(alone[seed]) > 380
         assert [tuple(int(part[i]) for part in row) for row in together[: len(alone[seed])]] == alone[seed]

@@ -65,13 +65,13 @@ def test_no_operation_can_wrap_inside_the_bounds_of_its_search(corner: int, tmp_
     path = tmp_path / "pi.toml"
     path.write_text(f'law = "pi"\n[parameters]\n{lines}\n', encoding="utf-8")
     parameters = load_parameters(path)
-    bounds = ControlLoop(SCENARIO, "pi", make("iq"), "time", parameters).law.state_bounds()
-    assert not analyse_law(record(SCENARIO, "pi", parameters=parameters), bounds).may_wrap
+    bounds = ControlLoop(SCENARIO, LawSpec("pi", parameters=parameters), make("iq")).law.state_bounds()
+    assert not analyse_law(record(SCENARIO, LawSpec("pi", parameters=parameters)), bounds).may_wrap
 
 
 def test_its_integral_stands_still_while_another_notch_is_sent() -> None:
     """30 s of full error with the traction cut: one law is told of it, one not, one has just begun."""
-    told, untold, fresh = (ControlLoop(SCENARIO, "pi", make("iq"), "time") for _ in range(3))
+    told, untold, fresh = (ControlLoop(SCENARIO, LawSpec("pi"), make("iq")) for _ in range(3))
     for _ in range(60):
         told.step(100, 150_000, 0)
         told.sent(0)

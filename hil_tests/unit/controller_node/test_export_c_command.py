@@ -11,6 +11,7 @@ from hil_tests.support.cli import railhil
 from railhil.common.errors import InputError
 from railhil.controller_node.export import make_bundle, write_bundle
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 
 def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
@@ -67,7 +68,7 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path) -> None:
 
 def test_folder_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     """A file in its place, a file above it, and files that cannot be put in place: nothing half-written stays."""
-    bundle = make_bundle(load("lvshun_tieshan"), "ipfc")
+    bundle = make_bundle(load("lvshun_tieshan"), LawSpec())
     (tmp_path / "file").write_text("mine")
     for folder, words in ((tmp_path / "file", "File exists"), (tmp_path / "file" / "below", "Not a directory")):
         with pytest.raises(InputError, match=f"{folder}: found {words}, allowed a folder that can be written"):

@@ -51,7 +51,7 @@ def test_codes_follow_float64_on_the_same_inputs(arithmetic: str, share: float) 
     differences = []
     for seed in range(4):
         names = ("float64", arithmetic)
-        _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, "ipfc", name) for name in names])
+        _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, LawSpec("ipfc", name)) for name in names])
         assert stopped is not None
         assert all(single.notes[0] == double.notes[0] for double, single in answers)
         # In 2^-20 km/h.
@@ -73,7 +73,7 @@ def test_a_run_through_the_telegrams_stops(tmp_path: Path) -> None:
 @pytest.mark.parametrize("arithmetic", NOTCH_TOLERANCE)
 def test_wire_numbers_are_rounded_on_entry(arithmetic: str) -> None:
     """29 400 001 tenths of a millimetre need 25 bits."""
-    loop: ControlLoop[Any] = ControlLoop(SCENARIO, "ipfc", make(arithmetic), "distance")
+    loop: ControlLoop[Any] = ControlLoop(SCENARIO, LawSpec(indexing="distance"), make(arithmetic))
     odd, even = (loop.inputs(380, 10_000, position) for position in (29_300_001, 29_300_000))
     assert odd == even
     assert odd != loop.inputs(380, 10_000, 29_300_002)

@@ -168,7 +168,7 @@ def test_rules_help_the_train() -> None:
 
 def test_the_stop_ahead_is_the_same_in_float64_and_fixed_point() -> None:
     """Seed 1011 is driven up to the stopping point, where float64's set-point was -5.6e-14 km/h: 85/256 notch apart."""
-    quantities = record(SCENARIO, "fuzzy_pid", "time").quantities
+    quantities = record(SCENARIO, LawSpec("fuzzy_pid")).quantities
     run = shadow_run(perturbed(SCENARIO, 1011), LawSpec("fuzzy_pid"), make("iq"), quantities)
     assert compare_codes(run.audited, run.reference).largest <= 1
 

@@ -10,6 +10,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make, names
 from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.loop import ControlLoop
+from railhil.scenarios.run_spec import LawSpec
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
@@ -17,8 +18,8 @@ from railhil.controller_node.loop import ControlLoop
 def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
     """100 random steps of 4 trains, two of them at speeds and leaps that no train has."""
     generator = np.random.Generator(np.random.PCG64(20210825))
-    batch = BatchController(SCENARIO, 4, "ipfc", arithmetic, indexing)
-    alone = [Controller(SCENARIO, "ipfc", arithmetic, indexing) for _ in range(4)]
+    batch = BatchController(SCENARIO, 4, LawSpec("ipfc", arithmetic, indexing=indexing))
+    alone = [Controller(SCENARIO, LawSpec("ipfc", arithmetic, indexing=indexing)) for _ in range(4)]
     for k in range(100, 200):
         speed = np.array([generator.integers(0, 220_000), generator.integers(0, 3_000_000), 180_339, 180_340])
         speed[2:] += generator.integers(-20, 21, 2)
@@ -43,14 +44,14 @@ def test_many_trains_equal_each_alone(arithmetic: str, indexing: str) -> None:
 def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
     """Errors that shrink to next to nothing within one period, the notch held at 0 meanwhile."""
     trains = 60
-    batch = BatchController(SCENARIO, trains, "ipfc", arithmetic)
+    batch = BatchController(SCENARIO, trains, LawSpec("ipfc", arithmetic))
     target = 180_341 - np.arange(trains)
     apart, close = target - 2000, target
     batch.step(100, apart, apart)
     batch.sent(np.zeros(trains, dtype=np.int64))
     together = batch.step(101, close, close)
     for train in range(trains):
-        controller = Controller(SCENARIO, "ipfc", arithmetic)
+        controller = Controller(SCENARIO, LawSpec("ipfc", arithmetic))
         controller.step(100, int(apart[train]), 0)
         controller.sent(0)
         single = controller.step(101, int(close[train]), 0)
@@ -65,7 +66,7 @@ def test_softening_adapts_equally_for_many_and_for_one(arithmetic: str) -> None:
 @pytest.mark.parametrize("arithmetic", ["iq", "iq-portable"])
 @pytest.mark.parametrize("seed", [0, 1, 2, 3])
 def test_fixed_point_follows_float64_on_the_same_inputs(seed: int, arithmetic: str) -> None:
-    pair = [Controller(SCENARIO, "ipfc", arithmetic), Controller(SCENARIO, "ipfc", "float64")]
+    pair = [Controller(SCENARIO, LawSpec("ipfc", arithmetic)), Controller(SCENARIO, LawSpec("ipfc", "float64"))]
     _, answers, stopped = closed_loop(seed, pair)
     assert stopped is not None
     differences = [abs(iq.notch_code - double.notch_code) for iq, double in answers]
@@ -81,7 +82,7 @@ def test_closed_loop_stops_where_and_when_the_law_does(arithmetic: str) -> None:
     """Nominal and five perturbed runs; the medians over 200 runs in the reading are 0.26 m and 0.078 s."""
     time_errors_s, stop_errors_m = [], []
     for seed in range(6):
-        _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, "ipfc", arithmetic)])
+        _, answers, stopped = closed_loop(seed, [Controller(SCENARIO, LawSpec("ipfc", arithmetic))])
         assert stopped is not None
         assert {answer[0].notes[0] for answer in answers} == {1, 2}
         time_errors_s.append(abs(stopped.instant_01ms / 1e4 - 195))
@@ -116,14 +117,14 @@ def test_overflow_flags_stay_once_set() -> None:
 
 
 def test_cycles_are_counted_for_fixed_point_only() -> None:
-    time, distance = (Controller(SCENARIO, "ipfc", "iq", i).step(0, 0, 0) for i in ("time", "distance"))
+    time, distance = (Controller(SCENARIO, LawSpec(indexing=i)).step(0, 0, 0) for i in ("time", "distance"))
     assert 2000 < time.cycles < distance.cycles < 5000
-    double = Controller(SCENARIO, "ipfc", "float64").step(0, 0, 0)
+    double = Controller(SCENARIO, LawSpec("ipfc", "float64")).step(0, 0, 0)
     assert (double.cycles, double.overflow_flags) == (0, 0)
 
 
 def test_wire_speed_is_converted_by_one_product() -> None:
-    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", make("iq"), "time")
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, LawSpec(), make("iq"))
     for speed_01mmps in (0, 1, 27, 180_339, 216_667, 833_333, -1):
         exact = speed_01mmps * 3.6e-4 * 2**20
         assert exact - 1.001 <= loop.inputs(0, speed_01mmps, 0).speed <= exact + 1e-3
@@ -139,5 +140,5 @@ def test_wire_speed_is_converted_by_one_product() -> None:
 )
 def test_unknown_names_are_one_line(names: tuple[str, str, str], words: str) -> None:
     with pytest.raises(InputError, match=words) as caught:
-        Controller(SCENARIO, *names)
+        Controller(SCENARIO, LawSpec(*names))
     assert "\n" not in str(caught.value)

@@ -91,7 +91,7 @@ def test_other_control_periods(period_s: float) -> None:
 
 
 def faulty(fault: str, seed: int) -> BenchRun:
-    controller = Controller(WORN, LAW, "iq")
+    controller = Controller(WORN, LawSpec(LAW))
     known, speed_before = BaliseReading(0, 0, 0), 0
     missing = {"the last two balises are missing": (5, 6), "three balises under way are missing": (2, 3, 4)}
 
@@ -184,4 +184,4 @@ def test_a_run_that_is_too_long() -> None:
 
 def test_only_by_time() -> None:
     with pytest.raises(InputError, match="time with this law"):
-        ControlLoop(WORN, LAW, make("iq"), "distance")
+        ControlLoop(WORN, LawSpec(LAW, indexing="distance"), make("iq"))

@@ -27,7 +27,7 @@ from railhil.controller_node.loop import ControlLoop
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
-from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 WORN = load("lvshun_tieshan_worn_wheels")
 TABLE = compute_constants(IpfcPlusParameters(), WORN)
@@ -94,7 +94,7 @@ def test_wheel_converges_with_each_balise() -> None:
 
 
 def test_wheel_of_a_drawn_run_is_found() -> None:
-    loop: ControlLoop[Any] = ControlLoop(WORN, LAW, make("iq"), "time")
+    loop: ControlLoop[Any] = ControlLoop(WORN, LawSpec(LAW), make("iq"))
 
     def step(*given: Any) -> int:
         _, outputs = loop.step(*given)
@@ -112,7 +112,7 @@ def test_wheel_of_a_drawn_run_is_found() -> None:
 
 def observed(scenario: Scenario, arithmetic: str = "float64") -> tuple[Any, float]:
     """The observer at the end of a run whose train differs from the nominal one, and the true gain in km/h/s."""
-    loop: ControlLoop[Any] = ControlLoop(WORN, LAW, make(arithmetic), "time")
+    loop: ControlLoop[Any] = ControlLoop(WORN, LawSpec(LAW), make(arithmetic))
     seen = []
 
     def step(*given: Any) -> int:

@@ -15,6 +15,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws import load as load_law
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 MODULE = """\
 from railhil.controller_node.laws.base import SPEED_Q
@@ -136,7 +137,7 @@ def plugged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_law_that_cannot_be_made_is_bad_input(plugged: Path) -> None:
     for name, line in LINES.items():
         with pytest.raises(InputError) as caught:
-            Controller(load("lvshun_tieshan"), name)
+            Controller(load("lvshun_tieshan"), LawSpec(name))
         line = line.replace("{plugged_laws.py}", str(plugged / "plug" / "plugged_laws.py"))
         assert line in str(caught.value)
         assert "\n" not in str(caught.value)
@@ -172,7 +173,7 @@ def test_a_law_that_fails_is_told_where_and_what_to_use(plugged: Path, law: str,
     if law == "formats" and arithmetic == "float64":
         return
     with pytest.raises(InputError) as caught:
-        Controller(load("lvshun_tieshan"), law, arithmetic)
+        Controller(load("lvshun_tieshan"), LawSpec(law, arithmetic))
     at = f"{plugged / 'plug' / 'plugged_laws.py'}:{line_of(text)}: "
     assert str(caught.value).startswith(f"{at}law {law}, step, after quantity mine: found an operation that fails, ")
     assert said in str(caught.value)
@@ -180,12 +181,12 @@ def test_a_law_that_fails_is_told_where_and_what_to_use(plugged: Path, law: str,
 
 def test_a_law_that_answers_nonsense_is_told_where_its_function_begins(plugged: Path) -> None:
     with pytest.raises(InputError, match=f"plugged_laws.py:{line_of('return None') - 1}: law silent, step, before"):
-        Controller(load("lvshun_tieshan"), "silent")
+        Controller(load("lvshun_tieshan"), LawSpec("silent"))
 
 
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_a_law_that_fails_while_it_drives_is_told_the_same(plugged: Path, arithmetic: str) -> None:
-    controller = Controller(load("lvshun_tieshan"), "late", arithmetic)
+    controller = Controller(load("lvshun_tieshan"), LawSpec("late", arithmetic))
     for k in range(4):
         controller.step(k, 0, 0)
     at = f"plugged_laws.py:{line_of('1 / (5')}: law late, step, after quantity mine: "

@@ -128,7 +128,7 @@ def test_a_value_beyond_its_range_is_one_line(tmp_path: Path, law: str, line: st
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         with pytest.raises(InputError) as caught:
-            Controller(SCENARIO, law, parameters=given)
+            Controller(SCENARIO, LawSpec(law, parameters=given))
     assert str(caught.value).startswith(f"{path}: parameters.{key}: found ")
     assert allowed in caught.value.allowed
 

@@ -159,7 +159,7 @@ class Recorder:
     """A controller that keeps what it was given."""
 
     def __init__(self, arithmetic: str, indexing: str) -> None:
-        self._controller = Controller(SCENARIO, "ipfc", arithmetic, indexing)
+        self._controller = Controller(SCENARIO, LawSpec("ipfc", arithmetic, indexing=indexing))
         self.given: list[tuple[int, int, int]] = []
 
     def step(self, k: int, speed_01mmps: int, position_01mm: int) -> Any:
@@ -175,8 +175,8 @@ def run(request: pytest.FixtureRequest) -> Any:
     _, answers, stopped = closed_loop(0, [recorder])
     assert stopped is not None
     assert len(recorder.given) > 380
-    plain = Controller(SCENARIO, "ipfc", arithmetic, indexing)
-    poisoned = Controller(SCENARIO, "ipfc", PROFILES[arithmetic](), indexing)
+    plain = Controller(SCENARIO, LawSpec("ipfc", arithmetic, indexing=indexing))
+    poisoned = Controller(SCENARIO, LawSpec(indexing=indexing), PROFILES[arithmetic]())
     codes = [answer.notch_code for answer, *_ in answers]
     return SimpleNamespace(
         arithmetic=arithmetic, indexing=indexing, given=recorder.given, codes=codes, plain=plain, poisoned=poisoned

@@ -16,6 +16,7 @@ from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.laws.note import Note, flags, on_wire, on_wire_batch, slots
 from railhil.controller_node.telemetry_file import law_document
 from railhil.scenarios.load import load as load_scenario
+from railhil.scenarios.run_spec import LawSpec
 
 FLAGS = flags("mode", "mode", ("slow", "fast"))
 SHARE = Note("share", "share", 30)
@@ -114,4 +115,4 @@ def test_a_law_with_wrong_notes_is_one_line(
 ) -> None:
     plug_in(tmp_path, monkeypatch, wrong=law)
     with pytest.raises(InputError, match=words):
-        Controller(load_scenario("lvshun_tieshan"), "wrong")
+        Controller(load_scenario("lvshun_tieshan"), LawSpec("wrong"))

@@ -18,6 +18,7 @@ from railhil.controller_node.program.model import BranchError, Kind, Value
 from railhil.controller_node.program.record import leaves, like, record
 from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 SCENARIO = load("lvshun_tieshan")
 
@@ -37,8 +38,8 @@ def _constant(name: str, value: float, q: int) -> Constant:
 def test_recorded_program_computes_what_the_law_computes(arithmetic: str, indexing: str) -> None:
     """On arrays of trains with speeds in no order, states and outputs, with other notches sent; bit for bit."""
     number, other = make(arithmetic, batch=True), make(arithmetic, batch=True)
-    loop: ControlLoop[Any] = ControlLoop(SCENARIO, "ipfc", number, indexing)
-    programs = record(SCENARIO, "ipfc", indexing, wide=number.wide)
+    loop: ControlLoop[Any] = ControlLoop(SCENARIO, LawSpec(indexing=indexing), number)
+    programs = record(SCENARIO, LawSpec(indexing=indexing), wide=number.wide)
     inputs, start, step, sent = (
         Evaluator(part, other) for part in (programs.inputs, programs.start, programs.step, programs.sent)
     )
@@ -63,11 +64,11 @@ def test_recorded_program_computes_what_the_law_computes(arithmetic: str, indexi
 def test_quantities_are_noted_in_the_order_of_the_record() -> None:
     """Telemetry pairs the notes of a step with the names of the record by their place."""
     number = make("iq")
-    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", number, "time")
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, LawSpec(), number)
     loop.step(0, 0, 0)
     number.noted = []
     loop.step(40, 31_000, 400_000)
-    programs = record(SCENARIO, "ipfc")
+    programs = record(SCENARIO, LawSpec())
     names = [quantity.name for quantity in programs.quantities]
     assert len(names) == len(set(names)) == len(number.noted)
     noted = dict(zip(names, number.noted, strict=True))
@@ -76,14 +77,16 @@ def test_quantities_are_noted_in_the_order_of_the_record() -> None:
 
 
 def test_formats_of_the_state_are_found_where_it_starts_at_zero() -> None:
-    formats = {name: value.q for name, value in record(SCENARIO, "ipfc").sent.inputs}
+    formats = {name: value.q for name, value in record(SCENARIO, LawSpec()).sent.inputs}
     assert (formats["state.model[0]"], formats["state.model[1]"], formats["state.notch"]) == (24, 24, 24)
     assert formats["state.tracking_error"] == 20
 
 
 def test_set_points_are_part_of_the_counted_operations() -> None:
     """One look-up for the set-point and one for each of its ten successors; by distance two more tables."""
-    by_time, by_distance = (record(SCENARIO, "ipfc", indexing).step_counts() for indexing in ("time", "distance"))
+    by_time, by_distance = (
+        record(SCENARIO, LawSpec(indexing=indexing)).step_counts() for indexing in ("time", "distance")
+    )
     assert by_time["at"] == 11
     assert by_distance["at"] == 11 + 2 + 2 * 11
     assert by_distance["locate_step"] == 13
@@ -202,7 +205,7 @@ def test_negative_constant_is_that_of_the_integer(value: float) -> None:
 
 
 def test_leaves_and_like_are_each_other_s_inverse() -> None:
-    state = record(SCENARIO, "ipfc").step
+    state = record(SCENARIO, LawSpec()).step
     names = [name for name, _ in state.inputs]
     assert names[:4] == ["state.model[0]", "state.model[1]", "state.notch", "state.model_errors[0]"]
     nested = ((1, [2, 3]), 4)

@@ -121,7 +121,7 @@ def at_period(scenario: Scenario, period_s: float) -> Scenario:
 def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: str) -> None:
     scenario = at_period(SCENARIO, period_s)
     law = load_law(name)(make("float64"), scenario)
-    ranges = analyse_law(record(scenario, name, indexing), law.state_bounds())
+    ranges = analyse_law(record(scenario, LawSpec(name, indexing=indexing)), law.state_bounds())
     assert [(operation.op, interval) for operation, interval in ranges.may_wrap] == []
 
 
@@ -131,14 +131,14 @@ def test_no_operation_can_wrap_on_any_shipped_scenario_and_a_long_overtime(name:
     scenario = load(name)
     scenario = replace(scenario, plan=replace(scenario.plan, overtime_max_s=600.0))
     law = load_law("ipfc")(make("float64"), scenario)
-    assert not analyse_law(record(scenario, "ipfc", indexing), law.state_bounds()).may_wrap
+    assert not analyse_law(record(scenario, LawSpec(indexing=indexing)), law.state_bounds()).may_wrap
 
 
 def test_a_notch_range_beyond_the_formats_is_found() -> None:
     scenario = replace(SCENARIO, train=replace(SCENARIO.train, notch_max=20.0))
     law = load_law("ipfc")(make("float64"), scenario)
     assert "dot" in {
-        operation.op for operation, _ in analyse_law(record(scenario, "ipfc"), law.state_bounds()).may_wrap
+        operation.op for operation, _ in analyse_law(record(scenario, LawSpec()), law.state_bounds()).may_wrap
     }
 
 
@@ -156,16 +156,16 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
     scenario = at_period(replace(SCENARIO, train=replace(SCENARIO.train, notch_max=notch_max)), period_s)
     allowed = f"allowed a law whose fixed point cannot wrap at {period_s:g} s and {notch_max:g} notches"
     starts: list[Callable[[], Any]] = [
-        lambda: Controller(scenario, name, "iq"),
-        lambda: BatchController(scenario, 2, name, "iq"),
+        lambda: Controller(scenario, LawSpec(name)),
+        lambda: BatchController(scenario, 2, LawSpec(name)),
     ]
     for start in starts:
         with pytest.raises(InputError) as caught:
             start()
         assert f"controller: {name}: found {found}" in str(caught.value)
         assert allowed in str(caught.value)
-    Controller(scenario, name, "float64")
-    Controller(scenario, name, "float32")
+    Controller(scenario, LawSpec(name, "float64"))
+    Controller(scenario, LawSpec(name, "float32"))
 
 
 @pytest.mark.slow
@@ -194,8 +194,8 @@ def test_a_plugged_in_law_that_may_wrap_does_not_start(tmp_path: Path, monkeypat
     """Whoever wrote it."""
     plug_in(tmp_path, monkeypatch, growing=Growing)
     with pytest.raises(InputError, match=r"which ends at 2048, .*operations that may wrap: \d"):
-        Controller(SCENARIO, "growing", "iq")
-    Controller(SCENARIO, "growing", "float64")
+        Controller(SCENARIO, LawSpec("growing"))
+    Controller(SCENARIO, LawSpec("growing", "float64"))
 
 
 def test_crossed_limits_and_a_curve_beyond_its_table() -> None:
@@ -213,14 +213,14 @@ def test_crossed_limits_and_a_curve_beyond_its_table() -> None:
 
 
 def test_a_law_without_known_state_bounds_has_none() -> None:
-    assert analyse_law(record(SCENARIO, "ipfc"), {}).may_wrap
+    assert analyse_law(record(SCENARIO, LawSpec()), {}).may_wrap
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_a_law_under_wild_inputs_stays_inside_its_bounds(indexing: str) -> None:
-    program = record(SCENARIO, "ipfc", indexing)
+    program = record(SCENARIO, LawSpec(indexing=indexing))
     number = make("iq")
-    loop: ControlLoop[int] = ControlLoop(SCENARIO, "ipfc", number, indexing)
+    loop: ControlLoop[int] = ControlLoop(SCENARIO, LawSpec(indexing=indexing), number)
     ranges = analyse_law(program, loop.law.state_bounds())
     noted = number.noted = []
     draw = random.Random(7)
@@ -252,7 +252,7 @@ def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: in
             seen.append(position_01mm)
             return super().step(k, speed_01mmps, position_01mm, *balise)
 
-    controller = Watched(SCENARIO, indexing="distance")
+    controller = Watched(SCENARIO, LawSpec(indexing="distance"))
     node = ControllerNode(SCENARIO, LawSpec(indexing="distance"), controller)
     for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):

@@ -16,6 +16,7 @@ from railhil.controller_node.controller import BatchController, Controller
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.telemetry import QuantityTelemetry, Telemetry
 from railhil.scenarios.load import load
+from railhil.scenarios.run_spec import LawSpec
 
 SCENARIO = load("lvshun_tieshan")
 Q = 20
@@ -173,7 +174,7 @@ def test_many_trains_have_the_telemetry_of_each() -> None:
 
 @pytest.mark.parametrize("name", ["iq", "iq-portable", "float64", "float32"])
 def test_controller_keeps_the_rows_of_its_law(name: str) -> None:
-    controller = Controller(SCENARIO, "ipfc", name)
+    controller = Controller(SCENARIO, LawSpec("ipfc", name))
     before = controller.step(100, 180_000, 0)
     row = controller.telemetry.row(0)
     assert (row.name, row.unit, row.steps) == ("speed", "km/h", 1)
@@ -197,7 +198,7 @@ def test_saturations_of_the_law_are_named() -> None:
 
 
 def test_cost_is_that_of_the_chip_against_the_control_period() -> None:
-    fixed, single, double = (Controller(SCENARIO, "ipfc", name) for name in ("iq", "float32", "float64"))
+    fixed, single, double = (Controller(SCENARIO, LawSpec("ipfc", name)) for name in ("iq", "float32", "float64"))
     assert 0 < single.cost.cycles < fixed.cost.cycles
     assert double.cost.cycles == 0
     for controller in (fixed, single, double):

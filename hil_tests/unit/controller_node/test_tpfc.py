@@ -138,8 +138,8 @@ def test_ramp_above_the_threshold_of_the_paper(change: float, code: int) -> None
 @pytest.mark.parametrize("name", LAWS)
 def test_many_trains_equal_each_alone(name: str, arithmetic: str) -> None:
     generator = np.random.Generator(np.random.PCG64(3))
-    batch = BatchController(SCENARIO, 3, name, arithmetic)
-    alone = [Controller(SCENARIO, name, arithmetic) for _ in range(3)]
+    batch = BatchController(SCENARIO, 3, LawSpec(name, arithmetic))
+    alone = [Controller(SCENARIO, LawSpec(name, arithmetic)) for _ in range(3)]
     bases = set()
     for k in range(0, 390, 13):
         speed, position = generator.integers(0, 220_000, 3), np.zeros(3, dtype=np.int64)
@@ -157,8 +157,8 @@ def test_fixed_point_follows_float64_on_the_same_inputs(name: str) -> None:
     """Over four runs: a raw notch lies within 1e-4 of a code's edge in a few ticks of each, by chance."""
     codes: list[tuple[int, int]] = []
     for seed in range(4):
-        fixed: ControlLoop[int] = ControlLoop(SCENARIO, name, make("iq"), "time")
-        wide: ControlLoop[float] = ControlLoop(SCENARIO, name, make("float64"), "time")
+        fixed: ControlLoop[int] = ControlLoop(SCENARIO, LawSpec(name), make("iq"))
+        wide: ControlLoop[float] = ControlLoop(SCENARIO, LawSpec(name), make("float64"))
 
         def step(k: int, speed_01mmps: int, position_01mm: int, *_: Any, fixed: Any = fixed, wide: Any = wide) -> int:
             outputs = fixed.step(k, speed_01mmps, position_01mm)[1]
@@ -210,7 +210,7 @@ def test_a_softening_factor_beyond_its_range_is_one_line(name: str, softening: f
     with pytest.raises(
         InputError, match=r"^tuned.toml: parameters.softening: found .*, allowed (less than 1|at least 0)$"
     ):
-        ControlLoop(SCENARIO, name, make("iq"), "time", given(name, softening=softening))
+        ControlLoop(SCENARIO, LawSpec(name, parameters=given(name, softening=softening)), make("iq"))
 
 
 def test_a_ramp_needs_two_fitting_points() -> None:

@@ -19,6 +19,7 @@ from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.plant import Plant
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.schema import DISTANCE_MAX_M, RUNNING_TIME_MAX_S, PlanTable
 from railhil.supervisor.trace import Trace
 
@@ -119,11 +120,13 @@ def test_a_law_that_uses_the_position_is_refused_beyond_what_it_is_given(
     longest: Scenario, law: str, indexing: str
 ) -> None:
     with pytest.raises(InputError) as caught:
-        ControlLoop(longest, law, make("iq"), indexing)
+        ControlLoop(longest, LawSpec(law, indexing=indexing), make("iq"))
     text = str(caught.value)
     assert text.startswith("lvshun_tieshan: plan.distance_m: found 400000.0, allowed at most 200000 m for ")
     if law == "ipfc":
         # IPFC+ has a limit of its own.
         assert ControlLoop(
-            replace(longest, plan=replace(longest.plan, distance_m=200_000.0)), law, make("iq"), indexing
+            replace(longest, plan=replace(longest.plan, distance_m=200_000.0)),
+            LawSpec(law, indexing=indexing),
+            make("iq"),
         )

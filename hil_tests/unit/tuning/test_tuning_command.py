@@ -54,7 +54,7 @@ def test_evaluation_refuses_training_seeds(short: Scenario) -> None:
     assert allowed.seen == (1,)
     other = evaluate(case, given, range(2, 4))
     assert other.seen == ()
-    assert other.tuned.scores == run_batch(replace(case, parameters=given), (2, 3)).scores
+    assert other.tuned.scores == run_batch(replace(case, law=replace(case.law, parameters=given)), (2, 3)).scores
     assert other.default.scores == run_batch(case, (2, 3)).scores
 
 
