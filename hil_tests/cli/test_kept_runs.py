@@ -41,11 +41,9 @@ def interruptible() -> None:
     ("number", "whole_group"),
     [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True), (signal.SIGHUP, False)],
 )
-def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number, whole_group):
+def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, socket_folder, monkeypatch, number, whole_group):
     """Ctrl-C and a terminal that is gone reach every process of it at once, SIGTERM only the one it is sent to."""
-    sockets = tmp_path / "sockets"
-    sockets.mkdir()
-    monkeypatch.setenv("TMPDIR", str(sockets))
+    monkeypatch.setenv("TMPDIR", str(socket_folder))
     folder = tmp_path / "run"
     process = subprocess.Popen(
         command("run", "--pace", "realtime", "--rate", "20", "--out", folder),
@@ -72,7 +70,7 @@ def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, monkeypatch, number,
     properties = {found.get("name"): found.get("value") for found in suite.findall("properties/property")}
     assert (properties["verdict"], properties["frames_sha256"]) == ("INVALID", certificate["frames_sha256"])
     assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
-    assert not list(sockets.iterdir())
+    assert not list(socket_folder.iterdir())
     assert len(list(read_log(folder / "frames.log"))) == score["run"]["frames"]
     assert railhil("score", folder).exit_code == 3
 

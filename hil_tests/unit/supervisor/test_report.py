@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from hil_tests.support.html import Reader
 from hil_tests.support.recordings import recorded_folder
 from hil_tests.support.scores import with_values
 from railhil.bus.limits import LIMITS, limits_of
@@ -30,9 +29,6 @@ from railhil.supervisor.report.score_table import rows
 from railhil.supervisor.report.styles import Style
 from railhil.supervisor.score import score
 from railhil.supervisor.trace import Trace
-
-_VOID = {"meta", "br", "wbr", "hr", "img", "link", "input"}
-_CELLS = {"td", "th", "li", "strong", "p"}
 
 
 @pytest.fixture(scope="module")
@@ -58,44 +54,6 @@ def single(run: RecordedRun) -> str:
 @pytest.fixture(scope="module")
 def several(run: RecordedRun, other: RecordedRun) -> str:
     return page([run, other])
-
-
-class Reader(HTMLParser):
-    """Open elements, text, identifiers, and everything that could make a browser fetch something."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.text = ""
-        self.ids: Counter[str] = Counter()
-        self.references: list[str] = []
-        self.tags: set[str] = set()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.add(tag)
-        if tag not in _VOID:
-            self.open.append(tag)
-        if tag in _CELLS:
-            self.text += " "
-        self._look(attrs)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.add(tag)
-        self._look(attrs)
-
-    def _look(self, attrs: list[tuple[str, str | None]]) -> None:
-        for name, value in attrs:
-            if name == "id":
-                self.ids[value or ""] += 1
-            elif name in ("src", "href", "xlink:href", "action", "data", "poster", "srcset"):
-                self.references.append(value or "")
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open[-1:] != ["style"]:
-            self.text += data
 
 
 def read(text: str) -> Reader:
