@@ -27,12 +27,13 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
 from railhil.scenarios.settings import setting
+from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
 from railhil.supervisor.inputs import PARAMETERS
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
-from railhil.supervisor.score import Score, score
+from railhil.supervisor.score import Score
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -218,7 +219,7 @@ def open_run(folder: str | Path) -> Outcome:
     :raises InputError: there is no record, or its parts do not fit together.
     """
     record = checked_record(str(folder), None)
-    found = score(record.scenario, record.trace)
+    found = judging_of(record.scenario).score(record.scenario, record.trace)
     return _outcome(record.log.parent, record.scenario, record.trace, found, record.invalid, record.certificate)
 
 
@@ -228,6 +229,8 @@ class CampaignOutcome:
 
     folder: Path
     summary: Mapping[str, Any] = field(repr=False)
+    #: Of its system.
+    criteria: tuple[Criterion, ...] = field(repr=False)
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -239,7 +242,7 @@ class CampaignOutcome:
         from railhil.campaign.folder import RESULTS
         from railhil.campaign.results_table import read_results
 
-        return read_results(self.folder / RESULTS)
+        return read_results(self.folder / RESULTS, self.criteria)
 
     def runs(self, law: str) -> dict[str, Any]:
         """Columns of the runs of one law, in the order of their seeds: numpy arrays, NaN where a run has no value.
@@ -311,4 +314,4 @@ def campaign(
 
     with running("batch" if jobs == 1 else "joblib", jobs, None, say) as engine:
         folder, found = execute(plan, None if out is None else str(out), Console(quiet=True), engine, say)
-    return CampaignOutcome(folder, found)
+    return CampaignOutcome(folder, found, judging_of(plan.scenario).criteria)

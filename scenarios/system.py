@@ -36,8 +36,8 @@ class System:
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
     entry point group of its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
-    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task`` and
-    ``interface``.
+    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task``,
+    ``interface`` and ``batch`` (:func:`railhil.batch.run_batch`; without one a campaign goes through the nodes).
     """
 
     name: str

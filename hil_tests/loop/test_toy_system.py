@@ -193,10 +193,25 @@ def test_compare(site: Path, tmp_path: Path) -> None:
     assert rows[0]["published"] == {"error_m": 0.001, "stretch_m": 0.2}
 
 
+def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path) -> None:
+    """Its figures are those of the run over the hub with the same seed."""
+    folder = tmp_path / "campaign"
+    done = railhil(site, "campaign", str(SCENARIO), "--runs", "3", "--chunk", "2", "--out", str(folder))
+    assert done.returncode == 0, done.stderr
+    assert "no batch of trains for system two_carts: every run goes through the nodes" in done.stderr
+    assert "stopped" not in done.stdout
+    found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["laws"]["apart"]
+    assert set(found["scores"]) == {"error_m", "stretch_m"}
+    assert found["inside"]["pass"]["runs"] == 3
+    assert "not_stopped" not in found
+    again = railhil(site, "campaign", "--verify", str(folder), "--runs", "1")
+    assert again.returncode == 0, again.stderr
+    assert "1 of 1 runs are the same on the bench" in again.stdout
+
+
 @pytest.mark.parametrize(
     "words",
     [
-        ("campaign", str(SCENARIO), "--runs", "2"),
         ("audit", str(SCENARIO)),
         ("export-c", "apart", str(SCENARIO), "--out", "c"),
         ("tune", "apart", str(SCENARIO)),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,7 +30,8 @@ class Case:
     ``perturbed``: each seed draws the scenario's perturbations; else only the noise of the sensors differs.
     """
 
-    scenario: Scenario
+    #: Of the system whose batch runs it.
+    scenario: Any
     law: LawSpec = field(default_factory=lambda: LawSpec(arithmetic="float64"))
     perturbed: bool = True
 

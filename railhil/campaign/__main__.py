@@ -53,12 +53,15 @@ def _run(namespace: argparse.Namespace) -> int:
     def say(sentence: str) -> None:
         console.print(sentence, markup=False, highlight=False, soft_wrap=True)
 
-    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say) as engine:
+    if plan.batch is None:
+        say(f"no batch of trains for system {plan.scenario.system}: every run goes through the nodes, one by one")
+    compiled = plan.batch is not None
+    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say, compiled=compiled) as engine:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
     if namespace.json:
         print_json(found)
     else:
-        show(Output(), found, folder)
+        show(Output(), found, folder, plan.criteria)
     return PASS
 
 

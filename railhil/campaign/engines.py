@@ -75,13 +75,16 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
 
 
 @contextmanager
-def running(name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task) -> Iterator[Engine]:
+def running(
+    name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task, compiled: bool = True
+) -> Iterator[Engine]:
     """The engine of that name, ready to work.
 
     :param jobs: processes of joblib, -1 one per core.
     :param scheduler: address of dask's scheduler.
     :param say: for a lost worker.
     :param work: what a worker does with a task.
+    :param compiled: the system has a batch, which is compiled.
     :raises scenarios.errors.InputError: a library is missing, or nobody answers at the address.
     """
     if name == "dask":
@@ -94,8 +97,9 @@ def running(name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work
             yield engine
         return
     # Where the work is done here, what it needs is missed before there is a folder.
-    need("numba", "campaign")
-    say_compiling(say)
+    if compiled:
+        need("numba", "campaign")
+        say_compiling(say)
     if name == "joblib":
         need("joblib", "campaign")
         yield partial(_joblib, work=work, jobs=jobs, say=say)

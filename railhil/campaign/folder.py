@@ -61,7 +61,9 @@ class CampaignFolder:
 
     def read(self, chunk: Chunk) -> pa.Table:
         """The runs of a chunk. Raises :class:`NotThePart`, OSError (FileNotFoundError: not made yet)."""
-        return read_part(self.part(chunk), origin_of(self._plan, chunk), chunk.entry.label, chunk.seeds)
+        return read_part(
+            self.part(chunk), origin_of(self._plan, chunk), chunk.entry.label, chunk.seeds, self._plan.criteria
+        )
 
     def missing(self) -> tuple[list[Chunk], list[str]]:
         """Chunks that have no part yet, and a sentence for each file that was not what its name says: it is gone."""

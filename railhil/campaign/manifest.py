@@ -18,7 +18,7 @@ from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.scenarios.canonical import canonical_json
+from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
 
 MANIFEST = "campaign.json"
@@ -107,7 +107,7 @@ def manifest(plan: Plan) -> dict[str, Any]:
         "railhil": version("railhil"),
         "campaign": plan.identity,
         "request": plan.request_document(),
-        "scenario": json.loads(canonical_json(plan.scenario)),
+        "scenario": any_document(plan.scenario),
         "parameters": {
             entry.label: dict(entry.parameters.values) for entry in plan.entries if entry.parameters is not None
         },

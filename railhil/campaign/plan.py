@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -16,23 +16,23 @@ import railhil
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node import laws as registered
-from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.base import Law
-from railhil.controller_node.loop import ControlLoop
-from railhil.scenarios.canonical import judged_sha256
-from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.perturb import require_perturbations
-from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
+from railhil.scenarios.run_spec import USUAL_SCENARIO, LawSpec, RunSpec
+from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.system import System, system_named
+from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.folder import code_sha256
+from railhil.supervisor.judging import judging_of
 
 #: Stands for every registered law, in the order of the tables; the others are held against the first.
 ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 #: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
-_OWN_CODE = ("batch", "campaign/results_table.py", "campaign/work.py")
+_OWN_CODE = ("batch", "bench.py", "campaign/nodes.py", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +102,12 @@ def batch_sha256() -> str:
     return digest.hexdigest()
 
 
+def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
+    """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none."""
+    system = system_named(scenario.system)
+    return system.part("batch") if "batch" in system.own else None
+
+
 @lru_cache(maxsize=1)
 def bench_sha256() -> str:
     """:func:`railhil.supervisor.folder.code_sha256`, once per process."""
@@ -109,15 +115,15 @@ def bench_sha256() -> str:
 
 
 @lru_cache(maxsize=64)
-def _law(name: str) -> type[Law[Any, Any]]:
-    """:func:`railhil.controller_node.laws.load`, which looks through all installed packages, once per law."""
-    return registered.load(name)
+def _law(name: str, system: str) -> Any:
+    """:func:`railhil.controller_node.laws.find`, which looks through all installed packages, once per law."""
+    return registered.find(name, system_named(system).laws)
 
 
 @lru_cache(maxsize=64)
-def law_sha256(name: str) -> str:
+def law_sha256(name: str, system: str) -> str:
     """Hash of the source file with the class of a law: it may come from another package. Raises InputError."""
-    return hashlib.sha256(Path(inspect.getfile(_law(name))).read_bytes()).hexdigest()
+    return hashlib.sha256(Path(inspect.getfile(_law(name, system))).read_bytes()).hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +131,18 @@ class Plan:
     """A campaign: what its identity says is what a continuation must repeat."""
 
     request: Request
-    scenario: Scenario
+    scenario: AnyScenario
     entries: tuple[Entry, ...]
+
+    @property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What the runs are judged by."""
+        return judging_of(self.scenario).criteria
+
+    @property
+    def batch(self) -> Callable[..., Any] | None:
+        """What runs many seeds at once; None: the system has nothing for it."""
+        return batch_of(self.scenario)
 
     @property
     def seeds(self) -> range:
@@ -155,7 +171,7 @@ class Plan:
         The latter also with a parameter file: what it does not name stays the law's own.
         """
         tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
-        chosen = _law(entry.law.controller).design_seeds.get(self.scenario.name, ())
+        chosen = _law(entry.law.controller, self.scenario.system).design_seeds.get(self.scenario.name, ())
         return sorted(tuned.union(seed for seed in chosen if seed in self.seeds))
 
     @property
@@ -163,10 +179,11 @@ class Plan:
         """What decides the figure of every single run."""
         return {
             "scenario": self.scenario.name,
-            "scenario_sha256": judged_sha256(self.scenario),
+            "scenario_sha256": any_judged_sha256(self.scenario),
             **self.how,
             "code_sha256": bench_sha256(),
             "batch_sha256": batch_sha256(),
+            "system_sha256": system_named(self.scenario.system).code_sha256(),
         }
 
     @property
@@ -198,10 +215,10 @@ class Plan:
         return asdict(self.request)
 
 
-def _entries(request: Request) -> tuple[Entry, ...]:
+def _entries(request: Request, system: System) -> tuple[Entry, ...]:
     files = [load_parameters(Path(name)) for name in request.parameters]
-    known = registered.names()
-    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (USUAL_LAW,)
+    known = system.law_names()
+    wanted: Sequence[str] = request.laws or tuple(dict.fromkeys(file.law for file in files)) or (system.law,)
     if wanted == (ALL_LAWS,):
         wanted = known
     for name in wanted:
@@ -217,7 +234,7 @@ def _entries(request: Request) -> tuple[Entry, ...]:
         if request.both or not sets:
             sets.insert(0, None)
         laws = [LawSpec(name, request.arithmetic, request.indexing, one) for one in sets]
-        found += [Entry(law, law_sha256(name)) for law in laws]
+        found += [Entry(law, law_sha256(name, system.name)) for law in laws]
     labels = [entry.label for entry in found]
     if twice := next((label for label in labels if labels.count(label) > 1), None):
         raise InputError("command line", "--laws, --parameters", Words(f"{twice} twice"), "each law and file once")
@@ -230,14 +247,15 @@ def make_plan(request: Request) -> Plan:
     :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
         tuned or chosen (unless the request allows them).
     """
-    scenario = load(request.scenario, request.settings)
+    scenario = load_any(request.scenario, request.settings)
+    system = system_named(scenario.system)
     require_perturbations(scenario, "campaign")
     last = request.first_seed + request.runs - 1
     if last > SEED_MAX:
         raise InputError("command line", "--first-seed, --runs", Words(f"last seed {last}"), f"at most {SEED_MAX}")
-    plan = Plan(request, scenario, _entries(request))
+    plan = Plan(request, scenario, _entries(request, system))
     for entry in plan.entries:
-        ControlLoop(scenario, entry.law, make(entry.law.arithmetic))
+        system.part("controller")(scenario, entry.law)
         if not request.allow_training_seeds:
             _check_unseen(plan, entry)
     return plan
@@ -248,7 +266,7 @@ def _check_unseen(plan: Plan, entry: Entry) -> None:
     if entry.parameters is not None:
         entry.parameters.check_unseen(plan.seeds)
     if seen := plan.training(entry):
-        origin = _law(entry.law.controller).parameters_origin
+        origin = _law(entry.law.controller, plan.scenario.system).parameters_origin
         found = Words(f"seed {seen[0]}, on which {entry.law.controller}'s own parameters were chosen ({origin})")
         allowed = "other seeds for an evaluation, or --allow-training-seeds, which every table then says"
         raise InputError("command line", "--first-seed", found, allowed)

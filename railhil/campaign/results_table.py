@@ -12,33 +12,41 @@ import pyarrow as pa
 import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, with_sign
+from railhil.supervisor.criteria import Criterion, with_sign
 
-_VALUES = tuple(criterion.key for criterion in ATO_CRITERIA)
-#: Column -> key of the value with its sign.
-SIGNED = {f"signed_{key}": key for key in with_sign()}
-#: Numbers that may be missing: null in the file (no stop, no stop error).
-_NUMBERS = (*_VALUES, *SIGNED, "overspeed_mps")
 _COUNTS = ("wraps", "saturations", "zero_divisions")
-SCHEMA = pa.schema(
-    [
-        pa.field("law", pa.string(), nullable=False),
-        pa.field("seed", pa.int64(), nullable=False),
-        pa.field("verdict", pa.string(), nullable=False),
-        pa.field("ended", pa.string(), nullable=False),
-        *(pa.field(name, pa.float64()) for name in _NUMBERS),
-        *(pa.field(name, pa.int64(), nullable=False) for name in _COUNTS),
-        pa.field("failures", pa.list_(pa.string()), nullable=False),
-        pa.field("notch_digest", pa.string(), nullable=False),
-        # The parameters of the law were tuned or chosen on a run with this seed.
-        pa.field("training", pa.bool_(), nullable=False),
-    ]
-)
+
+
+def signed_columns(criteria: Sequence[Criterion]) -> dict[str, str]:
+    """Column -> key of the value with its sign."""
+    return {f"signed_{key}": key for key in with_sign(criteria)}
+
+
+def schema(criteria: Sequence[Criterion]) -> pa.Schema:
+    """Columns of the runs of a system with these criteria."""
+    # Numbers that may be missing: null in the file (no stop, no stop error).
+    numbers = (*(criterion.key for criterion in criteria), *signed_columns(criteria), "overspeed_mps")
+    return pa.schema(
+        [
+            pa.field("law", pa.string(), nullable=False),
+            pa.field("seed", pa.int64(), nullable=False),
+            pa.field("verdict", pa.string(), nullable=False),
+            pa.field("ended", pa.string(), nullable=False),
+            *(pa.field(name, pa.float64()) for name in numbers),
+            *(pa.field(name, pa.int64(), nullable=False) for name in _COUNTS),
+            pa.field("failures", pa.list_(pa.string()), nullable=False),
+            pa.field("notch_digest", pa.string(), nullable=False),
+            # The parameters of the law were tuned or chosen on a run with this seed.
+            pa.field("training", pa.bool_(), nullable=False),
+        ]
+    )
+
+
 #: Key of the metadata that says which part of which campaign a file is.
 _ORIGIN = b"railhil.campaign"
 
 
-def table_of(label: str, result: Any, training: Sequence[int]) -> pa.Table:
+def table_of(label: str, result: Any, training: Sequence[int], criteria: Sequence[Criterion]) -> pa.Table:
     """Table of the runs of one chunk.
 
     :param result: a ``railhil.batch.BatchResult``.
@@ -55,13 +63,14 @@ def table_of(label: str, result: Any, training: Sequence[int]) -> pa.Table:
         "training": np.isin(seeds, list(training)),
     }
     columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
-    found = {name: result.values[name] for name in _VALUES} | {name: result.signed[key] for name, key in SIGNED.items()}
+    found = {criterion.key: result.values[criterion.key] for criterion in criteria}
+    found |= {name: result.signed[key] for name, key in signed_columns(criteria).items()}
     # Missing is null, not a number that is none: averages of every tool leave it out.
     columns |= {
         name: pa.array(np.asarray(values, dtype=float), from_pandas=True)
         for name, values in (found | {"overspeed_mps": result.overspeed_mps}).items()
     }
-    return pa.table(columns, schema=SCHEMA)
+    return pa.table(columns, schema=schema(criteria))
 
 
 def file_bytes(table: pa.Table, origin: str) -> bytes:
@@ -76,25 +85,25 @@ class NotThePart(Exception):
     """A file is not what its name says; the text says why."""
 
 
-def _read(path: Path) -> pa.Table:
+def _read(path: Path, criteria: Sequence[Criterion]) -> pa.Table:
     """A table of runs. Raises :class:`NotThePart`, OSError."""
     content = path.read_bytes()
     try:
         table = pq.read_table(BytesIO(content), page_checksum_verification=True)
     except (pa.ArrowException, OSError) as error:
         raise NotThePart("torn or damaged") from error
-    if not table.schema.remove_metadata().equals(SCHEMA):
+    if not table.schema.remove_metadata().equals(schema(criteria)):
         raise NotThePart("with other columns")
     return table
 
 
-def read_part(path: Path, origin: str, label: str, seeds: range) -> pa.Table:
+def read_part(path: Path, origin: str, label: str, seeds: range, criteria: Sequence[Criterion]) -> pa.Table:
     """A part that a campaign has written.
 
     :raises NotThePart: torn, damaged, or of other runs.
     :raises OSError: it cannot be read at all.
     """
-    table = _read(path)
+    table = _read(path, criteria)
     if (table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace") != origin:
         raise NotThePart("of other runs")
     if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), np.arange(seeds.start, seeds.stop)):
@@ -104,9 +113,9 @@ def read_part(path: Path, origin: str, label: str, seeds: range) -> pa.Table:
     return table
 
 
-def read_results(path: Path) -> pa.Table:
+def read_results(path: Path, criteria: Sequence[Criterion]) -> pa.Table:
     """``results.parquet`` of a finished campaign. Raises OSError, :class:`NotThePart`."""
-    return _read(path)
+    return _read(path, criteria)
 
 
 def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:

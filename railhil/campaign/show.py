@@ -8,12 +8,11 @@ from typing import Any
 
 from rich.table import Table
 
-from railhil.campaign.summary import ALL_LIMITS, QUANTILES, key_of
+from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.common.output import Output, table
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.supervisor.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
-_INSIDE = [key_of(criterion) for criterion in limited()] + [ALL_LIMITS]
 
 
 def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
@@ -50,12 +49,12 @@ def _share(found: Mapping[str, Any]) -> str:
     return f"{found['share']:.2%}\n{100 * low:.2f}..{100 * high:.2f}"
 
 
-def _scores(summary: Mapping[str, Any]) -> Table:
+def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     level = f"{summary['confidence']:.0%} CI"
     titles = [title for name in QUANTILES for title in (_QUANTILE_TITLES[name], level)]
     made = _columns("Scores", ("law", "score", "unit"), titles)
     for label, law in summary["laws"].items():
-        for i, criterion in enumerate(ATO_CRITERIA):
+        for i, criterion in enumerate(criteria):
             score, digits = law["scores"][criterion.key], _digits(criterion)
             cells = []
             for key in QUANTILES:
@@ -66,14 +65,18 @@ def _scores(summary: Mapping[str, Any]) -> Table:
     return made
 
 
-def _inside(summary: Mapping[str, Any]) -> Table:
+def _inside(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     limits = summary["limits"]
-    title = "Runs inside " + " and ".join(_limit(criterion, limits[limit_key(criterion)]) for criterion in limited())
-    counts = ("not_stopped", "overspeeds", "runs_with_wraps")
-    heads = [*(key.replace("_", " ") for key in _INSIDE), "PASS", "not\nstopped", "over-\nspeed", "with\nwraps"]
+    title = "Runs inside " + " and ".join(
+        _limit(criterion, limits[limit_key(criterion)]) for criterion in limited(criteria)
+    )
+    counts = {"not_stopped": "not\nstopped", "overspeeds": "over-\nspeed", "runs_with_wraps": "with\nwraps"}
+    counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}
+    inside = [*(key_of(criterion) for criterion in limited(criteria)), all_limits(criteria)]
+    heads = [*(key.replace("_", " ") for key in inside), "PASS", *counts.values()]
     made = _columns(title, ("law",), heads)
     for label, law in summary["laws"].items():
-        shares = [_share(law["inside"][key]) for key in (*_INSIDE, "pass")]
+        shares = [_share(law["inside"][key]) for key in (*inside, "pass")]
         made.add_row(label, *shares, *(f"{law[key]:,}" for key in counts))
     return made
 
@@ -87,11 +90,11 @@ def _stops(summary: Mapping[str, Any]) -> Table:
     return made
 
 
-def _against(summary: Mapping[str, Any]) -> Table:
+def _against(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     heads = ("median difference", f"{summary['confidence']:.0%} CI", "better in", "equal in")
     made = _columns(f"Against {summary['baseline']}, run by run on the same seeds", ("law", "score", "unit"), heads)
     for label, scores in summary["against_baseline"].items():
-        for i, criterion in enumerate(ATO_CRITERIA):
+        for i, criterion in enumerate(criteria):
             score, digits = scores[criterion.key], _digits(criterion)
             apart = score["median_difference"]
             made.add_row(
@@ -106,32 +109,34 @@ def _against(summary: Mapping[str, Any]) -> Table:
     return made
 
 
-def _errors(run: Mapping[str, Any]) -> str:
-    values = {criterion: run[limit_key(criterion)] for criterion in limited()}
+def _errors(run: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
+    values = {criterion: run[limit_key(criterion)] for criterion in limited(criteria)}
     if None in values.values():
         return "no stop"
     return ", ".join(f"{criterion.brief} {value:+.3f} {criterion.unit}" for criterion, value in values.items())
 
 
-def show(console: Output, summary: Mapping[str, Any], folder: Path) -> None:
+def show(console: Output, summary: Mapping[str, Any], folder: Path, criteria: Sequence[Criterion]) -> None:
     """Print all tables, then the worst runs with the commands that make them again on the bench."""
     console.say(
         f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "
         f"{summary['last_seed']}, {summary['arithmetic']}, indexed by {summary['indexing']}"
     )
-    tables = [_scores(summary), _inside(summary), _stops(summary)]
+    tables = [_scores(summary, criteria), _inside(summary, criteria)]
+    if all("stopped_within_m" in law for law in summary["laws"].values()):
+        tables.append(_stops(summary))
     if summary["against_baseline"]:
-        tables.append(_against(summary))
+        tables.append(_against(summary, criteria))
     for made in tables:
         for warning in summary["warnings"]:
             console.say(warning, style="bold red")
         console.print(made)
         console.say("")
-    if any(law["not_stopped"] for law in summary["laws"].values()):
+    if any(law.get("not_stopped") for law in summary["laws"].values()):
         console.say("A run that did not stop counts as infinitely bad in the quantiles of stop and time error.")
     console.say("Worst runs, and the command that makes each again on the bench", style="bold")
     for label, law in summary["laws"].items():
         for run in law["worst"]:
-            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run)}")
+            console.say(f"{label}: {', '.join(run['why'])}: {_errors(run, criteria)}")
             console.say(f"  {run['command']}", style="dim")
     console.say(f"campaign folder {folder}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,9 @@ from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, e
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import worst_runs
-from railhil.scenarios.canonical import judged_sha256
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.scenarios.stored import any_judged_sha256
+from railhil.supervisor.criteria import STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
 
-#: Key of the share of runs inside all limits.
-ALL_LIMITS = "both" if len(limited()) == 2 else "all_limits"
 #: Key and probability of each quantile.
 QUANTILES = {"median": 0.5, "p95": 0.95}
 _NOTES = [
@@ -60,16 +59,31 @@ def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
     return np.asarray(np.nan_to_num(values, nan=math.inf) <= limit, dtype=np.bool_)
 
 
+def all_limits(criteria: Sequence[Criterion]) -> str:
+    """Key of the share of runs inside all limits."""
+    return "both" if len(limited(criteria)) == 2 else "all_limits"
+
+
 def key_of(criterion: Criterion) -> str:
     """Key of the share of runs inside one limit."""
     return f"{criterion.brief.replace(' ', '_')}_limit"
 
 
-def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
-    stop_errors_m = numbers(rows, STOP_ERROR.key)
-    inside = {
-        key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key)) for criterion in limited()
+def _stops(stop_errors_m: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "stopped_within_m": {f"{limit:g}": _share(share(_within(stop_errors_m, limit))) for limit in STOP_WITHIN_M},
+        "not_stopped": int(np.count_nonzero(np.isnan(stop_errors_m))),
     }
+
+
+def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
+    criteria = plan.criteria
+    stops = {} if STOP_ERROR not in criteria else _stops(numbers(rows, STOP_ERROR.key))
+    inside = {
+        key_of(criterion): criterion.inside(plan.scenario, numbers(rows, criterion.key))
+        for criterion in limited(plan.criteria)
+    }
+    everyone = np.ones(rows.num_rows, dtype=np.bool_)
     passed = np.array(rows["verdict"].to_pylist()) == "PASS"
     wraps = rows["wraps"].to_numpy()
     return {
@@ -78,15 +92,14 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
         "training_runs": int(np.count_nonzero(rows["training"].to_numpy(zero_copy_only=False))),
         "scores": {
             criterion.key: {"unit": criterion.unit} | _quantiles(criterion, numbers(rows, criterion.key))
-            for criterion in ATO_CRITERIA
+            for criterion in criteria
         },
         "inside": {
             **{key: _share(share(hits)) for key, hits in inside.items()},
-            ALL_LIMITS: _share(share(np.logical_and.reduce(list(inside.values())))),
+            all_limits(criteria): _share(share(np.logical_and.reduce([everyone, *inside.values()]))),
             "pass": _share(share(passed)),
         },
-        "stopped_within_m": {f"{limit:g}": _share(share(_within(stop_errors_m, limit))) for limit in STOP_WITHIN_M},
-        "not_stopped": int(np.count_nonzero(np.isnan(stop_errors_m))),
+        **stops,
         "overspeeds": int(np.count_nonzero(numbers(rows, "overspeed_mps") > 0)),
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),
@@ -96,10 +109,10 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
     }
 
 
-def _against(rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
+def _against(criteria: Sequence[Criterion], rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
     """Paired: both laws have run the same seeds, so the same trains."""
     found = {}
-    for criterion in ATO_CRITERIA:
+    for criterion in criteria:
         ours, theirs = (criterion.badness(numbers(side, criterion.key)) for side in (rows, baseline))
         apart = differences(ours, theirs)
         found[criterion.key] = {
@@ -131,18 +144,20 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
     warning = training_sentence(plan)
     return {
         "scenario": plan.scenario.name,
-        "scenario_sha256": judged_sha256(plan.scenario),
+        "scenario_sha256": any_judged_sha256(plan.scenario),
         **plan.how,
         "runs": plan.request.runs,
         "first_seed": plan.seeds.start,
         "last_seed": plan.seeds.stop - 1,
         "confidence": CONFIDENCE,
         "warnings": [] if warning is None else [warning],
-        "notes": _NOTES,
+        "notes": _NOTES if STOP_ERROR in plan.criteria else _NOTES[1:],
         "limits": {
-            limit_key(criterion): criterion.limit.of(plan.scenario) for criterion in limited() if criterion.limit
+            limit_key(criterion): criterion.limit.of(plan.scenario)
+            for criterion in limited(plan.criteria)
+            if criterion.limit
         },
         "laws": {entry.label: _law(plan, entry, rows[entry.label]) for entry in plan.entries},
         "baseline": first,
-        "against_baseline": {label: _against(rows[label], rows[first]) for label in others},
+        "against_baseline": {label: _against(plan.criteria, rows[label], rows[first]) for label in others},
     }

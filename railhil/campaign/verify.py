@@ -16,12 +16,14 @@ import numpy as np
 from railhil.batch import trace_digest
 from railhil.campaign.folder import RESULTS
 from railhil.campaign.manifest import MANIFEST, read_manifest
+from railhil.campaign.nodes import DIGITS
 from railhil.campaign.plan import Plan, make_plan
-from railhil.campaign.results_table import SIGNED, NotThePart, read_results, row
+from railhil.campaign.results_table import NotThePart, read_results, row, signed_columns
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.framelog import read_log
+from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import trace_of
 
 
@@ -77,10 +79,14 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
             complaint = " ".join(done.stderr.split()) or "no word"
             raise BenchInvalid(f"the bench gave exit code {done.returncode} for railhil {' '.join(words)}: {complaint}")
         found = json.loads((folder / "score.json").read_text(encoding="utf-8"))
-        digest = trace_digest(plan.scenario, trace_of(read_log(folder / "frames.log")))
+        log = folder / "frames.log"
+        if isinstance(plan.scenario, Scenario):
+            digest = trace_digest(plan.scenario, trace_of(read_log(log)))
+        else:
+            digest = log_sha256(log)[:DIGITS]
     return {
         **found["scores"],
-        **{name: found["signed"][key] for name, key in SIGNED.items()},
+        **{name: found["signed"][key] for name, key in signed_columns(plan.criteria).items()},
         **{name: found[name] for name in ("verdict", "ended", "overspeed_mps", "failures")},
         "notch_digest": digest,
     }
@@ -95,7 +101,7 @@ def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
     """
     plan = _plan(folder)
     try:
-        results = read_results(folder / RESULTS)
+        results = read_results(folder / RESULTS, plan.criteria)
     except FileNotFoundError:
         raise InputError(folder, "", Words(f"no {RESULTS}"), "a finished campaign (--resume finishes it)") from None
     except (OSError, NotThePart) as why:

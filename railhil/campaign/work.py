@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import platform
 from dataclasses import dataclass
+from typing import Any
 
-from railhil.campaign.plan import Chunk, Plan, batch_sha256, bench_sha256, law_sha256
+from railhil.campaign.nodes import run_nodes
+from railhil.campaign.plan import Chunk, Plan, batch_of, batch_sha256, bench_sha256, law_sha256
 from railhil.campaign.results_table import file_bytes, table_of
 from railhil.common.exit_codes import INVALID
-from railhil.scenarios.model import Scenario
+from railhil.supervisor.judging import judging_of
 
 
 class OtherCode(Exception):
@@ -22,7 +24,7 @@ class Task:
     """All that a worker needs; small, it travels with every chunk. ``origin`` is what the part says of itself."""
 
     chunk: Chunk
-    scenario: Scenario
+    scenario: Any
     training: tuple[int, ...]
     origin: str
     code_sha256: str
@@ -56,12 +58,15 @@ def run_task(task: Task) -> tuple[str, bytes]:
     :raises scenarios.errors.InputError: a library of the extra is missing here.
     """
     entry = task.chunk.entry
-    ours = (bench_sha256(), batch_sha256(), law_sha256(entry.law.controller))
+    ours = (bench_sha256(), batch_sha256(), law_sha256(entry.law.controller, task.scenario.system))
     if ours != (task.code_sha256, task.batch_sha256, entry.law_sha256):
         raise OtherCode(
             f"worker on {platform.node()} has other code than this campaign: install the same railhil there"
         )
-    from railhil.batch import Case, run_batch
+    from railhil.batch import Case
 
-    result = run_batch(Case(task.scenario, entry.law), list(task.chunk.seeds))
-    return task.chunk.name, file_bytes(table_of(entry.label, result, task.training), task.origin)
+    case = Case(task.scenario, entry.law)
+    run = batch_of(task.scenario) or run_nodes
+    criteria = judging_of(task.scenario).criteria
+    result = run(case, list(task.chunk.seeds))
+    return task.chunk.name, file_bytes(table_of(entry.label, result, task.training, criteria), task.origin)

@@ -25,10 +25,10 @@ def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
     return [int(index) for index in order if not np.isnan(values[index])]
 
 
-def _broken(rows: pa.Table) -> list[tuple[int, str]]:
+def _broken(rows: pa.Table, stops: bool) -> list[tuple[int, str]]:
     """Rows in which something happened that must not, worst first, equal ones by seed, and what it was."""
     how_bad = {
-        "did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64),
+        **({"did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64)} if stops else {}),
         "overspeed": np.nan_to_num(numbers(rows, "overspeed_mps")),
         "wraps": numbers(rows, "wraps"),
     }
@@ -45,10 +45,10 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
     :param rows: of the law, by seed.
     """
     reasons: dict[int, list[str]] = {}
-    for criterion in limited():
+    for criterion in limited(plan.criteria):
         for rank, index in enumerate(_worst(rows, criterion), 1):
             reasons.setdefault(index, []).append(f"{criterion.title} {rank}")
-    for index, why in _broken(rows):
+    for index, why in _broken(rows, STOP_ERROR in plan.criteria):
         reasons.setdefault(index, []).append(why)
     found = []
     for index, why_all in reasons.items():
@@ -57,7 +57,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
             {
                 "seed": run["seed"],
                 "why": why_all,
-                **{limit_key(criterion): run[column_of(criterion)] for criterion in limited()},
+                **{limit_key(criterion): run[column_of(criterion)] for criterion in limited(plan.criteria)},
                 "overspeed_mps": run["overspeed_mps"],
                 "ended": run["ended"],
                 "failures": run["failures"],

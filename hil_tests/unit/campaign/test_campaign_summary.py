@@ -14,10 +14,11 @@ import pytest
 from rich.console import Console
 
 from railhil.campaign.plan import Request, make_plan
-from railhil.campaign.results_table import SCHEMA, NotThePart, file_bytes, read_part, table_of
+from railhil.campaign.results_table import NotThePart, file_bytes, read_part, schema, table_of
 from railhil.campaign.show import _against, _scores
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
+from railhil.supervisor.criteria import ATO_CRITERIA
 
 
 def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
@@ -68,8 +69,12 @@ def results(plan):
     in_time = np.full(20, 0.1)
     in_time[7] = np.nan
     tables = [
-        table_of(own.label, made_result(plan.seeds, -grows, np.full(20, 0.2), wraps=1), plan.training(own)),
-        table_of(other.label, made_result(plan.seeds, better, in_time, overspeed_mps=0.3), plan.training(other)),
+        table_of(
+            own.label, made_result(plan.seeds, -grows, np.full(20, 0.2), wraps=1), plan.training(own), ATO_CRITERIA
+        ),
+        table_of(
+            other.label, made_result(plan.seeds, better, in_time, overspeed_mps=0.3), plan.training(other), ATO_CRITERIA
+        ),
     ]
     return pa.concat_tables(tables)
 
@@ -102,13 +107,13 @@ def test_infinite_values_and_bounds_that_are_not_there_are_told_apart(plan):
 
     def found(own_m, other_m):
         tables = [
-            table_of(own.label, made_result(plan.seeds, own_m, own_m), ()),
-            table_of(other.label, made_result(plan.seeds, other_m, other_m), ()),
+            table_of(own.label, made_result(plan.seeds, own_m, own_m), (), ATO_CRITERIA),
+            table_of(other.label, made_result(plan.seeds, other_m, other_m), (), ATO_CRITERIA),
         ]
         document = summary(plan, pa.concat_tables(tables))
         json.dumps(document, allow_nan=False)
         printed = Console(file=io.StringIO(), width=200)
-        for made in (_scores(document), _against(document)):
+        for made in (_scores(document, ATO_CRITERIA), _against(document, ATO_CRITERIA)):
             printed.print(made)
         law = document["laws"][other.label]["scores"]["stop_error_m"]
         return law, document["against_baseline"][other.label]["stop_error_m"], printed.file.getvalue()
@@ -172,7 +177,9 @@ def test_no_failure_crowds_out_another(plan):
     stop_m[15:] = 0.1
     over = np.zeros(20)
     over[16:19] = 0.1, 0.3, 0.2
-    rows = table_of(own.label, made_result(plan.seeds, stop_m, stop_m, over, wraps=np.arange(20) // 19), ())
+    rows = table_of(
+        own.label, made_result(plan.seeds, stop_m, stop_m, over, wraps=np.arange(20) // 19), (), ATO_CRITERIA
+    )
     why = {run["seed"]: set(run["why"]) for run in worst_runs(plan, own, rows)}
     assert [seed for seed in why if "did not stop" in why[seed]] == [1000, 1001, 1002, 1003, 1004]
     assert [seed for seed in why if "overspeed" in why[seed]] == [1016, 1017, 1018]
@@ -181,7 +188,7 @@ def test_no_failure_crowds_out_another(plan):
 
 
 def test_missing_values_are_null(results):
-    assert results.schema.equals(SCHEMA)
+    assert results.schema.equals(schema(ATO_CRITERIA))
     row = next(row for row in results.to_pylist() if row["ended"] == "ended_not_stopped")
     assert row["stop_error_m"] is row["signed_time_error_s"] is None
     assert row["itae"] == 2000
@@ -198,7 +205,9 @@ def part(tmp_path, results):
 
 
 def test_a_part_is_read_back(part, results):
-    assert read_part(part, "here", "ipfc", range(1000, 1020)).replace_schema_metadata() == results.slice(0, 20)
+    assert read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA).replace_schema_metadata() == results.slice(
+        0, 20
+    )
 
 
 def test_the_same_rows_are_the_same_bytes(part, results):
@@ -211,7 +220,7 @@ def test_a_torn_part_is_noticed(part, share_kept):
     content = part.read_bytes()
     part.write_bytes(content[: int(len(content) * share_kept)])
     with pytest.raises(NotThePart, match="torn or damaged"):
-        read_part(part, "here", "ipfc", range(1000, 1020))
+        read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
 
 
 def test_a_flipped_bit_changes_no_figure(part, results):
@@ -222,7 +231,7 @@ def test_a_flipped_bit_changes_no_figure(part, results):
         flipped[place] ^= 1
         part.write_bytes(flipped)
         try:
-            found = read_part(part, "here", "ipfc", range(1000, 1020))
+            found = read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
         except NotThePart:
             noticed += 1
         else:
@@ -237,9 +246,9 @@ def test_a_part_of_other_runs_is_noticed(part, results):
         "of another law": ("here", "tpfc1", range(1000, 1020)),
     }.items():
         with pytest.raises(NotThePart, match=words):
-            read_part(part, *arguments)
+            read_part(part, *arguments, ATO_CRITERIA)
     with pytest.raises(NotThePart, match="with other seeds"):
-        read_part(part, "here", "ipfc", range(1000, 1021))
+        read_part(part, "here", "ipfc", range(1000, 1021), ATO_CRITERIA)
     part.write_bytes(file_bytes(results.drop_columns("wraps"), "here"))
     with pytest.raises(NotThePart, match="with other columns"):
-        read_part(part, "here", "ipfc", range(1000, 1020))
+        read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
