@@ -41,6 +41,8 @@ _DEAF = """
 import json, sys
 from pathlib import Path
 from railhil.bench import local_run
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
 from railhil.scenarios.load import load_any
 from two_carts.wire import COMMANDS, STATS
 scenario = load_any(sys.argv[1])
@@ -50,7 +52,8 @@ def wire(frame):
     global seen
     seen += frame.can_id == STATS[1].port().address
     return [] if frame.can_id == STATS[1].port().address and 50 <= seen < 150 else [frame]
-run = local_run(scenario, folder, arithmetic="float64", wire=wire)
+law = LawSpec(system_named(scenario.system).law, "float64")
+run = local_run(scenario, folder, RunSpec(law=law), wire=wire)
 time_s = run.trace.times_s(COMMANDS[0].PORT)
 force_n = run.trace.values(COMMANDS[0].PORT, "Unit1Force")
 kept = force_n[(time_s > 0.52) & (time_s < 0.7)].tolist()
