@@ -74,8 +74,10 @@ def made(
 
 
 def workers_of(process: int) -> list[psutil.Process]:
-    """joblib's worker processes."""
-    return [child for child in psutil.Process(process).children() if "--process-name" in child.cmdline()]
+    """joblib's worker processes; one that has ended and was not waited for yet has no command line any more."""
+    children = psutil.Process(process).children()
+    living = [child for child in children if child.status() != psutil.STATUS_ZOMBIE]
+    return [child for child in living if "--process-name" in child.cmdline()]
 
 
 def in_parts_of_one(short: Path) -> Plan:

@@ -79,8 +79,9 @@ def test_the_controller_says_what_the_notes_are() -> None:
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 def test_every_law_answers_the_notes_that_it_declares(law: str, arithmetic: str) -> None:
     scenario = load_scenario("lvshun_tieshan")
-    assert len(Controller(scenario, law, arithmetic).step(0, 0, 0).notes) == len(load(law).notes)
-    together = BatchController(scenario, 2, law, arithmetic).step(0, np.zeros(2, np.int64), np.zeros(2, np.int64))
+    spec = LawSpec(law, arithmetic)
+    assert len(Controller(scenario, spec).step(0, 0, 0).notes) == len(load(law).notes)
+    together = BatchController(scenario, 2, spec).step(0, np.zeros(2, np.int64), np.zeros(2, np.int64))
     assert [values.shape for values in together.notes] == [(2,)] * len(load(law).notes)
 
 

@@ -227,7 +227,7 @@ def test_an_own_file_that_breaks_what_it_builds_upon_is_blamed_itself(case: str,
 
 def test_a_scenario_that_leaves_nothing_to_draw_has_no_perturbed_runs() -> None:
     scenario = replace(load("lvshun_tieshan"), perturbations=Perturbations())
-    with pytest.raises(InputError, match=r"--perturbed: found the scenario lvshun_tieshan, which has no \[perturb"):
+    with pytest.raises(InputError, match=r"--perturbed: found .* which has nothing to draw \(no \[perturb"):
         require_perturbations(scenario, "--perturbed")
     require_perturbations(load("lvshun_tieshan_worn_wheels"), "--perturbed")
 

@@ -123,5 +123,5 @@ def test_nothing_to_draw_is_said_and_not_silently_nominal(tmp_path: Path, monkey
         program(tune, "ipfc", str(path)),
         program(audit, str(path), "--runs", "1"),
     ):
-        with pytest.raises(InputError, match=r"found the scenario lvshun_tieshan, which has no \[perturbations\]"):
+        with pytest.raises(InputError, match=r"lvshun_tieshan, which has nothing to draw \(no \[perturbations\]"):
             made()
