@@ -1,17 +1,8 @@
 """The wire contract: ports, telegram layouts, and the DBC file that says the same to every other tool."""
 
-from railhil.dbc.contract import (
-    DBC,
-    PORTS,
-    Contract,
-    ContractError,
-    Port,
-    Signal,
-    load_contract,
-    recorded_contract,
-    wire_contract,
-)
+from railhil.dbc.contract import DBC, PORTS, Contract, ContractError, Port, Signal
 from railhil.dbc.house import HOUSE_PORTS, system_contract
+from railhil.dbc.read import load_contract, recorded_contract, wire_contract
 
 __all__ = [
     "DBC",

@@ -1,19 +1,9 @@
-"""The port table ``ports.toml`` as frozen dataclasses, loaded once.
-
-The table is the single source: telegram classes check their fields against it, ``railhil.dbc`` is written from it,
-and its DBC's SHA-256 is what the nodes compare before a run.
-"""
+"""The wire contract as frozen dataclasses: ports, their signals, and the numbers of the bus."""
 
 from __future__ import annotations
 
-import hashlib
-import re
-import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import cache
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, field
 
 #: Data bits of a slave frame by F_code 0..4 (IEC 61375-3-1, process data).
 DATA_BITS = {0: 16, 1: 32, 2: 64, 3: 128, 4: 256}
@@ -23,10 +13,8 @@ ANTIVALENT_VALUES = {0: "error", 1: "false", 2: "true", 3: "undefined"}
 #: Version of the wire contract, sent in the handshake.
 WIRE_VERSION = 4
 
-_FOLDER = Path(__file__).parent
 #: Names of the port table and of its DBC, here and in a run folder.
 PORTS, DBC = "ports.toml", "railhil.dbc"
-_AT = re.compile(r"^(\d+)\.([0-7]):(\d+)$")
 
 
 class ContractError(Exception):
@@ -142,150 +130,3 @@ class Contract:
         """The plant's fastest periodic port: it opens every tick, and its life sign counts ticks."""
         periodic = [p for p in self.ports if p.source == "plant" and p.mode == "publish"]
         return min(periodic, key=lambda port: (port.period_ns, port.address))
-
-
-def _signal(file: str, port: str, entry: Mapping[str, Any], prefix: str) -> Signal:
-    match = _AT.match(str(entry.get("at", "")))
-    if match is None:
-        raise ContractError(
-            f"{file}: {port}.{entry.get('name')}.at: found {entry.get('at')!r}, allowed byte.msb:length"
-        )
-    check = entry.get("check", "")
-    values = {"chk": CHECK_VALUES, "antivalent": ANTIVALENT_VALUES}.get(check) or {
-        int(key): str(text) for key, text in entry.get("values", {}).items()
-    }
-    return Signal(
-        name=str(entry["name"]).replace("{p}", prefix),
-        byte=int(match[1]),
-        msb=int(match[2]),
-        length=int(match[3]),
-        signed=bool(entry.get("signed", False)),
-        scale=float(entry.get("scale", 1.0)),
-        unit=str(entry.get("unit", "")),
-        minimum=entry.get("min"),
-        maximum=entry.get("max"),
-        comment=str(entry.get("comment", "")),
-        check=check,
-        values=values,
-    )
-
-
-def _checked(file: str, port: Port) -> Port:
-    """The port, after the rules of the CAN mapping: address grid, room, no overlap, no signal across blocks."""
-    if port.address % 8 or not 0x100 <= port.address <= 0x3F8:
-        raise ContractError(
-            f"{file}: {port.name}.address: found {port.address:#x}, allowed multiples of 8, 0x100..0x3f8"
-        )
-    if port.f_code not in DATA_BITS:
-        raise ContractError(f"{file}: {port.name}.f_code: found {port.f_code}, allowed 0..4")
-    if port.source not in ("plant", "controller", "supervisor"):
-        raise ContractError(f"{file}: {port.name}.source: found {port.source!r}, allowed plant, controller, supervisor")
-    if port.mode not in ("publish", "poll", "event"):
-        raise ContractError(f"{file}: {port.name}.mode: found {port.mode!r}, allowed publish, poll, event")
-    taken: set[int] = set()
-    for signal in port.signals:
-        bits = set(range(signal.first_bit, signal.first_bit + signal.length))
-        if bits & taken:
-            raise ContractError(
-                f"{file}: {port.name}.{signal.name}.at: found bits of another signal, allowed free bits"
-            )
-        if max(bits) >= port.data_bytes * 8 or min(bits) // 64 != max(bits) // 64:
-            raise ContractError(
-                f"{file}: {port.name}.{signal.name}.at: found bits {min(bits)}..{max(bits)}, "
-                f"allowed inside one 64-bit block of {port.data_bytes} bytes"
-            )
-        taken |= bits
-    return port
-
-
-def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contract:
-    """Read the port table and, unless told otherwise, check it against the DBC file beside it.
-
-    :raises ContractError: one line with file, key, found and allowed; also when the DBC beside the table does not
-        say the same (a foreign or outdated DBC).
-    """
-    from railhil.dbc.generate import dbc_text
-
-    file = path.name
-    draft = _read(path, "")
-    digest = hashlib.sha256(dbc_text(draft).encode()).hexdigest()
-    dbc_path = path.with_name(DBC)
-    found = hashlib.sha256(dbc_path.read_bytes()).hexdigest() if dbc_path.exists() else "no file"
-    if check_dbc and found != digest:
-        raise ContractError(
-            f"{dbc_path.name}: sha256: found {found[:16]}, allowed {digest[:16]} (from {file}; `make dbc` writes it)"
-        )
-    return replace(draft, sha256=digest)
-
-
-def _read(path: Path, sha256: str) -> Contract:
-    """The port table in a file. Raises ContractError."""
-    file = path.name
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise ContractError(f"{file}: {error}") from error
-    try:
-        return _made(file, table, sha256)
-    except KeyError as error:
-        raise ContractError(f"{file}: key {error}: found nothing, allowed a value: the key is required") from None
-    except (TypeError, ValueError, AttributeError) as error:
-        raise ContractError(f"{file}: {error}; allowed a port table like that of railhil") from error
-
-
-def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
-    """The contract that a parsed port table says."""
-    ports: list[Port] = []
-    for entry in table["port"]:
-        name = str(entry["name"])
-        entries = entry["signals"]
-        if isinstance(entries, str):
-            entries = table["shared"][entries]
-        prefix = name.split("_")[0].capitalize()
-        port = Port(
-            name=name,
-            address=int(entry["address"]),
-            f_code=int(entry["f_code"]),
-            period_ns=int(entry["period_ms"]) * 1_000_000,
-            source=str(entry["source"]),
-            mode=str(entry["mode"]),
-            comment=str(entry["comment"]),
-            signals=tuple(_signal(file, name, item, prefix) for item in entries),
-        )
-        ports.append(_checked(file, port))
-    bus = table["bus"]
-    return Contract(
-        bit_rate=int(bus["bit_rate"]),
-        poll_id=int(bus["poll_id"]),
-        device_status_id=int(bus["device_status_id"]),
-        base_tick_ns=int(bus["base_tick_ms"]) * 1_000_000,
-        ports=tuple(sorted(ports, key=lambda port: port.address)),
-        sha256=sha256,
-    )
-
-
-def recorded_contract(folder: Path, sha256: str | None) -> Contract:
-    """The contract that a record was made with: of its folder, else this version's, else an earlier one's.
-
-    :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
-    :param sha256: of the DBC, as the certificate says; None when nothing says it.
-    :raises ContractError: the folder's DBC is another, or no version of railhil had the one that is asked for.
-    """
-    if (folder / PORTS).is_file() and (folder / DBC).is_file():
-        found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()
-        if sha256 not in (None, found):
-            raise ContractError(f"{folder / DBC}: sha256: found {found}, allowed {sha256}, as in the certificate")
-        return _read(folder / PORTS, found)
-    if sha256 in (None, wire_contract().sha256):
-        return wire_contract()
-    earlier = _FOLDER / "history" / f"{sha256}.toml"
-    if not earlier.is_file():
-        allowed = f"one of a version of railhil, or {PORTS} and {DBC} in the folder"
-        raise ContractError(f"{folder}: DBC: found sha256 {sha256}, allowed {allowed}")
-    return _read(earlier, str(sha256))
-
-
-@cache
-def wire_contract() -> Contract:
-    """The contract of this installation, loaded at first use (so that a broken file is reported by the command)."""
-    return load_contract()

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-from railhil.dbc.contract import Contract, ContractError, load_contract, wire_contract
+from railhil.dbc.contract import Contract, ContractError
+from railhil.dbc.read import load_contract, wire_contract
 
 #: Ports that every system has, laid out alike: clock, orders, milestones and handshake of the bench itself.
 HOUSE_PORTS = ("TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")

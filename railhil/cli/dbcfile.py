@@ -7,7 +7,7 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.dbc import Contract
-from railhil.dbc.generate import dbc_text
+from railhil.dbc.text import dbc_text
 
 
 def _load(path: Path) -> Any:

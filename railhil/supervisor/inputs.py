@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from railhil.dbc import DBC, PORTS
-from railhil.dbc.generate import dbc_text
+from railhil.dbc.text import dbc_text
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.stored import SCENARIO, any_document

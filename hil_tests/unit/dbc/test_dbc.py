@@ -20,7 +20,7 @@ from railhil.bus.layout import Telegram, signal
 from railhil.bus.load import bus_load, longest_frame_bits
 from railhil.bus.mvb import TelegramSource
 from railhil.dbc import ContractError, load_contract, wire_contract
-from railhil.dbc.generate import dbc_text
+from railhil.dbc.text import dbc_text
 from railhil.supervisor.trace import Trace
 
 FOLDER = ROOT / "dbc"

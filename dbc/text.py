@@ -1,0 +1,156 @@
+"""The text of the DBC file that says what a port table says.
+
+A classic telegram of more than 32 bit is several CAN frames, so it becomes several DBC messages: one per block, one
+for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too, so that
+cantools decodes every frame on the bus.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from railhil.dbc.contract import Contract, Port, Signal
+
+_NODES = {"plant": "PLT", "controller": "CTL", "supervisor": "SUP"}
+#: Payload lengths of the CAN FD form by F_code; 40 bytes do not exist in CAN FD, 48 do.
+FD_BYTES = {0: 8, 1: 8, 2: 16, 3: 24, 4: 48}
+
+
+@dataclass(frozen=True, slots=True)
+class _Message:
+    can_id: int
+    name: str
+    length: int
+    sender: str
+    comment: str
+    cycle_ms: int
+    fd: bool
+    signals: tuple[Signal, ...]
+
+
+def _moved(signal: Signal, byte_offset: int) -> Signal:
+    return Signal(
+        signal.name,
+        signal.byte + byte_offset,
+        signal.msb,
+        signal.length,
+        signal.signed,
+        signal.scale,
+        signal.unit,
+        signal.minimum,
+        signal.maximum,
+        signal.comment,
+        signal.check,
+        signal.values,
+    )
+
+
+def _master(byte: int) -> tuple[Signal, ...]:
+    return (
+        Signal("FCode", byte, 7, 4, comment="F_code of the master word"),
+        Signal("Address", byte, 3, 12, comment="Logical address of the master word"),
+        Signal("MasterCS", byte + 2, 7, 8, comment="Check sequence of the master word"),
+    )
+
+
+def _single_tail() -> tuple[Signal, ...]:
+    return (Signal("CS", 4, 7, 8, comment="Check sequence of the data"), *_master(5))
+
+
+def _trailer(blocks: int, byte: int) -> tuple[Signal, ...]:
+    sums = tuple(Signal(f"CS{k}", byte + k, 7, 8, comment=f"Check sequence of block {k}") for k in range(blocks))
+    return (
+        *sums,
+        Signal("Seq", byte + 4, 7, 4, comment="Telegram counter, for statistics"),
+        Signal("Blocks", byte + 4, 3, 4, comment="Number of blocks"),
+        *_master(byte + 5),
+    )
+
+
+def _port_messages(port: Port) -> Iterator[_Message]:
+    sender = _NODES[port.source]
+    cycle_ms = port.period_ns // 1_000_000
+    note = f"{port.comment}. MVB F{port.f_code}, {port.mode}."
+    if port.single_frame:
+        signals = port.signals + _single_tail()
+        yield _Message(port.address, port.name, 8, sender, note, cycle_ms, False, signals)
+        yield _Message(port.fd_id, f"{port.name}_FD", 8, sender, f"{note} CAN FD form.", cycle_ms, True, signals)
+        return
+    for block in range(port.blocks):
+        part = tuple(_moved(s, -8 * block) for s in port.signals if s.block == block)
+        name = port.name if block == 0 else f"{port.name}_B{block}"
+        yield _Message(port.address + block, name, 8, sender, f"{note} Block {block}.", cycle_ms, False, part)
+    trailer = _trailer(port.blocks, 0)
+    yield _Message(port.address + 4, f"{port.name}_TRL", 8, sender, f"{note} Trailer.", cycle_ms, False, trailer)
+    everything = port.signals + _trailer(port.blocks, 8 * port.blocks)
+    yield _Message(
+        port.fd_id, f"{port.name}_FD", FD_BYTES[port.f_code], sender, f"{note} CAN FD form.", cycle_ms, True, everything
+    )
+
+
+def _messages(contract: Contract) -> list[_Message]:
+    poll = (Signal("FCode", 0, 7, 4), Signal("Address", 0, 3, 12), Signal("MasterCS", 2, 7, 8))
+    status = (Signal("DeviceStatus", 0, 7, 16, comment="Device status word"), *_single_tail())
+    messages = [
+        _Message(contract.poll_id, "BA_POLL", 3, "PLT", "Master frame of the bus administrator.", 0, False, poll),
+        _Message(contract.device_status_id, "DEV_STAT", 8, "Vector__XXX", "Answer to F_code 15.", 0, False, status),
+    ]
+    for port in contract.ports:
+        messages.extend(_port_messages(port))
+    return sorted(messages, key=lambda message: message.can_id)
+
+
+def _number(value: float) -> str:
+    return repr(int(value)) if value == int(value) else f"{value:.17g}"
+
+
+def _signal_line(signal: Signal) -> str:
+    low, high = signal.raw_range
+    start = signal.byte * 8 + signal.msb
+    minimum = low * signal.scale if signal.minimum is None else signal.minimum
+    maximum = high * signal.scale if signal.maximum is None else signal.maximum
+    sign = "-" if signal.signed else "+"
+    return (
+        f" SG_ {signal.name} : {start}|{signal.length}@0{sign} ({_number(signal.scale)},0) "
+        f'[{_number(minimum)}|{_number(maximum)}] "{signal.unit}" Vector__XXX'
+    )
+
+
+def dbc_text(contract: Contract) -> str:
+    """The DBC file for a contract, as text with a final newline."""
+    messages = _messages(contract)
+    lines = ['VERSION "1"', "", "NS_ :", "", "BS_:", "", "BU_: PLT CTL SUP", ""]
+    for message in messages:
+        lines.append(f"BO_ {message.can_id} {message.name}: {message.length} {message.sender}")
+        lines.extend(_signal_line(signal) for signal in message.signals)
+        lines.append("")
+    lines.append('CM_ "railhil wire contract: MVB process data on CAN. Written from ports.toml.";')
+    for message in messages:
+        lines.append(f'CM_ BO_ {message.can_id} "{message.comment}";')
+        lines.extend(
+            f'CM_ SG_ {message.can_id} {signal.name} "{signal.comment}";'
+            for signal in message.signals
+            if signal.comment
+        )
+    lines += [
+        'BA_DEF_ "BusType" STRING ;',
+        'BA_DEF_ BO_ "GenMsgCycleTime" INT 0 65535;',
+        'BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG","reserved","reserved",'
+        '"reserved","reserved","reserved","reserved","reserved","reserved","reserved","reserved","StandardCAN_FD",'
+        '"ExtendedCAN_FD";',
+        'BA_DEF_DEF_ "BusType" "CAN FD";',
+        'BA_DEF_DEF_ "GenMsgCycleTime" 0;',
+        'BA_DEF_DEF_ "VFrameFormat" "StandardCAN";',
+        'BA_ "BusType" "CAN FD";',
+    ]
+    for message in messages:
+        lines.append(f'BA_ "GenMsgCycleTime" BO_ {message.can_id} {message.cycle_ms};')
+        if message.fd:
+            lines.append(f'BA_ "VFrameFormat" BO_ {message.can_id} 14;')
+    for message in messages:
+        for signal in message.signals:
+            if signal.values:
+                table = " ".join(f'{key} "{text}"' for key, text in sorted(signal.values.items(), reverse=True))
+                lines.append(f"VAL_ {message.can_id} {signal.name} {table} ;")
+    return "\n".join(lines) + "\n"
