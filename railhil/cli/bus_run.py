@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import errno
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -157,24 +157,25 @@ def recorded(
     :param made: whether the folder was made for the run; it then goes when the run never began.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
     """
-    with _progress(scenario, spec, console, quiet) as on_progress:
+    with ExitStack() as held:
         try:
+            on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
             write_inputs(folder, scenario, spec.law.parameters)
+            run = _bench(scenario, spec, start_up, choice, folder, on_progress)
+            held.enter_context(run.stop)
         except OSError as error:
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
         except BaseException:
             discard_folder(folder, made)
             raise
-        run = _bench(scenario, spec, start_up, choice, folder, on_progress)
-        with run.stop:
-            result = _executed(run, folder, made)
-            refused = result.exit_code == USAGE and result.sim_time_s == 0
-            if refused or result.frames == 0:
-                discard_folder(folder, made)
-                raise NeverBegan(result.line or "no frame came", result.exit_code)
-            given = [] if choice.needs_hub else choice.arguments
-            write_folder(folder, scenario, spec, start_up, result, run.trace, given)
+        result = _executed(run, folder, made)
+        refused = result.exit_code == USAGE and result.sim_time_s == 0
+        if refused or result.frames == 0:
+            discard_folder(folder, made)
+            raise NeverBegan(result.line or "no frame came", result.exit_code)
+        given = [] if choice.needs_hub else choice.arguments
+        write_folder(folder, scenario, spec, start_up, result, run.trace, given)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
