@@ -27,7 +27,7 @@ def bash_script(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
+@pytest.mark.skipif(shutil.which("bash") is None, reason="MISSING CAPABILITY bash")
 @pytest.mark.parametrize(
     ("words", "wanted"),
     [

@@ -88,7 +88,7 @@ def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
     assert made.signals.units["traction_n"] == "N"
     assert made.events[-1].name == "ended_complete"
     assert len({event.name for event in made.events}) == len(made.events)
-    pandas = pytest.importorskip("pandas")
+    pandas = pytest.importorskip("pandas", reason="MISSING CAPABILITY pandas")
     table = made.signals.to_pandas()
     assert isinstance(table, pandas.DataFrame)
     assert np.array_equal(table["true_position_m"].to_numpy(), made.signals["true_position_m"])

@@ -14,7 +14,7 @@ import pytest
 from railhil.common.compilable import compilable, compilable_aside, larger, smaller
 from railhil.plant_sim import forces, sensors
 
-numba = pytest.importorskip("numba")
+numba = pytest.importorskip("numba", reason="MISSING CAPABILITY numba (extra campaign)")
 #: Equal numbers of both signs, ties, and what lies beside them.
 NUMBERS = (0.0, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -0.5, -1.5, 1e-300, -1e-300, 3.0, math.inf, -math.inf)
 
