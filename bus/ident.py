@@ -5,11 +5,11 @@ from __future__ import annotations
 import zlib
 from dataclasses import dataclass
 from enum import IntEnum
-from importlib.metadata import entry_points
 from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, flag, signal
 from railhil.common import choices
+from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, wire_contract
 from railhil.dbc.contract import WIRE_VERSION
 
@@ -109,7 +109,7 @@ def _shown(field: str, value: int) -> str:
 
 def _law_shown(code: int) -> str:
     """The installed laws of this code, with their own parameters; a digest of a parameter file tells nothing."""
-    names = sorted(entry.name for entry in entry_points(group="railhil.laws") if law_code(entry.name) == code)
+    names = sorted(name for name in entries("railhil.laws") if law_code(name) == code)
     return " or ".join(names) or f"{code:03x} (no installed law with its own parameters)"
 
 

@@ -10,13 +10,13 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from importlib.metadata import entry_points
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
+from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, system_contract
 
 GROUP = "railhil.systems"
@@ -111,12 +111,12 @@ class System:
 
     def law_names(self) -> list[str]:
         """Names of the installed laws that drive this system, in the order of every table."""
-        return in_order(entry.name for entry in entry_points(group=self.laws))
+        return in_order(entries(self.laws))
 
 
 def names() -> list[str]:
     """Names of the installed systems, sorted."""
-    return sorted({entry.name for entry in entry_points(group=GROUP)})
+    return sorted(entries(GROUP))
 
 
 def system_named(name: str, file: str | Path = "scenario") -> System:
@@ -125,7 +125,7 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
     :param file: what names it, for a complaint.
     :raises InputError: there is none, or its entry point is none that can be used.
     """
-    found = {entry.name: entry for entry in entry_points(group=GROUP)}
+    found = entries(GROUP)
     if name not in found:
         allowed = f"one that is installed: {', '.join(sorted(found))}"
         raise InputError(file, "system", name, allowed, did_you_mean(name, found))

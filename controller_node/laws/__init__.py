@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from importlib.metadata import entry_points
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
+from railhil.common.plug_ins import entries
 from railhil.controller_node.laws.base import Law
 from railhil.controller_node.laws.note import slots
 
@@ -15,7 +15,7 @@ GROUP = "railhil.laws"
 
 def names() -> list[str]:
     """Names of the installed laws, in the order of every table."""
-    return in_order(entry.name for entry in entry_points(group=GROUP))
+    return in_order(entries(GROUP))
 
 
 def load(name: str) -> type[Law[Any, Any]]:
@@ -37,7 +37,7 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
     Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an
     entry point that cannot be imported or is no law.
     """
-    found = {entry.name: entry for entry in entry_points(group=group)}
+    found = entries(group)
     if name not in found:
         allowed = f"one of {', '.join(in_order(found))}"
         raise InputError("controller", "name", name, allowed, did_you_mean(name, found))

@@ -1,0 +1,21 @@
+"""What is installed under an entry point group: the laws and systems that plug in."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import sys
+from collections.abc import Mapping
+from functools import cache
+
+
+def entries(group: str) -> Mapping[str, importlib.metadata.EntryPoint]:
+    """Entry points of a group by name.
+
+    Looked up once for each ``sys.path``: the lookup reads the metadata of every installed distribution.
+    """
+    return _entries(group, tuple(sys.path))
+
+
+@cache
+def _entries(group: str, path: tuple[str, ...]) -> Mapping[str, importlib.metadata.EntryPoint]:
+    return {entry.name: entry for entry in importlib.metadata.entry_points(group=group)}
