@@ -10,18 +10,23 @@ from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
+from railhil.batch.nodes import batch_of
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
 from railhil.controller_node.laws import names as laws
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
 
 _RUNS_MAX = 100_000
+#: Perturbed runs when nothing is said: through a batch, and through the nodes one by one.
+_RUNS, _RUNS_NODES = 200, 20
 _EXIT_CODES = """\
 exit codes:
   0    all bars are met
@@ -39,7 +44,9 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     add_set_argument(parser)
-    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
+    parser.add_argument(
+        "--controller", metavar="LAW", help=f"one of {', '.join(laws())}; of another system: one of its own"
+    )
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
     )
@@ -50,26 +57,39 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--runs",
         type=whole_number(0, _RUNS_MAX),
-        default=200,
         metavar="N",
-        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
+        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default {_RUNS}, "
+        f"{_RUNS_NODES} in a system without a batch; 0 leaves it out)",
     )
     add_json_argument(parser)
     return parser
+
+
+def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
+    """How many perturbed runs; says what they go through."""
+    batch = batch_of(scenario)
+    runs: int = namespace.runs if namespace.runs is not None else _RUNS_NODES if batch is None else _RUNS
+    if runs:
+        require_perturbations(scenario, "--runs")
+        say = Output(stderr=True).say
+        if batch is None:
+            say(f"no batch of trains for system {scenario.system}: {runs} perturbed runs in each of two arithmetics go "
+                "through the nodes, one by one")  # fmt: skip
+        else:
+            say_compiling(say)
+    return runs
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Audit and print; exit code 1 when a bar is missed."""
     accept_any_text()
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario, namespace.set)
-    if namespace.runs:
-        require_perturbations(scenario, "--runs")
-        say_compiling(Output(stderr=True).say)
+    scenario = load_any(namespace.scenario, namespace.set)
+    system = system_named(scenario.system)
     options = Options(
-        LawSpec(namespace.controller, namespace.arithmetic, namespace.indexing),
+        LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing),
         namespace.seed,
-        namespace.runs,
+        _runs(namespace, scenario),
     )
     result = audit(scenario, options)
     if namespace.json:
