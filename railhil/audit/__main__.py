@@ -16,6 +16,7 @@ from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_ar
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
@@ -86,11 +87,10 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     scenario = load_any(namespace.scenario, namespace.set)
     system = system_named(scenario.system)
-    options = Options(
-        LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing),
-        namespace.seed,
-        _runs(namespace, scenario),
-    )
+    law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
+    # A name that no law has is the only line of its complaint.
+    find(law.controller, system.laws)
+    options = Options(law, namespace.seed, _runs(namespace, scenario))
     result = audit(scenario, options)
     if namespace.json:
         print_json(document(result))

@@ -74,8 +74,8 @@ class Watched:
         return int(np.count_nonzero(~np.isfinite(self.rows)))
 
 
-class _Shadowed(Watched):
-    """The one that drives, with those that compute along."""
+class Shadowed(Watched):
+    """The one that drives, with those that compute along: they are told whatever it sends."""
 
     def __init__(
         self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any], along: Sequence[Watched]
@@ -139,7 +139,7 @@ def shadow_run(
     :raises InputError: as :class:`Watched` and :func:`run_under`.
     """
     reference, *along = (Watched(scenario, law, each) for each in (make("float64"), *others))
-    audited = _Shadowed(scenario, law, arithmetic, (reference, *along))
+    audited = Shadowed(scenario, law, arithmetic, (reference, *along))
     return ShadowRun(run_under(scenario, law, audited, seed), audited, reference, tuple(along))
 
 

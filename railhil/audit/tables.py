@@ -24,6 +24,8 @@ def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
     """A table with text columns, of which the first is never cut, then columns of numbers."""
     made = table()
     made.title, made.title_justify, made.title_style = title, "left", "bold"
+    # A title is not wrapped for a narrow table.
+    made.min_width = len(title)
     for i, name in enumerate(left):
         made.add_column(name, no_wrap=not i)
     for name in right:

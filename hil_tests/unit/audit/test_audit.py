@@ -19,10 +19,14 @@ from railhil.audit.document import document
 from railhil.audit.effect import ScoreEffect, compared, effect
 from railhil.audit.floor import floored
 from railhil.audit.result import Options, audit
-from railhil.audit.shadow import Codes, QuantityError, ShadowRun, Watched, compare_codes, errors, shadow_run
+from railhil.audit.shadow import Codes, QuantityError, Shadowed, ShadowRun, Watched, compare_codes, errors, shadow_run
 from railhil.audit.standstill import look
 from railhil.audit.tables import show
 from railhil.batch.perturbed_runs import Outcomes
+from railhil.bench import local_run
+from railhil.bus.frame import Frame
+from railhil.bus.telegrams import TrnSpeed
+from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters
@@ -30,8 +34,9 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.record import record
+from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.criteria import ATO_CRITERIA
 
 FULL = load("lvshun_tieshan")
@@ -158,6 +163,54 @@ def test_shadows_are_told_the_notch_really_sent():
     assert notch_codes(shadow.audited, shadow.reference).equal_share < 0.7
     model = next(error for error in errors(shadow.quantities, shadow.audited, shadow.reference) if "y_m" in error.name)
     assert 0 < model.maximum < 5e-5
+
+
+def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_path):
+    """Through the nodes, 2 s without a reading: the controller's watch holds the notch, then brakes, unasked."""
+    seen = 0
+
+    def deaf(frame: Frame) -> list[Frame]:
+        nonlocal seen
+        seen += frame.can_id == TrnSpeed.port().address
+        return [] if frame.can_id == TrnSpeed.port().address and 6000 <= seen < 6200 else [frame]
+
+    law = LawSpec()
+    reference = Watched(FULL, law, make("float64"))
+    audited = Shadowed(FULL, law, make("iq"), [reference])
+    run = local_run(FULL, tmp_path, RunSpec(law=law), wire=deaf, controller=audited)
+    assert set(run.notches) - {code for (code,) in audited.codes}, "the watch has sent what the law never answered"
+    assert notch_codes(audited, reference).largest <= 1
+    model = next(error for error in errors(audited.quantities, audited, reference) if "y_m" in error.name)
+    assert model.maximum < 5e-5
+
+
+def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
+    """A system with nothing for runs without a bus: every run goes through the nodes of the bench."""
+    options = Options(runs=0)
+    direct = document(audit(short, options))
+    slower = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "direct"})
+    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: slower)
+    assert document(audit(short, options)) == direct
+
+
+def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypatch):
+    plain = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "audit"})
+    whole = document(audit(short, Options(runs=0)))
+    monkeypatch.setattr("railhil.audit.result.system_named", lambda name: plain)
+    result = audit(short, Options(runs=0))
+    found = document(result)
+    assert set(whole) - set(found) == {"standstill"}
+    assert [bar["name"] for bar in whole["bars"] if bar not in found["bars"]] == [AT_REST, KICKED]
+    with redirect_stdout(StringIO()) as out:
+        show(Output(), result)
+    assert "Train held" not in out.getvalue()
+
+
+def test_a_run_in_which_the_law_is_never_asked_is_refused(short, monkeypatch):
+    monkeypatch.setattr("railhil.audit.shadow.unrecorded_run", lambda scenario, spec, controller: None)
+    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: replace(ATO, own={}))
+    with pytest.raises(InputError, match="no control period: the readings never came"):
+        shadow_run(short, LawSpec(), make("iq"))
 
 
 def test_floor_shows_as_bias_of_the_products(sound):
