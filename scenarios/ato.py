@@ -19,5 +19,6 @@ ATO = System(
         "batch": "railhil.batch:run_batch",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",
+        "picture": "railhil.supervisor.report.picture:draw",
     },
 )
