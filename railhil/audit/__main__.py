@@ -74,8 +74,8 @@ def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
         require_perturbations(scenario, "--runs")
         say = Output(stderr=True).say
         if batch is None:
-            say(f"no batch of trains for system {scenario.system}: {runs} perturbed runs in each of two arithmetics go "
-                "through the nodes, one by one")  # fmt: skip
+            how = f"{runs} perturbed runs in each of two arithmetics go through the nodes, one by one"
+            say(f"no batch of trains for system {scenario.system}: {how}")
         else:
             say_compiling(say)
     return runs
