@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,11 +13,13 @@ from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Counters
 from railhil.controller_node.cost import Cost, cost_of
+from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.laws.note import on_wire, on_wire_batch
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.program.ranges import refuse_wraps
+from railhil.controller_node.program.model import LawProgram
+from railhil.controller_node.program.ranges import WIRE, Interval, refuse_wraps
 from railhil.controller_node.program.record import record
 from railhil.controller_node.telemetry import Telemetry
 from railhil.scenarios.model import Scenario
@@ -39,6 +42,11 @@ class ControlOutput:
     cycles: int
     error_raw: int
 
+    @property
+    def commands(self) -> tuple[int]:
+        """All that it answers, see :class:`railhil.controller_node.law_controller.Computed`."""
+        return (self.notch_code,)
+
 
 @dataclass(frozen=True, slots=True)
 class BatchOutput:
@@ -50,16 +58,19 @@ class BatchOutput:
     overflow_flags: int
 
 
-def _watched(scenario: Scenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> tuple[ControlLoop[Any], Telemetry, Cost]:
-    """A control loop whose arithmetic notes its quantities, what takes them, and what a step costs."""
+def _watched(
+    scenario: Scenario, law: LawSpec, arithmetic: Arithmetic[Any], may_wrap: bool = False
+) -> tuple[ControlLoop[Any], LawProgram, Telemetry, Cost]:
+    """A control loop whose arithmetic notes its quantities, its record, what takes them, and what a step costs."""
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
     program = record(scenario, law, wide=arithmetic.wide)
-    if not arithmetic.wide:
+    if not arithmetic.wide and not may_wrap:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
     # From here on: the constants of the law are made by now.
     arithmetic.noted = []
-    return loop, Telemetry(program.quantities), cost_of(program, arithmetic, scenario.timing.control_period_ns)
+    price = cost_of(program, arithmetic, scenario.timing.control_period_ns)
+    return loop, program, Telemetry(program.quantities), price
 
 
 def _failed(
@@ -71,13 +82,14 @@ def _failed(
 
 
 class Controller:
-    """Controller of one train.
+    """Controller of one train, see also :class:`railhil.controller_node.law_controller.LawController`.
 
     ``telemetry`` is up to date after each :meth:`step`; ``cost`` is that of every control period.
 
     :param law: a registered law (entry point group ``railhil.laws``) and how it is run; in ``iq`` (C28x fixed point)
         there is no float between the arguments of :meth:`step` and its result. None: the usual one.
     :param arithmetic: a fresh one in the place of the one that ``law`` names.
+    :param may_wrap: make also one of a law of which an operation may wrap.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
         fixed-point format of the law may wrap for this scenario. In :meth:`step` and :meth:`sent`: the law has raised.
     """
@@ -87,13 +99,16 @@ class Controller:
         scenario: Scenario,
         law: LawSpec | None = None,
         arithmetic: Arithmetic[Any] | None = None,
+        *,
+        may_wrap: bool = False,
     ) -> None:
         law = law or LawSpec()
-        self._number = number = arithmetic or make(law.arithmetic)
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, number)
+        self.arithmetic = self._number = arithmetic or make(law.arithmetic)
+        self._loop, self.program, self.telemetry, self.cost = _watched(scenario, law, self._number, may_wrap)
         self._code: int | None = None
+        self.law = self._loop.law
         #: What the law tells of itself.
-        self.notes = self._loop.law.notes
+        self.notes = self.law.notes
 
     def step(
         self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int] = NO_BALISE
@@ -122,6 +137,16 @@ class Controller:
             cycles=self.cost.cycles,
             error_raw=number.raw(error, SPEED_Q),
         )
+
+    @property
+    def commands(self) -> tuple[CommandCode, ...]:
+        """The notch."""
+        return (CommandCode("notch", NOTCH_Q, "notch"),)
+
+    @property
+    def wire(self) -> Mapping[str, Interval]:
+        """Smallest and largest raw value of what :meth:`step` may be given."""
+        return WIRE
 
     @property
     def counters(self) -> Counters:
@@ -157,7 +182,7 @@ class BatchController:
     ) -> None:
         law = law or LawSpec()
         self._number = make(law.arithmetic, batch=True)
-        self._loop, self.telemetry, self.cost = _watched(scenario, law, self._number)
+        self._loop, _, self.telemetry, self.cost = _watched(scenario, law, self._number)
         self._trains = trains
 
     def step(

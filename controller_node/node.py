@@ -71,6 +71,9 @@ class ControllerNode:
     :raises InputError: an option that the chip cannot have.
     """
 
+    #: What computes the notch.
+    computes = Controller
+
     def __init__(
         self,
         scenario: Scenario,
@@ -81,7 +84,7 @@ class ControllerNode:
         bit_rate: int | None = None,
     ) -> None:
         contract = wire_contract()
-        self.controller = controller or Controller(scenario, law)
+        self.controller = controller or self.computes(scenario, law)
         self.law = law
         self.ended: Event | None = None
         bit_rate = contract.bit_rate if bit_rate is None else bit_rate

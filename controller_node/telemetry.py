@@ -57,6 +57,8 @@ class Telemetry:
     def __init__(self, quantities: Sequence[Quantity]) -> None:
         self.quantities = tuple(quantities)
         self.steps = 0
+        #: A list keeps what was noted in each control period, raw (in an arithmetic without formats: the values).
+        self.history: list[list[Any]] | None = None
         self._wide = False
         self._batch = False
         self._lows: list[Any] = []
@@ -99,6 +101,8 @@ class Telemetry:
             self._lows = [new if new < old else old for new, old in zip(lows, self._lows, strict=True)]
             self._highs = [new if new > old else old for new, old in zip(highs, self._highs, strict=True)]
         self.steps += 1
+        if self.history is not None:
+            self.history.append(list(noted))
         noted.clear()
 
     def row(self, index: int) -> QuantityTelemetry:

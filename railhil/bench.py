@@ -7,6 +7,7 @@ hundreds of runs. Both give the notch sequence of the real bench.
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,7 +88,7 @@ def local_run(
 
     :param spec: None: the usual law of the system in lockstep, seed 0.
     :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
-    :param controller: what computes the notch in the place of the law of the run.
+    :param controller: what computes the commands in the place of the law of the run.
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
@@ -134,10 +135,21 @@ def plant_beside(
     return PlantNode(scenario, spec, LocalBus([to_controller, session.handle]), fd=fd)
 
 
-def direct_run(scenario: Scenario, spec: RunSpec | None = None) -> BenchRun:
-    """One run with plant and controller coupled by their wire integers, telegrams only for the score."""
+def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:
+    """:func:`local_run` without a folder: of the record only the hash is left."""
+    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
+        run = local_run(scenario, Path(folder), spec, controller=controller)
+    run.log = None
+    return run
+
+
+def direct_run(scenario: Scenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:
+    """One run with plant and controller coupled by their wire integers, telegrams only for the score.
+
+    :param controller: what computes the notch in the place of the law of the run.
+    """
     spec = spec or RunSpec()
-    law = Controller(scenario, spec.law)
+    law = controller or Controller(scenario, spec.law)
     run = coupled_run(scenario, lambda *given: law.step(*given).notch_code, spec)
     run.arithmetic = law.counters
     return run

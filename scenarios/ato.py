@@ -15,5 +15,10 @@ ATO = System(
     law="ipfc",
     judging="railhil.supervisor.ato:JUDGING",
     pictures="railhil.supervisor.report.figures:pictures",
-    own={"batch": "railhil.batch:run_batch"},
+    own={
+        "batch": "railhil.batch:run_batch",
+        "direct": "railhil.bench:direct_run",
+        "audit": "railhil.audit.standstill:look",
+        "picture": "railhil.supervisor.report.picture:draw",
+    },
 )

@@ -37,7 +37,9 @@ class System:
     entry point group of its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
     figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task``,
-    ``interface`` and ``batch`` (:func:`railhil.batch.run_batch`; without one a campaign goes through the nodes).
+    ``interface``, ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without
+    them campaign and audit go through the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`) and ``picture``: draws
+    scenario and trace into a file (without one: :mod:`railhil.supervisor.report.signals_picture`).
     """
 
     name: str

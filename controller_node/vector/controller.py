@@ -10,6 +10,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters, T
 from railhil.controller_node.cost import cost_of
+from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.fault import law_fault, place
 from railhil.controller_node.laws.parameters import law_parameters
@@ -21,7 +22,8 @@ from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
-from railhil.scenarios.system import System
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import System, system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,23 +133,34 @@ def vector_program(
 
 
 class VectorController:
-    """Controller of one system; ``telemetry`` and ``cost`` as in :mod:`railhil.controller_node.controller`.
+    """Controller of one system, see :class:`railhil.controller_node.law_controller.LawController`.
 
+    :param law: one of the system, and how it is run.
+    :param arithmetic: a fresh one in the place of the one that ``law`` names.
+    :param may_wrap: make also one of a law of which an operation may wrap.
     :raises InputError: as :class:`VectorLoop`; a fixed-point format of the law may wrap on some reading. In
         :meth:`step` and :meth:`sent`: the law has raised.
     """
 
     def __init__(
-        self, system: System, scenario: AnyScenario, law: str, arithmetic: str, given: ParameterSet | None = None
+        self,
+        scenario: AnyScenario,
+        law: LawSpec,
+        arithmetic: Arithmetic[Any] | None = None,
+        *,
+        may_wrap: bool = False,
     ) -> None:
-        self._number = number = make(arithmetic)
-        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, law, number, given)
+        system, name, given = system_named(scenario.system), law.controller, law.parameters
+        self.arithmetic = self._number = number = arithmetic or make(law.arithmetic)
+        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, name, number, given)
+        self.law = self._loop.law
         self._interface = interface = self._loop.interface
-        program = vector_program(system, scenario, law, given, number.wide)
-        if not number.wide:
-            wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
+        self.wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
+        self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in interface.commands)
+        self.program = program = vector_program(system, scenario, name, given, number.wide)
+        if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
-            refuse_wraps(program, self._loop.law, f"at {period_s:g} s on {scenario.name}", wire)
+            refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
         # From here on: the constants of the law are made by now.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)
@@ -175,8 +188,9 @@ class VectorController:
         self.telemetry.take(number)
         return output
 
-    def sent(self, raws: Sequence[int]) -> None:
-        """Tell the law the commands that were really sent, when they are not those that :meth:`step` answered."""
+    def sent(self, *raws: int) -> None:
+        """Tell the law the commands that were really sent, one for each, when they are not those that :meth:`step`
+        answered."""
         number, loop = self._number, self._loop
         if loop.state is None:
             return

@@ -28,6 +28,9 @@ class VectorNode:
     :raises InputError: an option that this controller cannot have.
     """
 
+    #: What computes the commands.
+    computes = VectorController
+
     def __init__(
         self,
         scenario: AnyScenario,
@@ -45,9 +48,7 @@ class VectorNode:
             raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
         self.law = law
         self.law_type: Any = find(law.controller, system.laws, VectorLaw)
-        self.controller = controller or VectorController(
-            system, scenario, law.controller, law.arithmetic, law.parameters
-        )
+        self.controller = controller or self.computes(scenario, law)
         self.ended: Event | None = None
         self.lost_messages = 0
         self.lost_by_mailbox: dict[str, int] = {}
@@ -137,7 +138,7 @@ class VectorNode:
             values = output.commands
         elif output is not None:
             self._stale += 1
-            self.controller.sent(values)
+            self.controller.sent(*values)
         fields = {item.field: raw for item, raw in zip(commands, values, strict=True) if item.telegram is kind}
         fields["life"] = self._next_life(kind.PORT)
         return kind(**fields)

@@ -10,18 +10,24 @@ from railhil.audit.document import document
 from railhil.audit.result import Options, audit
 from railhil.audit.tables import show
 from railhil.batch import say_compiling
+from railhil.batch.nodes import batch_of
 from railhil.batch.perturbed_runs import FIRST_SEED
 from railhil.common.command_line import SEED_MAX, OneLineParser, add_indexing_argument, parse, whole_number
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output, accept_any_text, add_json_argument, print_json
 from railhil.controller_node.arithmetic import names as arithmetics
+from railhil.controller_node.laws import find
 from railhil.controller_node.laws import names as laws
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
 
 _RUNS_MAX = 100_000
+#: Perturbed runs when nothing is said: through a batch, and through the nodes one by one.
+_RUNS, _RUNS_NODES = 200, 20
 _EXIT_CODES = """\
 exit codes:
   0    all bars are met
@@ -39,7 +45,9 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     add_set_argument(parser)
-    parser.add_argument("--controller", default="ipfc", help=f"control law: {', '.join(laws())} (default ipfc)")
+    parser.add_argument(
+        "--controller", metavar="LAW", help=f"one of {', '.join(laws())}; of another system: one of its own"
+    )
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"
     )
@@ -50,27 +58,39 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--runs",
         type=whole_number(0, _RUNS_MAX),
-        default=200,
         metavar="N",
-        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default 200, 0 leaves it out)",
+        help=f"perturbed runs for the effect on the scores, seeds from {FIRST_SEED} (default {_RUNS}, "
+        f"{_RUNS_NODES} in a system without a batch; 0 leaves it out)",
     )
     add_json_argument(parser)
     return parser
+
+
+def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
+    """How many perturbed runs; says what they go through."""
+    batch = batch_of(scenario)
+    runs: int = namespace.runs if namespace.runs is not None else _RUNS_NODES if batch is None else _RUNS
+    if runs:
+        require_perturbations(scenario, "--runs")
+        say = Output(stderr=True).say
+        if batch is None:
+            how = f"{runs} perturbed runs in each of two arithmetics go through the nodes, one by one"
+            say(f"no batch of trains for system {scenario.system}: {how}")
+        else:
+            say_compiling(say)
+    return runs
 
 
 def main(words: Sequence[str] | None = None) -> int:
     """Audit and print; exit code 1 when a bar is missed."""
     accept_any_text()
     namespace = parse(arguments(), words)
-    scenario = load(namespace.scenario, namespace.set)
-    if namespace.runs:
-        require_perturbations(scenario, "--runs")
-        say_compiling(Output(stderr=True).say)
-    options = Options(
-        LawSpec(namespace.controller, namespace.arithmetic, namespace.indexing),
-        namespace.seed,
-        namespace.runs,
-    )
+    scenario = load_any(namespace.scenario, namespace.set)
+    system = system_named(scenario.system)
+    law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
+    # A name that no law has is the only line of its complaint.
+    find(law.controller, system.laws)
+    options = Options(law, namespace.seed, _runs(namespace, scenario))
     result = audit(scenario, options)
     if namespace.json:
         print_json(document(result))

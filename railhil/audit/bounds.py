@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import ldexp
 
-from railhil.controller_node.laws.base import Law
-from railhil.controller_node.program.model import LawProgram
+from railhil.controller_node.law_controller import LawController
 from railhil.controller_node.program.ranges import analyse_law
 from railhil.controller_node.telemetry import VALUE_BITS
 
@@ -29,9 +28,10 @@ class Bounds:
     may_wrap: int
 
 
-def bounds_of(program: LawProgram, law: Law[int, object]) -> Bounds:
+def bounds_of(controller: LawController) -> Bounds:
     """Bounds of a law in fixed point."""
-    ranges = analyse_law(program, law.state_bounds())
+    program = controller.program
+    ranges = analyse_law(program, controller.law.state_bounds(), controller.wire)
     found = []
     for part, within in ((program.inputs, ranges.inputs), (program.step, ranges.step)):
         for quantity in part.quantities:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import isfinite
 from typing import Any
@@ -26,8 +27,18 @@ def _error(error: QuantityError) -> dict[str, Any]:
     return found
 
 
-def _codes(codes: Codes) -> dict[str, Any]:
-    return asdict(codes) | {"equal_share": codes.equal_share}
+def _codes(found: Sequence[Codes]) -> dict[str, Any]:
+    return {
+        codes.command.name: {
+            "q": codes.command.q,
+            "unit": codes.command.unit,
+            "steps": codes.steps,
+            "equal": codes.equal,
+            "largest": codes.largest,
+            "equal_share": codes.equal_share,
+        }
+        for codes in found
+    }
 
 
 def _scores(score: Score) -> Any:
@@ -38,14 +49,15 @@ def _floor(floor: Floor | None) -> dict[str, Any] | None:
     if floor is None:
         return None
     errors = [_error(error) for error in floor.errors]
-    return {"errors": errors, "notch": _codes(floor.codes), "scores": _scores(floor.score)}
+    return {"errors": errors, "commands": _codes(floor.codes), "scores": _scores(floor.score)}
 
 
 def document(result: Result) -> dict[str, Any]:
     """What ``--json`` prints: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
 
-    Notch codes are 1/256 notch. ``effect`` is empty, ``effect_counters`` (audited arithmetic, all runs), ``bounds`` and
-    ``floor`` are null where there is nothing to look at.
+    ``commands`` has the codes of each command, ``largest`` raw, Q ``q`` of ``unit``. What a system looks at besides
+    stands under a key of its own (``standstill`` of ``ato``). ``effect`` is empty, ``effect_counters`` (audited
+    arithmetic, all runs), ``bounds`` and ``floor`` are null where there is nothing to look at.
     """
     options, cost, effect = result.options, result.cost, result.effect
     return {
@@ -60,14 +72,14 @@ def document(result: Result) -> dict[str, Any]:
         "ranges": [_range(row) for row in result.ranges],
         "bounds": None if result.bounds is None else asdict(result.bounds),
         "errors": [_error(error) for error in result.errors],
-        "notch": _codes(result.codes),
+        "commands": _codes(result.codes),
         "floor": _floor(result.floor),
         "scores": {options.law.arithmetic: _scores(result.score), "float64": _scores(result.reference_score)},
         "effect": [asdict(one) | {"difference": one.difference, "met": one.met} for one in effect.scores]
         if effect
         else [],
         "effect_counters": asdict(effect.counters) if effect else None,
-        "standstill": asdict(result.standstill),
+        **({} if result.look is None else {result.look.key: dict(result.look.figures)}),
         "cost": asdict(cost)
         | {
             "cycles_flash": cost.cycles_flash,

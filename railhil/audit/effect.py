@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
 from railhil.batch.perturbed_runs import Outcomes, outcomes
 from railhil.controller_node.arithmetic.base import Counters
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion
+from railhil.supervisor.criteria import Criterion
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score
 
 #: How far a median may be from that of float64, as a share of it, where the criterion does not say.
@@ -39,7 +41,7 @@ class ScoreEffect:
 
     @property
     def met(self) -> bool:
-        """The medians are as near as allowed, and no train stops in one arithmetic only."""
+        """The medians are as near as allowed, and no run has the score in one arithmetic only."""
         return not self.missing and (self.difference is None or abs(self.difference) <= self.allowed)
 
 
@@ -67,14 +69,12 @@ def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) 
     )
 
 
-def effect(scenario: Scenario, runs: int, law: LawSpec) -> Effect:
+def effect(scenario: AnyScenario, runs: int, law: LawSpec) -> Effect:
     """Run ``runs`` draws twice and compare their scores."""
     audited, reference = (outcomes(scenario, runs, each) for each in (law, replace(law, arithmetic="float64")))
-    return compared(audited, reference)
+    return compared(audited, reference, judging_of(scenario).criteria)
 
 
-def compared(audited: Outcomes, reference: Outcomes) -> Effect:
+def compared(audited: Outcomes, reference: Outcomes, criteria: Sequence[Criterion]) -> Effect:
     """Compare the scores of the same draws."""
-    return Effect(
-        [_effect(criterion, audited.scores, reference.scores) for criterion in ATO_CRITERIA], audited.arithmetic
-    )
+    return Effect([_effect(criterion, audited.scores, reference.scores) for criterion in criteria], audited.arithmetic)

@@ -1,111 +1,146 @@
-"""Shadow run: the audited arithmetic drives the train, other arithmetics compute along on the same inputs.
+"""Shadow run: the audited arithmetic drives the plant, other arithmetics compute along on the same inputs.
 
-Every loop is told the notch that was really sent, so that the states stay comparable and what is left between two
-loops is the arithmetic alone, not two trains that drift apart.
+Every controller is told the commands that were really sent, so that the states stay comparable and what is left between
+two of them is the arithmetic alone, not two plants that drift apart.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import ldexp
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from railhil.bench import BenchRun, coupled_run
+from railhil.bench import BenchRun, unrecorded_run
+from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
-from railhil.controller_node.loop import ControlLoop
+from railhil.controller_node.law_controller import CommandCode, Computed, LawController, maker_of
 from railhil.controller_node.program.model import Quantity
-from railhil.controller_node.telemetry import VALUE_BITS, Telemetry
-from railhil.scenarios.model import Scenario
+from railhil.controller_node.telemetry import VALUE_BITS
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
 
 
 class Watched:
-    """A control loop that keeps the values of its named quantities and its notch codes, one row per period.
+    """A controller that keeps the values of its named quantities and the codes of its commands, one row per period.
 
     :param law: its arithmetic is not looked at.
-    :param quantities: those of the law, in the order of its notes.
+    :raises InputError: there is no such law, it cannot be made, or the system's controller is of a kind that cannot be
+        looked into.
     """
 
-    def __init__(
-        self,
-        scenario: Scenario,
-        law: LawSpec,
-        arithmetic: Arithmetic[Any],
-        quantities: Sequence[Quantity],
-    ) -> None:
+    def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> None:
         self.arithmetic = arithmetic
-        self.loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
-        self.telemetry = Telemetry(quantities)
-        #: In the units of the quantities.
-        self.rows: list[list[float]] = []
-        #: 1/256 notch.
-        self.codes: list[int] = []
-        self._lsb = [1.0 if arithmetic.wide else ldexp(1.0, -quantity.q) for quantity in quantities]
-        arithmetic.noted = []
+        made = maker_of(system_named(scenario.system), scenario)
+        self.controller: LawController = made(scenario, law, arithmetic, may_wrap=True)
+        self.telemetry = self.controller.telemetry
+        self._history = self.telemetry.history = []
+        #: One code for each command, raw.
+        self.codes: list[tuple[int, ...]] = []
 
-    def step(self, k: int, speed_01mmps: int, position_01mm: int, balise: BaliseReading[int]) -> int:
-        """One control period; its notch code."""
-        _, outputs = self.loop.step(k, speed_01mmps, position_01mm, balise)
-        noted = self.arithmetic.noted
-        assert noted is not None
-        self.rows.append([float(value) * lsb for value, lsb in zip(noted, self._lsb, strict=True)])
-        self.telemetry.take(self.arithmetic)
-        self.codes.append(int(self.arithmetic.raw(outputs.notch, NOTCH_Q)))
-        return self.codes[-1]
+    def step(self, *given: Any) -> Computed:
+        """One control period."""
+        computed = self.controller.step(*given)
+        self.codes.append(computed.commands)
+        return computed
+
+    def sent(self, *codes: int) -> None:
+        """Tell the law the commands really sent."""
+        self.controller.sent(*codes)
+
+    def __getattr__(self, name: str) -> Any:
+        """All else that the controller's side of the bus asks."""
+        return getattr(self.controller, name)
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What it keeps, in the order of the columns of :attr:`rows`."""
+        return self.telemetry.quantities
+
+    @property
+    def rows(self) -> NDArray[np.float64]:
+        """Values in the units of the quantities, shape (periods, quantities)."""
+        lsb = [1.0 if self.arithmetic.wide else ldexp(1.0, -quantity.q) for quantity in self.quantities]
+        return np.array(self._history, dtype=np.float64).reshape(-1, len(lsb)) * lsb
 
     @property
     def not_finite(self) -> int:
         """How many values were infinite."""
         return int(np.count_nonzero(~np.isfinite(self.rows)))
 
-    def sent(self, code: int) -> None:
-        """Tell the law the notch really sent."""
-        self.loop.sent(self.arithmetic.from_raw(code, NOTCH_Q))
-        self.telemetry.take(self.arithmetic)
+
+class Shadowed(Watched):
+    """The one that drives, with those that compute along: they are told whatever it sends."""
+
+    def __init__(
+        self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any], along: Sequence[Watched]
+    ) -> None:
+        super().__init__(scenario, law, arithmetic)
+        self._along = along
+
+    def step(self, *given: Any) -> Computed:
+        computed = super().step(*given)
+        for shadow in self._along:
+            shadow.step(*given)
+            shadow.sent(*computed.commands)
+        return computed
+
+    def sent(self, *codes: int) -> None:
+        super().sent(*codes)
+        for shadow in self._along:
+            shadow.sent(*codes)
 
 
 @dataclass(frozen=True, slots=True)
 class ShadowRun:
-    """One run: ``audited`` drove the train, ``reference`` (float64) and ``others`` computed along."""
+    """One run: ``audited`` drove the plant, ``reference`` (float64) and ``others`` computed along."""
 
-    quantities: tuple[Quantity, ...]
     run: BenchRun
     audited: Watched
     reference: Watched
     others: tuple[Watched, ...]
 
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Quantities of the law."""
+        return self.audited.quantities
+
+
+def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: int = 0) -> BenchRun:
+    """The nominal run under a controller: by what the system has for runs without a bus, else through the nodes.
+
+    :raises InputError: the law raises, or is never asked.
+    """
+    system = system_named(scenario.system)
+    run: Callable[..., BenchRun] = system.part("direct") if "direct" in system.own else unrecorded_run
+    done = run(scenario, RunSpec(law=law, seed=seed), controller)
+    if not controller.codes:
+        found = Words("no control period: the readings never came")
+        raise InputError(scenario.name, "controller", found, "a run in which the law is asked")
+    return done
+
 
 def shadow_run(
-    scenario: Scenario,
+    scenario: AnyScenario,
     law: LawSpec,
     arithmetic: Arithmetic[Any],
-    quantities: tuple[Quantity, ...],
     *,
     others: Sequence[Arithmetic[Any]] = (),
     seed: int = 0,
 ) -> ShadowRun:
-    """Run the nominal train with the audited arithmetic and shadow it.
+    """Run the nominal plant with the audited arithmetic and shadow it.
 
     :param others: fresh arithmetics that compute along beside float64.
+    :raises InputError: as :class:`Watched` and :func:`run_under`.
     """
-    audited, reference, *along = (
-        Watched(scenario, law, each, quantities) for each in (arithmetic, make("float64"), *others)
-    )
-
-    def drive(*given: Any) -> int:
-        code = audited.step(*given)
-        for shadow in (reference, *along):
-            shadow.step(*given)
-            shadow.sent(code)
-        return code
-
-    run = coupled_run(scenario, drive, RunSpec(law=law, seed=seed))
-    return ShadowRun(quantities, run, audited, reference, tuple(along))
+    reference, *along = (Watched(scenario, law, each) for each in (make("float64"), *others))
+    audited = Shadowed(scenario, law, arithmetic, (reference, *along))
+    return ShadowRun(run_under(scenario, law, audited, seed), audited, reference, tuple(along))
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +169,7 @@ class QuantityError:
 
 def errors(quantities: Sequence[Quantity], audited: Watched, reference: Watched) -> list[QuantityError]:
     """Errors of every quantity."""
-    found, wanted = np.array(audited.rows), np.array(reference.rows)
+    found, wanted = np.asarray(audited.rows), np.asarray(reference.rows)
     result = []
     for i, quantity in enumerate(quantities):
         fits = np.abs(wanted[:, i]) < ldexp(1.0, VALUE_BITS - quantity.q)
@@ -164,11 +199,12 @@ def errors(quantities: Sequence[Quantity], audited: Watched, reference: Watched)
 
 @dataclass(frozen=True, slots=True)
 class Codes:
-    """Notch codes of one arithmetic beside those of float64 on the same inputs."""
+    """Codes of one command in one arithmetic beside those of float64 on the same inputs."""
 
+    command: CommandCode
     steps: int
     equal: int
-    #: 1/256 notch.
+    #: Raw.
     largest: int
 
     @property
@@ -177,7 +213,11 @@ class Codes:
         return self.equal / self.steps
 
 
-def compare_codes(audited: Watched, reference: Watched) -> Codes:
-    """Compare what two loops of one run would have sent."""
-    pairs = list(zip(audited.codes, reference.codes, strict=True))
-    return Codes(len(pairs), sum(a == b for a, b in pairs), max(abs(a - b) for a, b in pairs))
+def compare_codes(audited: Watched, reference: Watched) -> tuple[Codes, ...]:
+    """Compare what two controllers of one run would have sent, command by command."""
+    found = []
+    columns = zip(*audited.codes, strict=True), zip(*reference.codes, strict=True)
+    for command, ours, theirs in zip(audited.controller.commands, *columns, strict=True):
+        differences = [abs(a - b) for a, b in zip(ours, theirs, strict=True)]
+        found.append(Codes(command, len(differences), differences.count(0), max(differences)))
+    return tuple(found)

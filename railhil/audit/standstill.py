@@ -1,4 +1,4 @@
-"""Limit cycles: does the law, at rest with a target of 0, keep sending one notch?
+"""What the system ``ato`` looks at besides: does a law, at rest with a target of 0, keep sending one notch?
 
 Rounding inside a loop can keep it going for ever where exact numbers come to rest. Two looks at a train that is held
 at standstill: untouched, where the notch must not move at all; and after one reading of the smallest speed, where a
@@ -8,10 +8,12 @@ follows the timetable by itself is held where it ends.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
+from railhil.audit.bars import CODE_DIFFERENCE_MAX, Bar, Look
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, BaliseReading, LawInputs, TrackInputs
@@ -81,3 +83,24 @@ def standstill(scenario: Scenario, law: str, arithmetic: Arithmetic[Any], twin: 
         differences.append(abs(code - wanted))
         swings.append(abs(code))
     return Standstill(HELD_S, sum(a != b for a, b in pairwise(codes)), max(differences), max(swings))
+
+
+def look(scenario: Scenario, law: LawSpec, fresh: Callable[[], Arithmetic[Any]]) -> Look:
+    """The part ``audit`` of the system, see :data:`railhil.audit.bars.OwnLook`."""
+    found = standstill(scenario, law.controller, fresh(), fresh())
+    return Look(
+        "standstill",
+        f"Train held for {found.seconds:g} s with target 0",
+        f"at rest the notch changes {found.changes} times; after one reading of 1 mm/s the law swings to "
+        f"{found.kicked_swing}/256 notch, {found.kicked_difference}/256 from float64",
+        asdict(found),
+        (
+            Bar(f"changes of the notch in {found.seconds:g} s at rest", f"{found.changes}", "0", not found.changes),
+            Bar(
+                "held train after one reading of 1 mm/s: difference",
+                f"{found.kicked_difference}/256 notch",
+                f"at most {CODE_DIFFERENCE_MAX}",
+                found.kicked_difference <= CODE_DIFFERENCE_MAX,
+            ),
+        ),
+    )

@@ -12,7 +12,6 @@ from railhil.audit.shadow import QuantityError
 from railhil.common.output import Output, table
 from railhil.controller_node.laws.constant_table import COARSE
 from railhil.controller_node.program.cycles import CPU_MHZ, FLASH_FACTOR
-from railhil.supervisor.criteria import ATO_CRITERIA
 from railhil.supervisor.score import Score
 
 #: Bits of headroom below which a quantity is flagged.
@@ -25,6 +24,8 @@ def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
     """A table with text columns, of which the first is never cut, then columns of numbers."""
     made = table()
     made.title, made.title_justify, made.title_style = title, "left", "bold"
+    # A title is not wrapped for a narrow table.
+    made.min_width = len(title)
     for i, name in enumerate(left):
         made.add_column(name, no_wrap=not i)
     for name in right:
@@ -113,8 +114,8 @@ def _scores(result: Result) -> Table:
     if result.floor is not None:
         names.append("floored products")
         columns.append(result.floor.score)
-    made = _columns(f"Scores of the run (nominal train, seed {result.options.seed})", ("score", "unit"), names)
-    for criterion in ATO_CRITERIA:
+    made = _columns(f"Scores of the run (nominal, seed {result.options.seed})", ("score", "unit"), names)
+    for criterion in result.criteria:
         values = (score.values[criterion.key] for score in columns)
         made.add_row(criterion.key, criterion.unit, *(_number(value, 6) for value in values))
     return made
@@ -148,7 +149,7 @@ def _bars(result: Result) -> Table:
 
 
 def _say_cost(out: Output, result: Result) -> None:
-    cost, still = result.cost, result.standstill
+    cost, look = result.cost, result.look
     out.print("Cycles of one control period (estimate; straight-line, so every step is the worst step)", style="bold")
     out.print(", ".join(f"{count} {name}" for name, count in cost.operations.items()))
     out.print(
@@ -157,12 +158,10 @@ def _say_cost(out: Output, result: Result) -> None:
         f"from flash"
     )
     out.print()
-    out.print(f"Train held for {still.seconds:g} s with target 0", style="bold")
-    out.print(
-        f"at rest the notch changes {still.changes} times; after one reading of 1 mm/s the law swings to "
-        f"{still.kicked_swing}/256 notch, {still.kicked_difference}/256 from float64"
-    )
-    out.print()
+    if look is not None:
+        out.print(look.title, style="bold")
+        out.print(look.text)
+        out.print()
     out.print(f"Constants rounded by more than {COARSE:g} of their value", style="bold")
     for constant in result.coarse_constants:
         out.print(f"{constant.name} = {constant.value:.6g}, Q{constant.q}: off by {constant.relative_error:.2g}")
@@ -193,12 +192,12 @@ def show(out: Output, result: Result) -> None:
         )
         out.print()
     if result.floor is not None:
-        codes = result.floor.codes
         out.print(_floor(result, result.floor))
-        out.print(
-            f"notch codes with floored products: {codes.equal_share:.2%} equal to float64's, "
-            f"largest difference {codes.largest}/256"
-        )
+        for codes in result.floor.codes:
+            out.print(
+                f"{codes.command.name} codes with floored products: {codes.equal_share:.2%} equal to float64's, "
+                f"largest difference {codes.command.shown(codes.largest)}"
+            )
         out.print()
     out.print(_scores(result))
     out.print()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from railhil.batch import Case, run_batch
+from railhil.batch.case import Case
+from railhil.batch.nodes import batch_of, run_nodes
 from railhil.controller_node.arithmetic.base import Counters
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.score import Score
 
@@ -22,8 +23,12 @@ class Outcomes:
     arithmetic: Counters
 
 
-def outcomes(scenario: Scenario, runs: int, law: LawSpec) -> Outcomes:
-    """Runs with the seeds from :data:`FIRST_SEED` on: the same draws for every law and arithmetic."""
-    found = run_batch(Case(scenario, law), range(FIRST_SEED, FIRST_SEED + runs))
+def outcomes(scenario: AnyScenario, runs: int, law: LawSpec) -> Outcomes:
+    """Runs with the seeds from :data:`FIRST_SEED` on: the same draws for every law and arithmetic.
+
+    A system without a batch goes through the nodes of the bench, run by run.
+    """
+    run = batch_of(scenario) or run_nodes
+    found = run(Case(scenario, law), range(FIRST_SEED, FIRST_SEED + runs))
     sums = (int(counts.sum()) for counts in (found.wraps, found.saturations, found.zero_divisions))
     return Outcomes(list(found.scores), Counters(*sums))

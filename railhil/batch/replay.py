@@ -6,14 +6,11 @@ stay right, because the train brakes whatever it is told, but the notch codes wo
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
 from railhil.batch.case import Case, control_codes
-from railhil.bench import local_run
+from railhil.bench import unrecorded_run
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.supervisor.score import Score
 
@@ -25,8 +22,7 @@ def left_the_healthy_path(score: Score) -> bool:
 
 def replayed(case: Case, seed: int) -> tuple[Score, NDArray[np.int16], dict[int, int]]:
     """Score, notch codes and counts of the law's arithmetic (by kind) of one run."""
-    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
-        run = local_run(case.scenario, Path(folder), case.run(seed))
+    run = unrecorded_run(case.scenario, case.run(seed))
     totals = run.telemetry["totals"]
     counts = {WRAP: "wraps", SATURATION: "saturations", DIVISION_BY_ZERO: "zero_divisions"}
     codes = np.asarray(control_codes(case.scenario, run.trace), dtype=np.int16)

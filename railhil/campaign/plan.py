@@ -13,6 +13,7 @@ from typing import Any
 from urllib.parse import quote
 
 import railhil
+from railhil.batch.nodes import batch_of
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.controller_node import laws as registered
@@ -32,7 +33,7 @@ ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
 #: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
-_OWN_CODE = ("batch", "bench.py", "campaign/nodes.py", "campaign/results_table.py", "campaign/work.py")
+_OWN_CODE = ("batch", "bench.py", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,12 +101,6 @@ def batch_sha256() -> str:
         for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
             digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
-
-
-def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
-    """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none."""
-    system = system_named(scenario.system)
-    return system.part("batch") if "batch" in system.own else None
 
 
 @lru_cache(maxsize=1)

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from railhil.batch import trace_digest
+from railhil.batch.nodes import DIGITS
 from railhil.campaign.folder import RESULTS
 from railhil.campaign.manifest import MANIFEST, read_manifest
-from railhil.campaign.nodes import DIGITS
 from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, read_results, row, signed_columns
 from railhil.common.errors import InputError, Words

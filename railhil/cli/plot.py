@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from railhil.bus.telegrams import SimTruth
 from railhil.common.errors import InputError
 from railhil.common.extras import missing
 from railhil.common.output import Output
 from railhil.common.whole_file import whole_file
-from railhil.scenarios.model import Scenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import not_written
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 
 _SUFFIXES = (".svg", ".png", ".pdf")
@@ -31,16 +31,15 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Draw and say where."""
     try:
-        from railhil.supervisor.report.picture import draw
+        from railhil.supervisor.report.signals_picture import draw as draw_signals
     except ImportError as error:
         raise missing("railhil plot", error, "report") from None
     record = checked_record(namespace.log, namespace.scenario)
-    if not isinstance(record.scenario, Scenario):
-        allowed = "ato: railhil report draws the run of another system"
-        raise InputError(record.log, "system", record.scenario.system, allowed)
-    points = record.trace.count(SimTruth.PORT)
+    system, truth = system_named(record.scenario.system), judging_of(record.scenario).truth
+    draw = system.part("picture") if "picture" in system.own else draw_signals
+    points = record.trace.count(truth)
     if points < _POINTS_MIN:
-        raise InputError(record.log, SimTruth.PORT, points, f"at least {_POINTS_MIN} telegrams to draw")
+        raise InputError(record.log, truth, points, f"at least {_POINTS_MIN} telegrams to draw")
     out = Path(namespace.out) if namespace.out is not None else record.log.with_name("run.svg")
     if out.suffix not in _SUFFIXES:
         raise InputError("command line", "--out", str(out), f"a name that ends in {', '.join(_SUFFIXES)}")

@@ -13,23 +13,31 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.scores import with_values
+from railhil.audit.bars import bars
 from railhil.audit.bounds import bounds_of
 from railhil.audit.document import document
 from railhil.audit.effect import ScoreEffect, compared, effect
 from railhil.audit.floor import floored
-from railhil.audit.result import Options, audit, bars
-from railhil.audit.shadow import QuantityError, ShadowRun, compare_codes, errors, shadow_run
-from railhil.audit.standstill import standstill
+from railhil.audit.result import Options, audit
+from railhil.audit.shadow import Codes, QuantityError, Shadowed, ShadowRun, Watched, compare_codes, errors, shadow_run
+from railhil.audit.standstill import look
 from railhil.audit.tables import show
 from railhil.batch.perturbed_runs import Outcomes
+from railhil.bench import local_run
+from railhil.bus.frame import Frame
+from railhil.bus.telegrams import TrnSpeed
+from railhil.common.errors import InputError
 from railhil.common.output import Output
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters
 from railhil.controller_node.cost import cost_of
+from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.program.model import Quantity, Value
 from railhil.controller_node.program.record import record
+from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.criteria import ATO_CRITERIA
 
 FULL = load("lvshun_tieshan")
 IQ: Any = type(make("iq"))
@@ -44,7 +52,13 @@ def short(tmp_path_factory):
 
 
 def shadowed(arithmetic: Arithmetic[Any], others: Sequence[Arithmetic[Any]] = (), scenario=FULL) -> ShadowRun:
-    return shadow_run(scenario, LawSpec(), arithmetic, record(scenario, LawSpec()).quantities, others=others)
+    return shadow_run(scenario, LawSpec(), arithmetic, others=others)
+
+
+def notch_codes(audited: Watched, reference: Watched) -> Codes:
+    (found,) = compare_codes(audited, reference)
+    assert found.command.name == "notch"
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -56,9 +70,8 @@ def sound() -> ShadowRun:
 def missed(shadow: ShadowRun, arithmetic: Any = None) -> set[str]:
     """Names of the bars that are missed."""
     kind = arithmetic or type(make("iq"))
-    still = standstill(FULL, "ipfc", kind(), kind())
     price = cost_of(record(FULL, LawSpec()), kind(), FULL.timing.control_period_ns)
-    return {bar.name for bar in bars(shadow, still, price) if not bar.met}
+    return {bar.name for bar in bars(shadow, price, look=look(FULL, LawSpec(), kind)) if not bar.met}
 
 
 def test_the_shipped_arithmetic_meets_every_bar(sound):
@@ -81,7 +94,7 @@ def test_figures_of_the_shipped_arithmetic(sound):
 
 
 def test_the_run_stays_inside_its_bounds(sound):
-    bounds = bounds_of(record(FULL, LawSpec()), sound.audited.loop.law)
+    bounds = bounds_of(sound.audited.controller)
     found = {bound.name: bound for bound in bounds.quantities}
     for row in sound.audited.telemetry.rows:
         bound = found[row.name]
@@ -96,7 +109,7 @@ def test_float64_has_no_error_against_itself():
     shadow = shadowed(make("float64"))
     for error in errors(shadow.quantities, shadow.audited, shadow.reference):
         assert (error.rms, error.maximum, error.bias, error.outside) == (0.0, 0.0, 0.0, 0), error.name
-    assert compare_codes(shadow.audited, shadow.reference).equal_share == 1.0
+    assert notch_codes(shadow.audited, shadow.reference).equal_share == 1.0
 
 
 class OffByOne(IQ):
@@ -127,7 +140,7 @@ class Creeping(IQ):
         return super().dot(coefficients, values, q) + 4096
 
 
-EQUAL, LARGEST = "notch codes equal to float64's", "largest difference of a code"
+EQUAL, LARGEST = "notch codes equal to float64's", "largest difference of a notch code"
 AT_REST, KICKED = "changes of the notch in 60 s at rest", "held train after one reading of 1 mm/s: difference"
 
 
@@ -147,9 +160,57 @@ def test_a_broken_arithmetic_misses_its_bars(broken, expected):
 def test_shadows_are_told_the_notch_really_sent():
     """Codes that are one off do not drive the states apart: the model of float64 runs on the same notches."""
     shadow = shadowed(FlooredQuantiser())
-    assert compare_codes(shadow.audited, shadow.reference).equal_share < 0.7
+    assert notch_codes(shadow.audited, shadow.reference).equal_share < 0.7
     model = next(error for error in errors(shadow.quantities, shadow.audited, shadow.reference) if "y_m" in error.name)
     assert 0 < model.maximum < 5e-5
+
+
+def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_path):
+    """Through the nodes, 2 s without a reading: the controller's watch holds the notch, then brakes, unasked."""
+    seen = 0
+
+    def deaf(frame: Frame) -> list[Frame]:
+        nonlocal seen
+        seen += frame.can_id == TrnSpeed.port().address
+        return [] if frame.can_id == TrnSpeed.port().address and 6000 <= seen < 6200 else [frame]
+
+    law = LawSpec()
+    reference = Watched(FULL, law, make("float64"))
+    audited = Shadowed(FULL, law, make("iq"), [reference])
+    run = local_run(FULL, tmp_path, RunSpec(law=law), wire=deaf, controller=audited)
+    assert set(run.notches) - {code for (code,) in audited.codes}, "the watch has sent what the law never answered"
+    assert notch_codes(audited, reference).largest <= 1
+    model = next(error for error in errors(audited.quantities, audited, reference) if "y_m" in error.name)
+    assert model.maximum < 5e-5
+
+
+def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
+    """A system with nothing for runs without a bus: every run goes through the nodes of the bench."""
+    options = Options(runs=0)
+    direct = document(audit(short, options))
+    slower = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "direct"})
+    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: slower)
+    assert document(audit(short, options)) == direct
+
+
+def test_a_system_that_looks_at_nothing_more_has_no_such_section(short, monkeypatch):
+    plain = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "audit"})
+    whole = document(audit(short, Options(runs=0)))
+    monkeypatch.setattr("railhil.audit.result.system_named", lambda name: plain)
+    result = audit(short, Options(runs=0))
+    found = document(result)
+    assert set(whole) - set(found) == {"standstill"}
+    assert [bar["name"] for bar in whole["bars"] if bar not in found["bars"]] == [AT_REST, KICKED]
+    with redirect_stdout(StringIO()) as out:
+        show(Output(), result)
+    assert "Train held" not in out.getvalue()
+
+
+def test_a_run_in_which_the_law_is_never_asked_is_refused(short, monkeypatch):
+    monkeypatch.setattr("railhil.audit.shadow.unrecorded_run", lambda scenario, spec, controller: None)
+    monkeypatch.setattr("railhil.audit.shadow.system_named", lambda name: replace(ATO, own={}))
+    with pytest.raises(InputError, match="no control period: the readings never came"):
+        shadow_run(short, LawSpec(), make("iq"))
 
 
 def test_floor_shows_as_bias_of_the_products(sound):
@@ -208,8 +269,21 @@ def test_an_infinite_value_misses_a_bar_and_leaves_the_result_readable(short):
 
 
 def test_code_figures_by_hand():
-    found = compare_codes(SimpleNamespace(codes=[1, 2, 3, -4]), SimpleNamespace(codes=[1, 2, 1, -5]))
-    assert (found.steps, found.equal, found.largest, found.equal_share) == (4, 2, 2, 0.5)
+    """Two commands, four periods."""
+    commands = (CommandCode("notch", 8, "notch"), CommandCode("force", 0, "0.01 N"))
+    audited = SimpleNamespace(codes=[(1, 7), (2, 7), (3, 7), (-4, 0)], controller=SimpleNamespace(commands=commands))
+    notch, force = compare_codes(audited, SimpleNamespace(codes=[(1, 7), (2, 7), (1, 7), (-5, 9)]))
+    assert (notch.command, force.command) == commands
+    assert (notch.steps, notch.equal, notch.largest, notch.equal_share) == (4, 2, 2, 0.5)
+    assert (force.steps, force.equal, force.largest, force.equal_share) == (4, 3, 9, 0.75)
+
+
+@pytest.mark.parametrize(
+    ("q", "unit", "shown"),
+    [(8, "notch", "3/256 notch"), (0, "N", "3 N"), (0, "0.01 N", "3 x 0.01 N"), (-2, "N", "12 N"), (0, "", "3")],
+)
+def test_a_code_in_its_unit(q, unit, shown):
+    assert CommandCode("force", q, unit).shown(3) == shown
 
 
 def test_effect_bars():
@@ -244,7 +318,7 @@ def test_effect_compares_each_draw_with_its_own_twin(sound):
         ]
         for itaes, stops_m in (((12.0, 11.0, 10.0), (0.1, 0.1, None)), ((10.0,) * 3, (0.1,) * 3))
     )
-    over_runs = compared(Outcomes(fixed, Counters(3, 30, 300)), Outcomes(real, Counters(7, 7, 7)))
+    over_runs = compared(Outcomes(fixed, Counters(3, 30, 300)), Outcomes(real, Counters(7, 7, 7)), ATO_CRITERIA)
     assert over_runs.counters == Counters(3, 30, 300)
     found = {one.score: one for one in over_runs.scores}
     itae = found["itae"]
@@ -258,8 +332,8 @@ def test_a_wrap_in_a_perturbed_run_misses_a_bar_that_the_nominal_run_meets(short
     result = audit(short, Options(runs=2))
     assert {bar.found for bar in result.bars if bar.name == "wraps in the perturbed runs"} == {"0"}
     wrapped = Outcomes([sound.run.score] * 2, Counters(1, 10, 2))
-    over_runs = compared(wrapped, wrapped)
-    result = replace(result, effect=over_runs, bars=bars(sound, result.standstill, result.cost, over_runs))
+    over_runs = compared(wrapped, wrapped, ATO_CRITERIA)
+    result = replace(result, effect=over_runs, bars=bars(sound, result.cost, over_runs=over_runs))
     found = {bar.name: (bar.found, bar.met) for bar in result.bars}
     assert found["wraps in the run"] == ("0", True)
     assert found["wraps in the perturbed runs"] == ("1", False)

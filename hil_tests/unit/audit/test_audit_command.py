@@ -24,7 +24,7 @@ KEYS = {
     "ranges",
     "bounds",
     "errors",
-    "notch",
+    "commands",
     "floor",
     "scores",
     "effect",
@@ -80,6 +80,9 @@ def test_json_of_an_audit_is_all_that_is_printed(short, tmp_path):
         "stop_error_m",
         "comfort",
     ]
+    for codes in (found["commands"], found["floor"]["commands"]):
+        assert list(codes) == ["notch"]
+        assert (codes["notch"]["q"], codes["notch"]["unit"]) == (8, "notch")
     for part in ("ranges", "errors"):
         assert {"speed", "notch"} <= {row["name"] for row in found[part]}
 

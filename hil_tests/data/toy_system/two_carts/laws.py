@@ -14,7 +14,7 @@ from two_carts.wire import FORCE_Q
 
 #: Positions are limited to this (0.1 mm, 50 m), so that they and their products fit into 32 bits.
 FAR_01MM = 500_000
-_GAIN_Q = 16
+_GAIN_Q = 20
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,26 @@
-"""Runs of a system that has no batch: each through the nodes of the bench, in this process."""
+"""What runs many seeds of a system: its batch; without one the nodes of the bench, run by run, in this process."""
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
 from railhil.batch.case import BatchResult, Case, column
-from railhil.bench import BenchRun, local_run
+from railhil.bench import unrecorded_run
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 
 #: Hexadecimal digits of the frame log's hash that stand in the place of the notch digest.
 DIGITS = 16
+
+
+def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
+    """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none."""
+    system = system_named(scenario.system)
+    return system.part("batch") if "batch" in system.own else None
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
@@ -21,7 +28,7 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
 
     :raises InputError: law, arithmetic, indexing or parameters do not fit.
     """
-    runs = [_run(case, int(seed)) for seed in seeds]
+    runs = [unrecorded_run(case.scenario, case.run(int(seed))) for seed in seeds]
     scores = [run.score for run in runs]
     totals = [run.telemetry["totals"] for run in runs]
     criteria = judging_of(case.scenario).criteria
@@ -44,8 +51,3 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
         zero_divisions=zero_divisions,
         notch_digest=tuple(run.frames_sha256[:DIGITS] for run in runs),
     )
-
-
-def _run(case: Case, seed: int) -> BenchRun:
-    with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
-        return local_run(case.scenario, Path(folder), case.run(seed))

@@ -1,0 +1,103 @@
+"""The bars: what an audit demands, and what it has found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from railhil.audit.bounds import Bounds
+from railhil.audit.effect import Effect
+from railhil.audit.shadow import Codes, ShadowRun, compare_codes
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.cost import Cost
+from railhil.scenarios.run_spec import LawSpec
+
+#: Share of control periods in which a command's code must be float64's, and how far the others may be off, raw.
+EQUAL_SHARE_MIN = 0.99
+CODE_DIFFERENCE_MAX = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """One demand: what was found, what is allowed, whether it is met."""
+
+    name: str
+    found: str
+    allowed: str
+    met: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a system looks at besides: under ``key`` in the JSON document ``figures``, ``title`` and ``text`` on the
+    terminal, and its ``bars``."""
+
+    key: str
+    title: str
+    text: str
+    figures: Mapping[str, Any]
+    bars: tuple[Bar, ...]
+
+
+#: The part ``audit`` of a system: of the scenario, the law and what makes a fresh audited arithmetic.
+OwnLook = Callable[[Any, LawSpec, Callable[[], Arithmetic[Any]]], Look]
+
+
+def _codes_bars(codes: Codes) -> list[Bar]:
+    command = codes.command
+    return [
+        Bar(
+            f"{command.name} codes equal to float64's",
+            f"{codes.equal_share:.2%} of {codes.steps}",
+            f"at least {EQUAL_SHARE_MIN:.0%}",
+            codes.equal_share >= EQUAL_SHARE_MIN,
+        ),
+        Bar(
+            f"largest difference of a {command.name} code",
+            command.shown(codes.largest),
+            f"at most {CODE_DIFFERENCE_MAX}",
+            codes.largest <= CODE_DIFFERENCE_MAX,
+        ),
+    ]
+
+
+def _effect_bars(over_runs: Effect) -> list[Bar]:
+    counters = over_runs.counters
+    found = [
+        Bar("wraps in the perturbed runs", f"{counters.wraps}", "0", not counters.wraps),
+        Bar("divisions by zero in the perturbed runs", f"{counters.zero_divisions}", "0", not counters.zero_divisions),
+    ]
+    for one in over_runs.scores:
+        shown = "no run has it" if one.difference is None else f"{one.difference:+.4g} {one.unit}"
+        if one.missing:
+            shown += f", {one.missing} runs have it in one arithmetic only"
+        found.append(Bar(f"median {one.score}", shown, f"within {one.allowed:.3g} {one.unit}", one.met))
+    return found
+
+
+def bars(
+    shadow: ShadowRun,
+    price: Cost,
+    *,
+    look: Look | None = None,
+    over_runs: Effect | None = None,
+    bounds: Bounds | None = None,
+) -> list[Bar]:
+    """Hold the findings against what is demanded; what was not looked at has no bar."""
+    counters = shadow.audited.arithmetic.counters
+    not_finite = shadow.audited.not_finite
+    found = [Bar("wraps in the run", f"{counters.wraps}", "0", not counters.wraps)]
+    if bounds is not None:
+        name = "operations that may wrap for a reading on the wire"
+        found.append(Bar(name, f"{bounds.may_wrap}", "0", not bounds.may_wrap))
+    found += [
+        Bar("divisions by zero", f"{counters.zero_divisions}", "0", not counters.zero_divisions),
+        Bar("infinite values", f"{not_finite}", "0", not not_finite),
+    ]
+    for codes in compare_codes(shadow.audited, shadow.reference):
+        found += _codes_bars(codes)
+    found += look.bars if look is not None else ()
+    found.append(Bar("share of the control period, from flash", f"{price.share:.4%}", "below 100%", price.share < 1))
+    found += _effect_bars(over_runs) if over_runs is not None else []
+    return found
