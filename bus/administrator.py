@@ -1,7 +1,8 @@
 """Bus administrator: publishes its own ports on their period and polls the ports of the others.
 
-In lockstep it waits for every answer, so time stands still until the whole bench has agreed (for how long:
-:mod:`railhil.common.patience`); in realtime an answer that is later than ``reply_ns`` is a missed telegram that ages.
+In lockstep it waits for every answer, so simulation time stops until all nodes have answered (for how long:
+:mod:`railhil.common.patience`); in real time an answer later than ``reply_ns`` is a missed telegram, and the old value
+ages.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from railhil.bus.store import TrafficStore
 from railhil.common.patience import PATIENCE_S
 from railhil.dbc import Contract, Port, wire_contract
 
-#: Reply time-out in realtime (the MVB's 42.7 us cannot be kept on CAN).
+#: Reply time-out in real time (the MVB's 42.7 us cannot be met on CAN).
 REPLY_NS = 5_000_000
-#: How long the answers to one device status poll are listened to, when each device is there.
+#: How long to listen for further answers to one device status poll once every device has answered.
 _SCAN_ANSWER_S = 0.03
-#: Lockstep: so often is looked whether the one who is waited for has ended.
+#: Lockstep: interval at which to check whether the awaited node has ended.
 _LOOK_NS = 100_000_000
 
 
@@ -32,10 +33,10 @@ class Administrator:
     """Master of the bus on one endpoint.
 
     :param store: mailboxes for the ports that are polled.
-    :param now_ns: simulation time, asked at each reception.
-    :param pacer: pace of the run, and the wall clock of every time-out.
+    :param now_ns: returns the simulation time; called at each reception.
+    :param pacer: pace of the run, and the wall clock for all time-outs.
     :param fd: send the CAN FD form.
-    :param reply_ns: realtime: wall time after which an answer comes too late.
+    :param reply_ns: real time: wall time after which an answer is too late.
     :param patience_s: lockstep: wall time for an answer whose owner is not known to have ended.
     :param contract: of the run's system; None: that of railhil's own train.
     """
@@ -61,14 +62,14 @@ class Administrator:
         self._pacer = pacer
         self._monotonic_ns = pacer.wall.monotonic_ns
         self._sources = {port.name: TelegramSource(port, fd) for port in published}
-        # Identifiers of the frame that completes a telegram, classic and CAN FD.
+        # Identifiers of the frame that completes a telegram, for classic CAN and CAN FD.
         self._last_ids = {port.name: (port.can_ids[-1], port.fd_id) for port in contract.ports}
         self._queue: list[Frame] = []
         self._patience_ns = round(patience_s * 1e9)
         self._reply_ns = reply_ns
 
     def publish(self, telegram: Telegram) -> None:
-        """Queue one telegram; it leaves with the next ``flush`` or poll."""
+        """Queue one telegram; it is sent with the next ``flush`` or poll."""
         self._queue.extend(self._sources[telegram.PORT].frames(telegram.encode()))
 
     def flush(self) -> None:
@@ -80,11 +81,11 @@ class Administrator:
     def poll(self, port: Port) -> bool:
         """Ask the owner of a port for its telegram.
 
-        Lockstep waits for the answer; realtime gives up after the reply time-out. An answer that the store refuses
-        (damaged on the way) is a missed telegram in both.
+        Lockstep waits for the answer; real time gives up after the reply time-out. In both, an answer that the store
+        refuses (damaged in transit) is a missed telegram.
 
         :returns: True when the answer was committed to the store, False for a missed one.
-        :raises PeerSilent: in lockstep, when the owner has ended or the patience with it is over.
+        :raises PeerSilent: in lockstep, when the owner has ended or the patience is exhausted.
         """
         self.counters["polls"] += 1
         if self._pacer.rate:
@@ -105,7 +106,8 @@ class Administrator:
         return False
 
     def _discard_late(self) -> None:
-        """Drop what came after the reply time-out: taken for the next answer, it would make each one a poll late."""
+        """Drop answers that came after the reply time-out: if one were taken for the next answer, all later answers
+        would be one poll late."""
         deadline_ns = self._monotonic_ns() + self._reply_ns
         while frames := self._endpoint.receive(0.0):
             self.counters["late_frames"] += len(frames)
@@ -113,7 +115,7 @@ class Administrator:
                 return
 
     def _in_time(self, port: Port) -> bool | None:
-        """Realtime: True when an answer was committed, False when it was refused, None when none came in time."""
+        """Real time: True when an answer was committed, False when it was refused, None when none came in time."""
         deadline_ns = self._monotonic_ns() + self._reply_ns
         committed = None
         while committed is None and (remaining_ns := deadline_ns - self._monotonic_ns()) > 0:
@@ -121,10 +123,10 @@ class Administrator:
         return committed
 
     def _awaited(self, port: Port) -> bool | None:
-        """Lockstep: as :meth:`_in_time`, None when no answer is to be expected any more.
+        """Lockstep: like :meth:`_in_time`; None when no answer can be expected any more.
 
-        Waiting is counted look by look, each at its length at most: a time in which this process itself stood still
-        (a paused container, a debugger) is none in which the other could not answer.
+        The waiting time is the sum over short waits, each counted at most with its nominal length, so time in which
+        this process itself was suspended (a paused container, a debugger) is not held against the other node.
         """
         waited_ns, last_look = 0, False
         while True:
@@ -133,17 +135,17 @@ class Administrator:
             if committed is not None:
                 return committed
             if self._endpoint.is_down:
-                # Nobody can answer over an interface that is out; the link ends that wait itself.
+                # No answer can come over an interface that is down; the link limits that wait itself.
                 waited_ns, last_look = 0, False
             elif last_look:
                 return None
             else:
                 waited_ns += min(self._monotonic_ns() - begun_ns, _LOOK_NS)
-                # One who has ended may have answered before: another look.
+                # A node that has ended may have answered before: check once more.
                 last_look = waited_ns >= self._patience_ns or self._endpoint.has_ended(port.source)
 
     def _take(self, port: Port, timeout_ns: int) -> bool | None:
-        """Hand what arrives to the store; True: an answer was committed, False: refused, None: there was none."""
+        """Pass arriving frames to the store; True: an answer was committed, False: refused, None: there was none."""
         name, last_ids = port.name, self._last_ids[port.name]
         committed = None
         for frame in self._endpoint.receive(timeout_ns / 1e9):
@@ -157,7 +159,7 @@ class Administrator:
         """Ask each device for its status (F_code 15) until all have answered or ``timeout_ns`` of wall time is over.
 
         :returns: the devices that did *not* answer.
-        :raises BusOccupied: somebody else polls on this bus, or two nodes answer as one device.
+        :raises BusOccupied: another administrator polls on this bus, or two nodes answer as the same device.
         """
         missing = set(devices)
         deadline_ns = self._monotonic_ns() + timeout_ns
@@ -171,7 +173,7 @@ class Administrator:
         return missing
 
     def _status_answers(self, frames: list[Frame]) -> Counter[int]:
-        """Devices that have answered, each as often as it did."""
+        """Devices that have answered, once per answer."""
         contract = wire_contract()
         answers: Counter[int] = Counter()
         for frame in frames:
@@ -184,11 +186,11 @@ class Administrator:
         return answers
 
     def _refuse_doubles(self, devices: set[int]) -> None:
-        """Two nodes that answer as one device would spoil the run: their answers come twice for one poll."""
+        """Two nodes that answer as the same device would corrupt the run: each poll would be answered twice."""
         names = {role.value: role.name.lower() for role in Role}
         self._late_answers()
         for device in sorted(devices):
-            # Asked a second time before it is believed: one answer too many may be a late one of the scan.
+            # Ask a second time to be sure: a surplus answer may be a late one from the scan.
             if self._answers_of(device) > 1 and self._answers_of(device) > 1:
                 raise BusOccupied(
                     f"two nodes answer as device {device} ({names.get(device, 'a node')}): one too many on this bus; "

@@ -1,6 +1,6 @@
-"""Simulation time as every node reads it from the bus, and pacing against the wall clock.
+"""Simulation time as every node derives it from the bus, and pacing by the wall clock.
 
-This is the only module of the bench that looks at a wall clock to pace anything.
+This is the only module of the bench that uses a wall clock for pacing.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from railhil.dbc import wire_contract
 
 _FRACTION = 65536
 _LIFE_MODULUS = 16
-#: SimRate in tenths: 0 is kept for lockstep, the ends stand for "this slow or slower", "this fast or faster".
+#: SimRate in tenths: 0 is reserved for lockstep; the ends mean "this slow or slower" and "this fast or faster".
 RATE_MIN_10TH, RATE_MAX_10TH = 1, 255
 
 
@@ -25,7 +25,7 @@ def to_time_sync(tick: int, base_tick_ns: int, **fields: int) -> TimeSync:
 
 
 def from_time_sync(telegram: TimeSync, base_tick_ns: int) -> int:
-    """Tick that a TIME_SYNC telegram stands for (nearest)."""
+    """Tick of a TIME_SYNC telegram (nearest)."""
     total_ns = (telegram.seconds_s * _FRACTION + telegram.fraction_65536th_s) * 1_000_000_000 // _FRACTION
     return (total_ns + base_tick_ns // 2) // base_tick_ns
 
@@ -44,13 +44,13 @@ class BusClock:
     life sign 1..7 ahead                     counts on; the ticks of lost frames are bridged
     life sign repeated, or behind by 1..8    nothing: a stuck, duplicated or old frame opens no tick
     8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
-    no clock frame since the last poll       the polls count on: they come on their period
+    no clock frame since the last poll       the polls advance the clock: they are periodic
     nothing at all, the interface was out    :meth:`silence` counts on, by the wall clock and the pace of the run
     TIME_SYNC                                takes its absolute value
     ======================================== ========================================================================
 
-    The polls matter when the clock port alone fails: without them time would stand still for the node, and with it the
-    age of the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
+    The polls matter when only the clock port fails: without them the node's time would stop, and so would the ageing of
+    the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
     """
 
     __slots__ = (
@@ -62,25 +62,27 @@ class BusClock:
         port = wire_contract().clock_port
         self.base_tick_ns = base_tick_ns
         self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
-        # Life sign of the last clock frame (-1: not known) and its tick, which polls leave behind ``tick``.
+        # Life sign of the last clock frame (-1: not known) and its tick, which falls behind ``tick`` when polls advance
+        # the clock.
         self._life = -1
         self._frame_tick = 0
-        # Life sign that would confirm that frames which look old are not.
+        # The next life sign that would confirm that seemingly old frames are new.
         self._expected = -1
         # Polls since the last clock frame, and the tick of the first of them.
         self._polls = 0
         self._poll_tick = 0
         self.tick = 0
-        #: Simulation time of the current tick in ns: asked ten times a tick, so it is no property.
+        #: Simulation time of the current tick in ns; read ten times per tick, hence not a property.
         self.now_ns = 0
         self.running = False
-        #: Pace by TIME_SYNC in simulated seconds per wall second, see :func:`rate_to_10th`; 0: lockstep, or not known.
+        #: Pace from TIME_SYNC in simulated seconds per wall second, see :func:`rate_to_10th`; 0: lockstep, or not
+        #: known.
         self.rate = 0.0
 
     def feed(self, data: bytes) -> bool:
         """Take a telegram of the clock port, its process data, in bus order; True when it opened a new tick.
 
-        What the store's check refuses must not come here: it opens no tick.
+        Frames refused by the store's check must not be passed: they open no tick.
         """
         life = data[3] & 0xF
         if not self.running:
@@ -90,7 +92,7 @@ class BusClock:
         step = (life - self._life) % _LIFE_MODULUS
         if step == 0:
             return False
-        # Of the ticks with this life sign, the one nearest to where the polls say that time is.
+        # Of the ticks with this life sign, the one nearest to the time according to the polls.
         behind = (self.tick - self._frame_tick) // self._ticks_per_frame - step
         step += (behind + MAX_STEP) // _LIFE_MODULUS * _LIFE_MODULUS
         if step < 0:
@@ -116,7 +118,7 @@ class BusClock:
         self.now_ns = tick * self.base_tick_ns
 
     def polled(self, period_ticks: int) -> None:
-        """Take a poll that comes at every tick that is a multiple of ``period_ticks``.
+        """Take a poll that is sent at every multiple of ``period_ticks``.
 
         A repeated poll puts the clock ahead by one period until the clock frames have caught up.
         """
@@ -130,11 +132,12 @@ class BusClock:
         self._polls += 1
 
     def silence(self, wall_ns: int) -> None:
-        """Nothing could be heard for ``wall_ns``: time has gone on at the pace of the run.
+        """Nothing could be received for ``wall_ns``: advance the time at the pace of the run.
 
-        A hint like the polls: the next clock frame is taken for the nearest tick with its life sign. At a pace beyond
-        the ends of SimRate (0.05, 25.5) it is reckoned by the end, and the next TIME_SYNC puts it right: a slow run
-        takes a speed for older than it is, a fast one for old enough.
+        The result is an estimate, like that from the polls: the next clock frame is assigned to the nearest tick with
+        its life sign. At a pace outside the range of SimRate (0.05, 25.5) the limit of the range is used, and the next
+        TIME_SYNC corrects the time: until then a slow run takes a speed to be older than it is, a fast one takes it to
+        be fresher.
         """
         if self.running:
             self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
@@ -149,16 +152,17 @@ class BusClock:
         self.running = True
         self._set(tick)
         if known:
-            # The clock frames are missing since before the last poll: their life sign goes on where it was.
+            # The clock frames have been missing since before the last poll: their life sign continues from its last
+            # value.
             return
-        # Whether the clock frame of this tick was lost cannot be told: the next one is the next tick.
+        # It is unknown whether the clock frame of this tick was lost: the next one counts as the next tick.
         self._frame_tick = tick
         self._life = self._expected = -1
         self._polls = 0
 
 
 class Pacer:
-    """Waits for the wall clock: absolute deadlines on the monotonic clock, so lateness never accumulates.
+    """Paces by the wall clock, with absolute deadlines on the monotonic clock, so lateness never accumulates.
 
     :param rate: simulated seconds per wall second; 0 means lockstep, ``wait`` then returns at once.
     :param wall: the clock to wait on.
@@ -170,7 +174,7 @@ class Pacer:
         self._start_ns = 0
 
     def start(self) -> None:
-        """Simulation time 0 is now."""
+        """Define the present as simulation time 0."""
         self._start_ns = self.wall.monotonic_ns()
 
     def deadline_ns(self, sim_ns: int) -> int:

@@ -6,7 +6,7 @@
      +-- BusUnavailable   the interface cannot be opened (missing, busy, no permission)
      |    +-- BusOccupied another bench is running on it
      +-- BusLost          an open interface is gone for good (hub died, adapter did not come back)
-     +-- PeerSilent       nobody is there to be waited for any longer (:mod:`railhil.common.patience`)
+     +-- PeerSilent       an awaited node has ended or is given up (:mod:`railhil.common.patience`)
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from railhil.common.exit_codes import INVALID, USAGE
 
 
 class BusError(Exception):
-    """Base of all bus errors; the text is one line that can be shown to a user as it stands."""
+    """Base of all bus errors; the text is one line that can be shown to a user unchanged."""
 
 
 class BusUnavailable(BusError):
@@ -25,16 +25,16 @@ class BusUnavailable(BusError):
 
 
 class BusOccupied(BusUnavailable):
-    """Another bus administrator polls on this bus: two benches on one would spoil both."""
+    """Another bus administrator polls on this bus: two benches on one bus would corrupt both runs."""
 
 
 class BusLost(BusError):
-    """The interface was open and is gone. Example: the hub process was killed."""
+    """The interface was open and has been lost. Example: the hub process was killed."""
 
     exit_code = INVALID
 
 
 class PeerSilent(BusError):
-    """Somebody has ended, or patience is over. The text says who waited for whom, since when."""
+    """A node has ended, or the patience is exhausted. The text says who waited for whom, and since when."""
 
     exit_code = INVALID

@@ -25,7 +25,7 @@ class Frame(NamedTuple):
 
     ``can_id``: 11-bit identifier (29-bit when ``flags`` has EXTENDED). ``data``: 0..8 bytes, 0..64 with FD.
     ``flags``: 0 for the plain data frames that carry MVB telegrams. A remote frame has no data on the wire; here it
-    holds as many zero bytes as its length code says.
+    holds as many zero bytes as its length code specifies.
     """
 
     can_id: int
@@ -33,12 +33,12 @@ class Frame(NamedTuple):
     flags: int = 0
 
 
-#: :class:`Frame` of a whole tuple ``(can_id, data, flags)``, in half the time of ``Frame(...)``: for the hot path.
+#: Makes a :class:`Frame` from a tuple ``(can_id, data, flags)`` in half the time of ``Frame(...)``: for the hot path.
 quick_frame: Callable[[tuple[int, bytes, int]], Frame] = partial(tuple.__new__, Frame)
 
 
 def to_message(frame: Frame, timestamp_s: float = 0.0) -> can.Message:
-    """python-can form of a frame; the identifier is standard unless the frame says otherwise."""
+    """python-can form of a frame; the identifier is standard unless the frame has the EXTENDED flag."""
     flags = frame.flags
     return can.Message(
         timestamp=timestamp_s,

@@ -1,4 +1,4 @@
-"""The handshake: each node states what it is about to run, and a run starts only when all three say the same."""
+"""The handshake: each node states what it is about to run, and a run starts only if all three agree."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Role(IntEnum):
 
 #: Codes of ``arithmetic``, ``indexing`` and ``pace`` in the handshake.
 ARITHMETICS = ("none", *choices.ARITHMETICS)
-#: What each arithmetic is faithful to: the IQmath library, or the rounding of the floating-point unit.
+#: What each arithmetic reproduces: the IQmath library, or the rounding of the floating-point unit.
 PROFILES = {
     "float64": "ieee754",
     "float32": "nearest",
@@ -54,7 +54,7 @@ class Ident(Telegram):
     """
 
     PORT: ClassVar[str] = "PLT_IDENT"
-    #: The node that sources the port.
+    #: The node that is the source of the port.
     ROLE: ClassVar[Role] = Role.PLANT
     scenario_hash: int = signal("{p}ScenarioHash")
     wire_hash: int = signal("{p}WireHash")
@@ -70,11 +70,11 @@ class Ident(Telegram):
 
     @property
     def is_own(self) -> bool:
-        """True when the role is that of the port's source: anything else is no telegram of a node of the bench."""
+        """True when the role is that of the port's source; otherwise the telegram is not from a node of the bench."""
         return self.role == self.ROLE
 
     def differences(self, other: Ident) -> list[str]:
-        """One sentence for each thing in which two nodes disagree; what a node does not know (0) never differs."""
+        """One sentence for each property in which two nodes disagree; unknown values (0) never count as different."""
         strange = [ident for ident in (self, other) if not ident.is_own]
         if strange:
             return [f"{ident.PORT} has role {ident.role}, allowed {ident.ROLE.value}" for ident in strange]
@@ -100,7 +100,7 @@ class Ident(Telegram):
 
 
 def _shown(field: str, value: int) -> str:
-    """A handshake value as a user knows it: names where there are names, else the hexadecimal code."""
+    """A handshake value for the user: its name if it has one, else the hexadecimal code."""
     if field == "law":
         return _law_shown(value)
     words = {"arithmetic": ARITHMETICS, "indexing": INDEXINGS, "pace": PACES}.get(field, ())
@@ -108,7 +108,7 @@ def _shown(field: str, value: int) -> str:
 
 
 def _law_shown(code: int) -> str:
-    """The installed laws of this code, with their own parameters; a digest of a parameter file tells nothing."""
+    """The installed laws with this code and their own parameters; the code of a parameter file cannot be decoded."""
     names = sorted(name for name in entries("railhil.laws") if law_code(name) == code)
     return " or ".join(names) or f"{code:03x} (no installed law with its own parameters)"
 
@@ -140,7 +140,8 @@ _CLASSES: dict[Role, type[Ident]] = {Role.PLANT: PltIdent, Role.CONTROLLER: CtlI
 
 
 def law_code(controller: str) -> int:
-    """12-bit code of a controller's name: the low bits of its CRC-32, 4095 for 0; 0 for the empty name (not known)."""
+    """12-bit code of a controller's name: the low bits of its CRC-32, with 0 replaced by 4095; 0 for the empty name
+    (not known)."""
     if not controller:
         return 0
     return zlib.crc32(controller.encode()) & _LAW_MAX or _LAW_MAX
@@ -158,7 +159,7 @@ def make_ident(
     pace: str = "none",
     contract: Contract | None = None,
 ) -> Ident:
-    """Handshake telegram of a node; hashes are cut to their first 32 bit.
+    """Handshake telegram of a node; hashes are truncated to their first 32 bits.
 
     :param contract: of the run's system; None: that of railhil's own train.
     """
@@ -176,5 +177,5 @@ def make_ident(
 
 
 def is_perturbed(ident: Ident) -> bool:
-    """True when the node says that it runs drawn parameters."""
+    """True when the node states that it runs with drawn parameters."""
     return ident.perturbed == FLAG_TRUE

@@ -21,7 +21,7 @@ def flag(value: bool) -> int:
 
 
 def signal(name: str, default: int = 0) -> Any:
-    """Declare a telegram field that is the DBC signal ``name`` (``{p}``: first word of the port's name)."""
+    """Declare a telegram field for the DBC signal ``name`` (``{p}``: first word of the port's name)."""
     return dataclasses.field(default=default, metadata={"signal": name})
 
 
@@ -31,14 +31,14 @@ class Telegram:
     Subclasses are dataclasses of raw integers; their ``PORT`` names the port whose signals they carry. Values that do
     not fit a signal are a programming error: ``encode`` raises OverflowError, it never wraps silently.
 
-    What is said here in a loop over the signals, :mod:`railhil.bus.codecs` says in one line for each: a class that
-    stands there takes its ``encode`` and ``decode`` from there.
+    The generic loops over the signals here are unrolled in :mod:`railhil.bus.codecs`: a class that is listed there
+    takes its ``encode`` and ``decode`` from there.
     """
 
     PORT: ClassVar[str]
-    #: The port itself, of a class that is bound to one (:meth:`bound`).
+    #: The port, for a class that is bound to one (:meth:`bound`).
     _port: ClassVar[Port | None] = None
-    #: Field names with their signals, made at first use.
+    #: Field names with their signals, filled at first use.
     _signals: ClassVar[tuple[tuple[str, Signal], ...]] = ()
 
     def __init_subclass__(cls) -> None:
@@ -54,12 +54,12 @@ class Telegram:
 
     @classmethod
     def bound(cls, port: Port) -> type[Self]:
-        """This layout at a port: of one unit among several, or of another system.
+        """This layout bound to a port: that of one unit among several, or of another system.
 
         :raises TypeError: the fields are not the signals of the port.
         """
         members = {"PORT": port.name, "_port": port, "__slots__": (), "__doc__": cls.__doc__}
-        # The written codecs are those of the port that a class names itself.
+        # The generated codecs are for the port that the class itself names.
         members |= {"encode": Telegram.encode, "decode": classmethod(vars(Telegram)["decode"].__func__)}
         made: type[Self] = type(f"{cls.__name__}_{port.name}", (cls,), members)
         made.signals()
@@ -76,7 +76,7 @@ class Telegram:
     def signals(cls) -> tuple[tuple[str, Signal], ...]:
         """Field names with their signals, in the order of the fields.
 
-        :raises TypeError: they are not those of the port table.
+        :raises TypeError: they do not match the port table.
         """
         if "_signals" not in vars(cls):
             port = cls.port()
@@ -104,7 +104,7 @@ class Telegram:
         return word.to_bytes(bits // 8)
 
     def misfit(self) -> OverflowError:
-        """Names the first value that does not fit."""
+        """The error that names the first value that does not fit."""
         for name, entry in self.signals():
             value, (lowest, highest) = getattr(self, name), entry.raw_range
             if not lowest <= value <= highest:

@@ -1,16 +1,17 @@
-"""Life sign of a telegram: the 4-bit counter by which a sink tells fresh from stuck, repeated and old."""
+"""Life sign of a telegram: the 4-bit counter by which a receiver distinguishes fresh telegrams from stuck, repeated and
+old ones."""
 
 from __future__ import annotations
 
 from enum import Enum
 
 _MODULUS = 16
-#: Counter steps up to this are a gap (lost telegrams); beyond, the telegram counts as one from the past.
+#: Counter steps up to this are a gap (lost telegrams); a telegram with a larger step is considered old.
 MAX_STEP = 7
 
 
 class Life(Enum):
-    """What a life sign says about its telegram."""
+    """The verdict of a life sign on its telegram."""
 
     FIRST = "first"
     NEXT = "next"
@@ -32,7 +33,7 @@ class LifeSign:
         self._last = -1
 
     def judge(self, life: int) -> Life:
-        """Compare with the last fresh one; nothing is remembered yet (:meth:`accept` does)."""
+        """Compare with the last fresh one without storing anything (:meth:`accept` does that)."""
         if self._last < 0:
             return Life.FIRST
         step = (life - self._last) % _MODULUS
@@ -43,5 +44,5 @@ class LifeSign:
         return Life.GAP if step <= MAX_STEP else Life.OUT_OF_ORDER
 
     def accept(self, life: int) -> None:
-        """Remember the life sign of a telegram that was used."""
+        """Store the life sign of a telegram that was used."""
         self._last = life

@@ -1,4 +1,4 @@
-"""What each transport does not model: a user must know it before trusting a result."""
+"""What each transport does not model, which a user must know before relying on a result."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """A bus inside one process: the bus administrator's endpoint, with responders called in turn.
 
-Same telegrams, same order, no sockets: for tests, in-process loops and the log-hash comparison between transports.
+The same telegrams in the same order, without sockets: for tests, in-process loops and comparing log hashes between
+transports.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from railhil.bus.frame import Frame
 class LocalBus:
     """:class:`railhil.bus.link.Endpoint` of the administrator.
 
-    :param nodes: what each other node does with a frame (returns its answers).
+    :param nodes: for each other node, the function that handles a frame and returns its answers.
     """
 
     def __init__(self, nodes: Sequence[Callable[[Frame], list[Frame]]]) -> None:
@@ -34,7 +35,7 @@ class LocalBus:
             if node is not sender:
                 for answer in node(frame):
                     answers.append((answer, node))
-        # A frame reaches everybody before anybody's answer to it does, as on a bus.
+        # As on a bus, a frame reaches every node before any answer to it does.
         for answer, node in answers:
             self._inbox.append(answer)
             self._deliver(answer, node)
@@ -46,7 +47,7 @@ class LocalBus:
         return frames
 
     def has_ended(self, node: str) -> bool:
-        """Always: who has not answered at once never will."""
+        """Always True: a node that has not answered at once never will."""
         del node
         return True
 

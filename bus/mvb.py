@@ -1,7 +1,7 @@
 """MVB frames: check sequence, master word, and their mapping onto CAN frames.
 
-Source: IEC 61375-3-1 as settled in the bench's MVB notes. The check sequence of a 16, 32 or 64 bit block is the
-7-bit remainder of G(x) = x^7+x^6+x^5+x^2+1, extended by one even-parity bit over data *and* remainder, all inverted.
+Source: IEC 61375-3-1. The check sequence of a 16, 32 or 64 bit block is the 7-bit remainder of G(x) =
+x^7+x^6+x^5+x^2+1, extended by one even-parity bit over data *and* remainder, all inverted.
 
 Single-frame telegram (F0, F1), one CAN frame of 8 bytes::
 
@@ -11,7 +11,7 @@ Single-frame telegram (F0, F1), one CAN frame of 8 bytes::
     | (F0: 2 bytes) |     |  word   | master|
     +---------------+-----+---------+-------+
 
-Longer telegrams: every 64-bit block as a plain frame on ``address + k``, then the trailer on ``address + 4``::
+Longer telegrams: every 64-bit block as a frame of its own on ``address + k``, then the trailer on ``address + 4``::
 
       0     1     2     3      4         5    6     7
     +-----+-----+-----+-----+--------+---------+-------+
@@ -19,7 +19,7 @@ Longer telegrams: every 64-bit block as a plain frame on ``address + k``, then t
     |     (unused = 00)     |  4  |4 |  word   | master|
     +-----------------------+--------+---------+-------+
 
-CAN FD form, on ``address + 5``: the classic payloads one after the other (F4 padded to 48 bytes).
+CAN FD form, on ``address + 5``: the classic payloads concatenated (F4 padded to 48 bytes).
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _TRAILER: Callable[[bytes, bytes], bytes] = Struct("4s4s").pack
 
 
 def _check_octet(data: int) -> int:
-    """Remainder and even parity of a number of data bits, as the standard says it, before the inversion."""
+    """Remainder and even parity of a number of data bits, as defined by the standard, before the inversion."""
     remainder = data << 7
     for bit in range(remainder.bit_length() - 1, 6, -1):
         if remainder >> bit & 1:
@@ -49,21 +49,21 @@ def _check_octet(data: int) -> int:
 
 
 def _octets_of_words(place: int) -> bytes:
-    """The octet of every 16-bit word that stands ``place`` words before the last one; inverted for the last."""
+    """The octet of every 16-bit word at ``place`` words before the last one; inverted for the last."""
     low, high = ([_check_octet(value << 16 * place + shift) for value in range(256)] for shift in (0, 8))
     inversion = 0 if place else 0xFF
     row, everywhere = int.from_bytes(bytes(low)), int.from_bytes(b"\1" * 256)
     return b"".join((row ^ (octet ^ inversion) * everywhere).to_bytes(256) for octet in high)
 
 
-#: The octet is linear in the data, so it is the xor of one table value for each 16-bit word, by its place from the end.
+#: The octet is linear in the data, so it is the XOR of one table value per 16-bit word, by its place from the end.
 _W0, _W1, _W2, _W3 = (_octets_of_words(place) for place in range(4))
 _FOUR_WORDS: Callable[[bytes], tuple[int, int, int, int]] = Struct(">4H").unpack
 _TWO_WORDS: Callable[[bytes], tuple[int, int]] = Struct(">2H").unpack
 
 
 def check_sequence(block: bytes) -> int:
-    """Check octet of one block of 2, 4 or 8 data bytes (other lengths up to 8 give the octet of the same rule).
+    """Check octet of one block of 2, 4 or 8 data bytes (other lengths up to 8 follow the same rule).
 
     :raises struct.error: more than 8 bytes.
     """
@@ -74,7 +74,7 @@ def check_sequence(block: bytes) -> int:
     if size == 4:
         a, b = _TWO_WORDS(block)
         return _W1[a] ^ _W0[b]
-    # Zeros in front change no remainder and no parity.
+    # Leading zeros change neither remainder nor parity.
     a, b, c, d = _FOUR_WORDS(block.rjust(8, b"\0"))
     return _W3[a] ^ _W2[b] ^ _W1[c] ^ _W0[d]
 
@@ -86,7 +86,7 @@ def master_word(f_code: int, address: int) -> bytes:
 
 @cache
 def master_frame(f_code: int, address: int) -> Frame:
-    """The master frame with which the bus administrator asks for a telegram (CAN: 3 bytes on the poll id)."""
+    """The master frame with which the bus administrator polls a telegram (CAN: 3 bytes on the poll id)."""
     word = master_word(f_code, address)
     return Frame(wire_contract().poll_id, word + bytes([check_sequence(word)]))
 
@@ -107,7 +107,7 @@ def master_tail(f_code: int, address: int) -> bytes:
 
 
 def slave_frame(data: bytes) -> bytes:
-    """The slave frame as it stands on a real MVB: each block followed by its check octet.
+    """The slave frame as on a real MVB: each block followed by its check octet.
 
     ``data``: 2, 4, 8, 16 or 32 bytes.
     """
@@ -129,13 +129,13 @@ class TelegramSource:
         self._fd = fd
         self._size = port.data_bytes
         tail = master_tail(port.f_code, port.address)
-        # What follows the check sequences, for each value of the counter; a single frame has none.
+        # The tail after the check sequences, for each value of the counter; a single frame has no counter.
         sequences = range(1 if port.single_frame else 16)
         self._ends = [tail if port.single_frame else bytes((seq << 4 | port.blocks,)) + tail for seq in sequences]
         self._split = Struct("8s" * port.blocks).unpack
         self._block_ids = range(port.address, port.address + port.blocks)
         self._trailer_id = port.address + 4
-        # F4 has 40 bytes, a length that CAN FD does not know.
+        # F4 has 40 bytes, which is not a valid CAN FD length.
         self._padded_bytes = 48 if port.f_code == 4 else port.data_bytes + 8
         self._sequence = 0
 
@@ -168,7 +168,7 @@ def device_status_frame(device: int, status: int) -> Frame:
 
 
 def parse_device_status(data: bytes) -> tuple[int, int] | None:
-    """``(device, status)`` of a device status answer, or None when it is not a right one."""
+    """``(device, status)`` of a device status answer, or None when it is invalid."""
     if len(data) != 8 or check_sequence(data[:2]) != data[4] or check_sequence(data[5:7]) != data[7]:
         return None
     word = int.from_bytes(data[5:7])

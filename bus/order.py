@@ -1,10 +1,10 @@
-"""Bus order for a recorder on a kernel bus: an answer stands directly behind the poll that asked for it.
+"""Restores the bus order for a recorder on a kernel bus: an answer follows directly after its poll.
 
-A real bus has one order for all listeners. ``vcan`` has one only per sending processor: each sender's frames are
-handed to the listeners on the processor it runs on, so a third party may see the controller's answer before the
-administrator's poll, or after what the administrator sent next (measured: 6 to 11 of 9600 frames on two processors).
-The administrator waits for each answer in lockstep, so the order on the wire is known, and is put back here. An answer
-that never comes lets the bus fall silent, because the recorder does not answer a poll that it holds:
+A real bus has one order for all listeners. ``vcan`` has an order only per sending processor: each sender's frames are
+delivered to the listeners on the processor it runs on, so a third node may see the controller's answer before the
+administrator's poll, or after the administrator's next frames (measured: 6 to 11 of 9600 frames on two processors). The
+administrator waits for each answer in lockstep, so the order on the wire is known and is restored here. If an answer
+never comes, the bus falls silent, because the recorder does not answer a poll that it holds back:
 :meth:`BusOrder.flush` then gives up waiting for it.
 """
 
@@ -16,17 +16,17 @@ from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS
 from railhil.dbc import Contract, wire_contract
 
-#: Silence after which held frames are given up. A controller that is slow, or a bus that is down for a moment, is no
-#: reason to record in another order; what the administrator waits for is on its way as long as nothing is held.
+#: Silence after which held frames are released. A slow controller, or a short outage of the bus, must not change the
+#: recorded order; while nothing is held, the administrator gets its answers.
 PATIENCE_S = 0.5
 
 
 class BusOrder:
-    """Gives frames back in the order of the wire; holds some of them for a moment.
+    """Returns frames in the order of the wire; holds some of them briefly.
 
-    :param source: whose answers may arrive out of order (a node that is not the recorder itself).
+    :param source: the node whose answers may arrive out of order (not the recorder itself).
     :param fd: the bus carries the CAN FD form.
-    :param patience_s: silence on the wall clock after which held frames are given up.
+    :param patience_s: wall time of silence after which held frames are released.
     :param contract: of the run's system; None: that of railhil's own train.
     """
 
@@ -76,7 +76,8 @@ class BusOrder:
         return [frame]
 
     def flush(self) -> list[Frame]:
-        """Nothing has come now; after ``patience_s`` of that everything held, in the order of arrival."""
+        """Call when nothing has arrived; after ``patience_s`` without frames it returns all held frames in order of
+        arrival."""
         if not self._early and not self._held:
             return []
         now_s = time.monotonic()

@@ -1,8 +1,8 @@
 """The slave side of the bus: the one place where a frame enters a node, and the answers to the administrator's polls.
 
-A frame goes through :meth:`Responder.handle` from top to bottom: the clock counts it, the CAN module keeps or loses it;
-then it is a poll and is answered, or the store takes it, and the telegram that it completes goes to the handler of its
-port. The store's check is asked once, by the clock or when the frame is read.
+A frame passes through :meth:`Responder.handle` from top to bottom: the clock counts it, the CAN module keeps or loses
+it; then either it is a poll and is answered, or it is fed to the store, and a telegram completed by it goes to the
+handler of its port. The frame is checked only once, for the clock or when it is read.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ T_co = TypeVar("T_co", bound=Telegram, covariant=True)
 
 
 class Reading(NamedTuple, Generic[T_co]):
-    """A telegram as its handler gets it.
+    """A telegram as passed to its handler.
 
-    ``received_ns``: simulation time at which it came, before now when a task has read it late. ``stamp``: the same by
+    ``received_ns``: simulation time of its arrival, in the past if a task has read it late. ``stamp``: the same from
     the CAN module's counter, in bit times; None without a module.
     """
 
@@ -45,27 +45,28 @@ _quick_reading: Callable[[tuple[Any, int, int | None]], Reading[Any]] = partial(
 
 
 class CanModule(Protocol):
-    """The CAN module of a node, where one matters: what it loses, and when its mailboxes are read.
+    """The CAN module of a node, if it is modelled: which frames it loses, and when its mailboxes are read.
 
-    ``has_task``: some are read by a task, the others at once.
+    ``has_task``: some mailboxes are read by a task, the others at once.
     """
 
     has_task: bool
 
     def receive(self, frame: Frame, checked: FrameCheck | None, now_ns: int) -> int | None:
-        """Take a frame; returns its time stamp when it is read at once, None when it is lost or waits for a task."""
+        """Take a frame; returns its time stamp if it is read at once, None if it is lost or waits for a task."""
 
     def read_due(self, now_ns: int) -> Sequence[tuple[Frame, FrameCheck | None, int, int]]:
-        """What a task reads now: frame, its check if there was one, when it came (simulation time, ns), time stamp."""
+        """What a task reads now: frame, its check if there was one, arrival (simulation time, ns), time stamp."""
 
 
 class Responder:
-    """Reacts to one frame at a time; holds no socket, so it runs in a process or in memory alike.
+    """Handles one frame at a time; it has no socket, so it runs in a process of its own or in memory.
 
     :param device: MVB device address, answered to device status polls.
     :param schedule: base tick, and the period of every port in ticks.
-    :param sinks: ports with a mailbox; the clock port is one of them.
-    :param answers: for each port that this node sources, what makes the telegram when the poll comes.
+    :param sinks: ports with a mailbox, including the clock port.
+    :param answers: for each port of which this node is the source, the function that makes the telegram when it is
+        polled.
     :param module: the node's CAN module; None: every frame of its ports is read at once.
     :param contract: of the run's system; None: that of railhil's own train.
     """
@@ -88,9 +89,9 @@ class Responder:
         self._device = device
         self._module = module
         self._poll_id = contract.poll_id
-        # A module of a classic chip is deaf to the CAN FD form.
+        # The module of a classic chip does not receive the CAN FD form.
         self._clock_ids = (clock_port.address, clock_port.fd_id) if module is None else (clock_port.address,)
-        # What decodes the telegrams of a port, and who takes them.
+        # For each port, the class that decodes its telegrams and the handler.
         self._handlers: dict[str, tuple[Callable[[bytes], Any], Callable[[Any], None]]] = {}
         if TimeSync.PORT in self.store.ports:
             self.on(TimeSync, self._synchronise)
@@ -101,8 +102,8 @@ class Responder:
             )
             for name, make in answers.items()
         }
-        # The polls of the fastest own port are the clock's second leg: period in ticks, and master word. A port
-        # slower than the life sign can bridge is no clock: its extra polls would be taken for lost time.
+        # The polls of the fastest own port are the clock's second time base: period in ticks, and master word. A port
+        # slower than the life sign can bridge is not used: its extra polls would be taken for lost time.
         paced = [
             port for port in map(contract.port, answers) if port.period_ns and schedule.ticks(port.name) <= MAX_STEP
         ]
@@ -113,7 +114,7 @@ class Responder:
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
         """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``.
 
-        :param port: another port with this layout, as with several units; default: the telegram's own.
+        :param port: another port with this layout, for trains with several units; default: the telegram's own.
         :raises KeyError: when this node has no mailbox for the port.
         """
         name = port or telegram.PORT
@@ -126,7 +127,7 @@ class Responder:
         can_id, data, flags = frame
         checked = None
         if can_id in self._clock_ids:
-            # Time goes on whoever reads the mailbox, and before anything is dated.
+            # Advance the time first, regardless of who reads the mailbox, so that everything gets the right time.
             checked = self.store.check(frame)
             if not checked.cause:
                 self.clock.feed(data)
@@ -134,7 +135,7 @@ class Responder:
         module = self._module
         if module is not None:
             if module.has_task:
-                # It is due at the tick; the tick's frames come after it.
+                # The task is due at the start of the tick, before the tick's frames.
                 self._read_due(module)
             stamp = module.receive(frame, checked, now_ns)
             if stamp is None:
@@ -145,7 +146,7 @@ class Responder:
         return []
 
     def opens_tick(self, frame: Frame) -> bool:
-        """Take a frame of the clock port for the clock alone, not for its mailbox; True when it opened a new tick."""
+        """Use a frame of the clock port for the clock only, not for its mailbox; True when it opened a new tick."""
         return not self.store.check(frame).cause and self.clock.feed(frame.data)
 
     def _read_due(self, module: CanModule) -> None:
@@ -176,7 +177,7 @@ class Responder:
         period_ticks, pace_word = self._pace
         if word == pace_word:
             self.clock.polled(period_ticks)
-            # The poll itself may have opened the tick, when the clock's own frame is missing.
+            # The poll itself may have opened the tick if the clock frame is missing.
             if self._module is not None and self._module.has_task:
                 self._read_due(self._module)
         source, make = found

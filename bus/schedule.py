@@ -1,4 +1,4 @@
-"""When each port is due: the periods of the port table with the overrides of a scenario, in ticks."""
+"""When each port is due: the periods of the port table with a scenario's overrides, in ticks."""
 
 from __future__ import annotations
 

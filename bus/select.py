@@ -1,7 +1,7 @@
-"""Which bus: what the user says, else kernel SocketCAN where vcan0 exists, else the user-space hub.
+"""Selects the bus: the user's choice, else kernel SocketCAN if vcan0 exists, else the user-space hub.
 
-The choice and its reason are always said. Interface and channel keep python-can's names, flags and configuration
-files; nothing is invented beside them.
+The choice and its reason are always printed. Interface and channel use python-can's names, flags and configuration
+files, without additions.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ from railhil.common.errors import InputError, Words
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
 _DEFAULT_VCAN = "vcan0"
-#: In the place of an interface: all nodes are in one process, nothing is opened.
+#: Used instead of an interface: all nodes run in one process, nothing is opened.
 LOCAL = "local"
 
 
 @dataclass(frozen=True, slots=True)
 class BusChoice:
-    """``config``: keyword arguments of ``can.Bus``; ``reason``: one clause; ``needs_hub``: nobody serves it yet."""
+    """``config``: keyword arguments of ``can.Bus``; ``reason``: one clause; ``needs_hub``: the caller must start the
+    hub."""
 
     config: dict[str, Any]
     reason: str
@@ -35,7 +36,7 @@ class BusChoice:
 
     @property
     def transport(self) -> str:
-        """``interface:channel`` as it stands in reports; ``local`` without a bus."""
+        """``interface:channel`` as shown in reports; ``local`` without a bus."""
         if self.config.get("interface") == LOCAL:
             return LOCAL
         return f"{self.config.get('interface')}:{self.config.get('channel', '')}"
@@ -69,7 +70,7 @@ def config_from_namespace(namespace: argparse.Namespace) -> dict[str, Any]:
 
 
 def arguments_from_config(config: dict[str, Any]) -> list[str]:
-    """Command-line flags that give another process the same bus (timing objects excepted)."""
+    """Command-line flags that select the same bus for another process (except timing objects)."""
     flags = {"interface": "-i", "channel": "-c", "bitrate": "-b", "data_bitrate": "--data-bitrate"}
     arguments: list[str] = []
     extra = []
@@ -86,13 +87,13 @@ def arguments_from_config(config: dict[str, Any]) -> list[str]:
 def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, vcan: bool | None = None) -> BusChoice:
     """Select the bus for a command.
 
-    :param private_hub: socket path at which the caller can start a hub of its own; without it the default hub is used.
-    :param vcan: whether the kernel has vcan0; None: looked at when nothing else names a bus.
+    :param private_hub: socket path where the caller can start its own hub; without it the default hub is used.
+    :param vcan: whether the kernel has vcan0; None: determined if nothing else selects a bus.
     """
     given = config_from_namespace(namespace)
     reason = "given on the command line"
     if given and "interface" not in given:
-        # python-can would fill it in at the opening; what depends on the interface has to know it before.
+        # python-can would fill it in when opening; code that depends on the interface needs it earlier.
         configured = _configured(given)
         if "interface" in configured:
             given = {**configured, **given}
@@ -115,9 +116,9 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
 
 
 def no_bus(namespace: argparse.Namespace) -> BusChoice:
-    """What a run without a bus has in its place.
+    """The choice for a run without a bus.
 
-    :raises InputError: the command line names a bus too, or keeps the pace of the wall clock.
+    :raises InputError: the command line also selects a bus, or real-time pacing.
     """
     if given := config_from_namespace(namespace):
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
@@ -128,7 +129,7 @@ def no_bus(namespace: argparse.Namespace) -> BusChoice:
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:
-    """What ``can.rc`` and the environment add to ``given``; empty when nobody names an interface."""
+    """What ``can.rc`` and the environment add to ``given``; empty if no interface is named."""
     try:
         found = can.util.load_config(config=dict(given))
     except can.CanInterfaceNotImplementedError:
@@ -137,6 +138,6 @@ def _configured(given: dict[str, Any]) -> dict[str, Any]:
 
 
 def _own_hub(path: Path, reason: str, given: dict[str, Any]) -> BusChoice:
-    """The hub that the caller starts beside the nodes; they wait for it, as long as is asked for or nearly for ever."""
+    """The hub that the caller starts with the nodes; they wait for it for the requested time, or almost for ever."""
     config = {"connect_timeout": OWN_HUB_START_S, **given, "interface": HUB_INTERFACE, "channel": str(path)}
     return BusChoice(config, reason, True, arguments_from_config(config))

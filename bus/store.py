@@ -1,10 +1,10 @@
-"""Traffic store: CAN frames in, whole checked telegrams out, with their age.
+"""Traffic store: CAN frames in, complete checked telegrams out, with their age.
 
 The receiving rules of the MVB-on-CAN mapping: blocks are staged per port and committed only when the trailer comes,
 all blocks have arrived since the last trailer, blocks and trailer within ``assembly_ns``, and count, F_code, address
-and every check sequence hold. Otherwise the telegram is dropped whole, its cause counted, and the old value goes on
-ageing. A block that comes again takes the place and the time of the one before: what was left over of one telegram, or
-never belonged to any, does not spoil the next.
+and every check sequence are correct. Otherwise the whole telegram is dropped, the cause is counted, and the old value
+keeps ageing. A repeated block replaces the earlier one and its time: blocks left over from one telegram, or stray ones,
+do not affect the next.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from railhil.dbc import Port
 
 #: Age of a port that has never received anything (freshness timer 65535 ms of an MVB link layer).
 NEVER_NS = 65_535_000_000
-#: All blocks of a telegram must come within this time (simulation time in lockstep).
+#: All blocks of a telegram must arrive within this time (simulation time in lockstep).
 ASSEMBLY_NS = 5_000_000
 
 T = TypeVar("T", bound=Telegram)
@@ -58,9 +58,9 @@ class _Sink:
         if port.single_frame:
             self.fd_bytes = 8
         elif port.f_code == 4:
-            # 40 bytes are no length of CAN FD.
+            # 40 bytes is not a valid CAN FD length.
             self.fd_bytes = -(-self.fd_bytes // 16) * 16
-        # Blocks of the telegram that is coming; how many of them are still to come, and when they came.
+        # Blocks of the telegram being received; how many are still missing, and when the others arrived.
         self.blocks = [b""] * port.blocks
         self.times_ns = [0] * port.blocks
         self.missing = port.blocks
@@ -70,10 +70,10 @@ class _Sink:
 
 
 class FrameCheck(NamedTuple):
-    """What one frame is by itself: kind, identifier, length and, of a whole telegram, check sequence are checked.
+    """The check of a single frame: kind, identifier, length and, for a complete telegram, check sequence.
 
-    ``cause``: why the frame is refused, one of :data:`CAUSES`; empty: it is not, and is ``part`` of the telegram of
-    ``sink``: number of the block, -1 the trailer, -3 the CAN FD form.
+    ``cause``: why the frame is refused, one of :data:`CAUSES`; empty if it is not refused. Then it is ``part`` of the
+    telegram of ``sink``: the number of the block, -1 the trailer, -3 the CAN FD form.
     """
 
     cause: str
@@ -89,14 +89,14 @@ class TrafficStore:
     """Mailboxes for the ports of one node.
 
     A port that is not in ``ports`` has no mailbox: its frames are counted as ``unknown_id`` and never decoded.
-    Nothing here raises for what a frame holds.
+    No content of a frame raises an exception here.
     """
 
     def __init__(self, ports: Iterable[Port], assembly_ns: int = ASSEMBLY_NS) -> None:
         self.counters: Counter[str] = Counter()
         self._assembly_ns = assembly_ns
         self._sinks: dict[str, _Sink] = {}
-        # CAN identifier -> what a good frame is.
+        # CAN identifier -> the check of a good frame.
         self._by_id: dict[int, FrameCheck] = {}
         for port in ports:
             sink = _Sink(port)
@@ -108,9 +108,9 @@ class TrafficStore:
             self._by_id[port.fd_id] = FrameCheck("", sink, -3)
 
     def feed(self, frame: Frame, now_ns: int, checked: FrameCheck | None = None) -> str | None:
-        """Take one frame at time ``now_ns``; returns the name of the port that it completed, else None.
+        """Take one frame at time ``now_ns``; returns the name of the port whose telegram it completed, else None.
 
-        :param checked: of :meth:`check`, when the frame has been there before.
+        :param checked: result of :meth:`check`, if the frame was already checked.
         """
         cause, sink, part = checked or self.check(frame)
         if sink is None:
@@ -133,7 +133,7 @@ class TrafficStore:
         return None
 
     def check(self, frame: Frame) -> FrameCheck:
-        """Check one frame by itself; nothing is counted or kept before :meth:`feed`."""
+        """Check a single frame; nothing is counted or stored before :meth:`feed`."""
         can_id, data, flags = frame
         if flags:
             if flags & ERROR:
@@ -168,7 +168,7 @@ class TrafficStore:
         sink.missing = count
         if missing:
             return self._reject("missing_block")
-        # Blocks that waited in a mailbox are handed over in the order of the blocks, not of their arrival.
+        # Blocks that waited in mailboxes are fed in the order of the blocks, not of their arrival.
         if max(now_ns, *sink.times_ns) - min(now_ns, *sink.times_ns) > self._assembly_ns:
             return self._reject("assembly_timeout")
         if trailer[4] & 0xF != count:

@@ -1,7 +1,7 @@
 """The telegrams of the bench, one dataclass each.
 
-Fields are raw integers as they stand on the wire; a field's name ends in its unit (``_01mm``: 0.1 mm, ``_256th``:
-1/256). In the drawings one column is one byte, most significant bit first; ``chk`` is a 2-bit check variable,
+Fields are the raw integers on the wire; a field's name ends in its unit (``_01mm``: 0.1 mm, ``_256th``:
+1/256). In the layout diagrams one column is one byte, most significant bit first; ``chk`` is a 2-bit check variable,
 ``life`` the 4-bit life sign.
 """
 
@@ -13,13 +13,14 @@ from typing import ClassVar
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram, signal
 
-#: A milestone is sent so often, at its tick and then so far apart: further than the blocks of one telegram may be, so
-#: that what spoils one of them cannot spoil the next. The last one of a run is sent so often at once.
+#: Number of times each milestone is sent, first at its tick, then at this spacing: longer than the assembly time of one
+#: telegram, so that a disturbance of one copy cannot affect the next. All copies of a run's last milestone are sent at
+#: once.
 EVENT_COPIES = 3
 EVENT_SPACING_NS = 20_000_000
 #: STOPPED is a standstill after at least this distance.
 STOP_LEG_MIN_M = 1.0
-#: CTL_STAT: no quantity is shown; the quantity has used no bit, or has no bits.
+#: CTL_STAT: no quantity is reported; the quantity has used no bit, or has no bits.
 NO_QUANTITY = 127
 HEADROOM_UNUSED = 31
 
@@ -75,7 +76,7 @@ class Event(IntEnum):
 
 
 class ControllerFlag(IntFlag):
-    """OverflowFlags of CTL_STAT: what has happened in the controller since its start."""
+    """OverflowFlags of CTL_STAT: events in the controller since its start."""
 
     WRAP = 1
     SATURATION = 2
@@ -247,17 +248,17 @@ class CtlStat(Telegram):
 
              0          1        2    3     4    5     6    7
         +-----------+---------+----------+----------+---------+
-        |note1 level|overflow | note2    | note3    | steps   |   notes: the law says what they are
+        |note1 level|overflow | note2    | note3    | steps   |   notes: declared by the law
         +-----------+---------+----------+----------+---------+
           8    9    10   11     12         13         14       15
         +---------+---------+-------+--------------+---------+----------------+
         | cycles  | extreme |index m|headroom w s z|overruns | chk ready life |
         +---------+---------+-------+--------------+---------+----------------+
 
-    Cycles above 65535 stand as 65535. ``index`` (7 bit, 127: none) is one quantity of the law; extreme, headroom
-    (5 bit, 31: unused) and the flags wrapped, saturated, divided by zero are about it since the start. ``extreme``
-    (s16) is its minimum (m = 0), in the next telegram its maximum (m = 1), then comes the next quantity. It is the
-    upper half of the int32, shifted left by the headroom: raw value ~ extreme * 2^(16 - headroom), cut off downwards.
+    Cycles above 65535 are sent as 65535. ``index`` (7 bit, 127: none) selects a quantity of the law; extreme, headroom
+    (5 bit, 31: unused) and the flags wrapped, saturated and divided by zero refer to it, since the start. ``extreme``
+    (s16) is its minimum (m = 0), in the next telegram its maximum (m = 1), then the next quantity follows. It is the
+    upper half of the int32 after a left shift by the headroom: raw value ~ extreme * 2^(16 - headroom), rounded down.
     """
 
     PORT: ClassVar[str] = "CTL_STAT"
@@ -304,7 +305,7 @@ class BalisePassed(Telegram):
 
 @dataclass(slots=True)
 class SimTruth(Telegram):
-    """SIM_TRUTH, what the simulation knows; for the score only.
+    """SIM_TRUTH, the true state of the simulation; for the score only.
 
     ::
 
@@ -344,8 +345,8 @@ class RunEvent(Telegram):
         |        position s48         |         |   0.1 mm
         +-----------------------------+---------+
 
-    It is sent :data:`EVENT_COPIES` times. A receiver drops repetitions by the number, and a number that is missing
-    says that a milestone was lost.
+    It is sent :data:`EVENT_COPIES` times. A receiver recognises repetitions by the number and drops them; a missing
+    number means that a milestone was lost.
     """
 
     PORT: ClassVar[str] = "RUN_EVENT"

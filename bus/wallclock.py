@@ -1,4 +1,4 @@
-"""The wall clock as what waits on it sees it: the module :mod:`time`, or another clock in its place."""
+"""Interface of the wall clock: the module :mod:`time`, or a replacement."""
 
 from __future__ import annotations
 
@@ -15,4 +15,4 @@ class WallClock(Protocol):
         """The same in ns."""
 
     def sleep(self, seconds: float, /) -> None:
-        """Wait for so many s."""
+        """Wait for this many seconds."""

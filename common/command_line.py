@@ -18,28 +18,28 @@ from railhil.common.scheduling import PRIORITY_MAX
 
 #: Seeds travel as 32 bit in the handshake.
 SEED_MAX = 0xFFFF_FFFF
-#: Slower than this the ticks come so rarely that a dead bench cannot be told from a slow one.
+#: Below this rate ticks are so rare that a dead bench cannot be told from a slow one.
 RATE_MIN, RATE_MAX = 0.01, 1000.0
-#: Of a realtime run that is told none.
+#: Rate of a real-time run started without ``--rate``.
 RATE = 1.0
 APPEAR_MAX_S = 3600.0
 TASK_PERIOD_MAX_MS = 10_000
-#: More digits than any number of a command line has.
+#: Longest number accepted on the command line, in digits.
 _DIGITS_MAX = 20
-#: A word of the command line that is longer is shown cut off.
+#: Longer words of the command line are truncated in messages.
 _WORD_MAX = 200
 EXIT_CODES = """\
 exit codes:
   0    PASS, or the command has done what was asked
-  1    FAIL: the run is good, limits of the scenario are missed
+  1    FAIL: the run is valid, limits of the scenario are missed
   2    usage or bad input; one line says what was found and what is allowed
-  3    INVALID: the bench cannot be trusted, nothing is said about the controller
+  3    INVALID: the run is not trustworthy and says nothing about the controller
   4    TOOL ERROR: a defect of the bench, or the record could not be written
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (the log is kept, the run is marked INVALID)"""
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """:class:`argparse.ArgumentParser` whose complaint is one line instead of the whole usage."""
+    """:class:`argparse.ArgumentParser` that reports an error in one line instead of the whole usage."""
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         kwargs.setdefault("epilog", EXIT_CODES)
@@ -47,7 +47,8 @@ class OneLineParser(argparse.ArgumentParser):
         super().__init__(*args, **kwargs)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """As ever, but no command leaves what it does not know to the one above, whose help is not the one to read."""
+        """As in argparse, but a subcommand reports unknown arguments itself instead of passing them up to its parent
+        parser, whose help would be the wrong one to read."""
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:
             near = difflib.get_close_matches(unknown[0].partition("=")[0], self._option_string_actions, 1)
@@ -63,8 +64,8 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:
-    """Parsed command line. python-can prints a ``--timing`` that it has understood: that goes to standard error,
-    where it does not spoil ``--json``. Options of a realtime run are refused in another."""
+    """Parsed command line. python-can prints the parsed ``--timing``; this output goes to standard error, so that it
+    does not corrupt ``--json``. Options of a real-time run are refused in any other run."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said):
@@ -120,7 +121,7 @@ def seconds(text: str) -> float:
 def add_patience_argument(parser: argparse.ArgumentParser, awaited: str) -> None:
     """Option of every node that waits for another in lockstep.
 
-    :param awaited: what the help says is waited for.
+    :param awaited: what the node waits for, for the help text.
     """
     parser.add_argument(
         "--patience",
@@ -146,7 +147,7 @@ def _lifeline(text: str) -> tuple[str, int]:
 
 
 def add_law_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options that say how a law is run: the same for the controller node and for who starts it."""
+    """Options that say how a law is run: the same for the controller node and for the command that starts it."""
     parser.add_argument("--arithmetic", choices=sorted(ARITHMETICS), default="iq")
     add_indexing_argument(parser)
     parser.add_argument(
@@ -164,9 +165,9 @@ def add_indexing_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, said: str) -> None:
-    """Option of every node of a realtime run.
+    """Option of every node of a real-time run.
 
-    :param said: what the help says of the default.
+    :param said: the help text on the default.
     """
     parser.add_argument(
         "--realtime-priority",
@@ -178,7 +179,7 @@ def add_priority_argument(parser: argparse.ArgumentParser, default: int | None, 
 
 
 def add_run_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options that say which run it is: the same for the plant node and for the supervisor."""
+    """Options that identify the run: the same for the plant node and for the supervisor."""
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
     parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")

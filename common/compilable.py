@@ -1,16 +1,16 @@
-"""Functions that run in the interpreter and, for thousands of trains at once, as machine code: to the same bits.
+"""Functions that run both in the interpreter and, for thousands of trains at once, as machine code, with the same bits.
 
-The bench calls the functions marked :func:`compilable` as they stand. The batch (:mod:`railhil.batch.compiled`) has
-numba compile the very same ones when a compiled loop calls them; nothing is translated, copied or renamed, so that a
-debugger steps through them in either (``NUMBA_DISABLE_JIT=1`` runs the loops of the batch in the interpreter, too).
+The bench calls the functions marked :func:`compilable` unchanged. The batch (:mod:`railhil.batch.compiled`) has numba
+compile the same functions when a compiled loop calls them; nothing is translated, copied or renamed, so a debugger can
+step through them in both (``NUMBA_DISABLE_JIT=1`` also runs the loops of the batch in the interpreter).
 
-What such a function may be made of: positional arguments, numbers, named tuples of them, tables (tuples in the
-interpreter, arrays when compiled), constants of its module, and calls of functions that are marked, too. Python's
-``min`` and ``max`` and numpy's ``where`` and ``all`` mean something else to numba, or nothing: use :func:`smaller`,
+Such a function may use positional arguments, numbers, named tuples of numbers, tables (tuples in the interpreter,
+arrays when compiled), constants of its module, and calls of other marked functions. Python's ``min`` and ``max`` and
+numpy's ``where`` and ``all`` behave differently in numba, or are not supported: use :func:`smaller`,
 :func:`larger`, :func:`chosen` and :func:`every`. ``round`` and ``bisect_right`` may be used; numpy's ``minimum`` and
 ``maximum`` where the sign of a zero does not matter.
 
-Nothing here knows numba: it is an extra, and only the batch needs it.
+This module does not import numba, which is an extra needed only by the batch.
 """
 
 from __future__ import annotations
@@ -24,23 +24,23 @@ import numpy as np
 F = TypeVar("F", bound=Callable[..., Any])
 N = TypeVar("N", bound=float)
 
-#: Functions that become a part of the loop that calls them.
+#: Functions that are inlined into the compiled loop that calls them.
 INLINE: list[Callable[..., Any]] = []
-#: Functions that a loop calls where they stand: most ticks do not need them.
+#: Functions that are compiled separately and called, because most ticks do not need them.
 ASIDE: list[Callable[..., Any]] = []
 
 
 def compilable(function: F) -> F:
-    """Decorator: the batch compiles this function, too; it is returned as it is.
+    """Decorator: the batch also compiles this function; it is returned unchanged.
 
-    :raises TypeError: numba could not: keyword-only arguments, or names of a function around it.
+    :raises TypeError: numba could not compile it: it has keyword-only arguments or is a closure.
     """
     INLINE.append(_checked(function))
     return function
 
 
 def compilable_aside(function: F) -> F:
-    """As :func:`compilable`, for a function that is seldom needed."""
+    """Like :func:`compilable`, for a function that is seldom needed."""
     ASIDE.append(_checked(function))
     return function
 
@@ -53,21 +53,21 @@ def _checked(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @compilable
 def smaller(a: N, b: N) -> N:
-    """``min`` of two numbers: of equal ones the first."""
+    """``min`` of two numbers; if they are equal, the first."""
     return b if b < a else a
 
 
 @compilable
 def larger(a: N, b: N) -> N:
-    """``max`` of two numbers: of equal ones the first."""
+    """``max`` of two numbers; if they are equal, the first."""
     return b if b > a else a
 
 
 def chosen(condition: Any, a: Any, b: Any) -> Any:
-    """``where`` of numpy, of arrays or numbers; compiled: of numbers."""
+    """numpy's ``where`` for arrays or numbers; when compiled, for numbers only."""
     return np.where(condition, a, b)
 
 
 def every(condition: Any) -> Any:
-    """``all`` of numpy, of arrays or one truth value; compiled: of one."""
+    """numpy's ``all`` for an array or one truth value; when compiled, for one truth value only."""
     return np.all(condition)

@@ -1,6 +1,6 @@
 """The one exception for bad input: which file, which key, what was found, what is allowed.
 
-A message is always a single line, so that it can be printed as it is before exit code 2.
+A message is always a single line, so that it can be printed unchanged before exit code 2.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ def _without_unit(key: str) -> str:
 
 
 def nearest_key(key: str, allowed: Iterable[str]) -> str | None:
-    """The allowed key that ``key`` most likely means: same name in another unit first, then spelling."""
+    """The allowed key that was most likely meant by ``key``: first the same name with another unit, then similar
+    spelling."""
     choices = sorted(allowed)
     stem = _without_unit(key)
     for choice in choices:
@@ -49,13 +50,13 @@ def nearest_key(key: str, allowed: Iterable[str]) -> str | None:
 
 
 def did_you_mean(word: str, allowed: Iterable[str]) -> str | None:
-    """The hint of every message on a name that nothing has; None when no name is near."""
+    """The hint in every message about an unknown name; None when no allowed name is similar."""
     nearest = nearest_key(word, allowed)
     return f"did you mean {nearest}?" if nearest else None
 
 
 def near_file(path: Path) -> str | None:
-    """The same for a file that does not exist: a file of its folder with a name and suffix like it."""
+    """The same for a file that does not exist: a file in its folder with a similar name and suffix."""
     try:
         names = [entry.name for entry in path.parent.iterdir() if entry.is_file() and entry.suffix == path.suffix]
     except OSError:
@@ -67,8 +68,8 @@ def near_file(path: Path) -> str | None:
 class InputError(Exception):
     """Bad input from outside (scenario, line or train file, DBC, log, command line).
 
-    ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as Python writes it,
-    shortened; :class:`Words` says in words what cannot be shown. ``allowed`` is shown whole.
+    ``str()`` is one line: ``FILE: KEY: found X, allowed Y (HINT)``. ``found`` is shown as its ``repr``, shortened;
+    :class:`Words` describes what has no value to show. ``allowed`` is shown in full.
     """
 
     exit_code = 2
@@ -98,7 +99,7 @@ def _flat(text: str) -> str:
 
 
 class Words:
-    """What was found, said in words: a value that is not there, or a state that no value shows."""
+    """What was found, in words: a missing value, or a state that is not a value."""
 
     def __init__(self, words: str = "nothing") -> None:
         self.words = words

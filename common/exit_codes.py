@@ -13,29 +13,29 @@ from typing import NoReturn
 from railhil.common.plain_text import plain
 
 PASS = 0
-#: The run is good, the limits of the scenario are missed.
+#: The run is valid, limits of the scenario are missed.
 FAIL = 1
 #: Usage or bad input.
 USAGE = 2
-#: The bench cannot be trusted (a node was lost, timing broken); says nothing about the controller.
+#: The run is not trustworthy (a node was lost, deadlines were missed); it says nothing about the controller.
 INVALID = 3
 #: A defect of the bench itself, or the record could not be written (disk full).
 TOOL_ERROR = 4
 
 
 def exit_code_of(error: BaseException) -> int:
-    """Exit code of an exception: what its class carries as ``exit_code``; one that carries none is a defect."""
+    """Exit code of an exception: the ``exit_code`` of its class; an exception without one is a defect."""
     return int(getattr(error, "exit_code", TOOL_ERROR))
 
 
 def ending_signals() -> tuple[signal.Signals, ...]:
-    """Signals that end a command in good order: Ctrl-C, SIGTERM, and the terminal's end unless nohup had it ignored."""
+    """Signals that end a command in an orderly way: Ctrl-C, SIGTERM, and SIGHUP unless nohup ignores it."""
     found = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     return found if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN else found[:2]
 
 
 def leave_terminal() -> None:
-    """After SIGHUP: what is still to be said to a terminal that is gone goes nowhere, instead of failing (EIO)."""
+    """After SIGHUP: discard further output to the closed terminal instead of failing with EIO."""
     for descriptor in (1, 2):
         try:
             mode = os.fstat(descriptor).st_mode
@@ -48,9 +48,9 @@ def leave_terminal() -> None:
 
 
 def finish_undisturbed() -> None:
-    """From here on this process only writes what it has measured and ends: signals that would end it are ignored.
+    """From here on ignore signals that would end this process, which only writes its results and ends.
 
-    When a node is lost the supervisor ends the others, and at a terminal Ctrl-C reaches all of them, maybe twice.
+    When a node is lost the supervisor ends the others, and Ctrl-C at a terminal reaches all of them, perhaps twice.
     """
     for number in ending_signals():
         signal.signal(number, signal.SIG_IGN)
@@ -63,7 +63,8 @@ def _end(number: int, _: object) -> NoReturn:
 
 
 def hold_back_interrupts() -> None:
-    """Ctrl-C waits: this process is about to become another program, which has to load before it can end in good order.
+    """Hold Ctrl-C back: this process is about to become another program, which can end in an orderly way only after it
+    has loaded.
 
     That program calls :func:`guarded`, or :func:`hear_interrupts` itself.
     """
@@ -71,14 +72,14 @@ def hold_back_interrupts() -> None:
 
 
 def hear_interrupts() -> None:
-    """The end of :func:`hold_back_interrupts`; what came meanwhile is a KeyboardInterrupt here."""
+    """End :func:`hold_back_interrupts`; a Ctrl-C that came meanwhile raises KeyboardInterrupt here."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
 
 
 def guarded(name: str, main: Callable[[], int]) -> int:
     """Run a command; an exception becomes one line on stderr and its exit code.
 
-    ``RAILHIL_TRACEBACK=1`` lets the exception through, for the one who mends it. SIGTERM and SIGHUP end the process
+    ``RAILHIL_TRACEBACK=1`` lets the exception through, for debugging. SIGTERM and SIGHUP end the process
     like Ctrl-C, so that sockets and files are closed.
     """
     try:
@@ -87,12 +88,12 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         hear_interrupts()
         return main()
     except KeyboardInterrupt as stop:
-        # A second Ctrl-C must not find this line half written.
+        # A second Ctrl-C must not interrupt this line.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         print(f"{name}: {str(stop) or 'stopped by Ctrl-C'}", file=sys.stderr)
         return 128 + signal.SIGINT
     except BrokenPipeError:
-        # The reader of our output is gone (`railhil ports | head`): nothing more to say.
+        # The reader of our output is gone (`railhil ports | head`): write nothing more.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PASS
     except Exception as error:
@@ -102,7 +103,7 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         code = exit_code_of(error)
         expected = code != TOOL_ERROR or hasattr(error, "exit_code")
         kind = "" if expected else f"{type(error).__name__}: "
-        # The exit code says it too, where what takes the line is full or gone.
+        # If standard error is full or closed, the exit code still tells.
         with contextlib.suppress(OSError):
             print(plain(f"{name}: {kind}{text}"), file=sys.stderr, flush=True)
         return code

@@ -1,4 +1,4 @@
-"""Libraries of the extras: how this very installation gets those that are missing."""
+"""Libraries of the extras: the command that installs missing ones for this kind of installation."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from pathlib import Path
 from railhil.common.errors import InputError, Words
 
 _DISTRIBUTION = "railhil"
-#: pipx leaves this file in the environment of a program.
+#: pipx puts this file into the environment of a program.
 _PIPX = "pipx_metadata.json"
 
 
 def install_command(extra: str) -> str:
-    """The command that brings the libraries of an extra into the environment that is running.
+    """The command that installs the libraries of an extra into the running environment.
 
-    They are named one by one: that works in a clone, for a wheel and for a program of pipx, wherever railhil came from.
+    The libraries are named one by one, which works in a clone, for a wheel and with pipx, wherever railhil came from.
     """
     wanted = [text.partition(";") for text in requires(_DISTRIBUTION) or ()]
     names = [name.strip() for name, _, marker in wanted if f'extra == "{extra}"' in marker]
     if (Path(sys.prefix) / _PIPX).is_file():
         words = ["pipx", "inject", _DISTRIBUTION]
     elif importlib.util.find_spec("pip") is None:
-        # An environment that uv has made.
+        # An environment made by uv.
         words = ["uv", "pip", "install", "--python", sys.executable]
     else:
         words = [sys.executable, "-m", "pip", "install"]
@@ -33,7 +33,7 @@ def install_command(extra: str) -> str:
 
 
 def missing(command: str, error: ImportError, extra: str) -> InputError:
-    """The one line for a library that is not there, or cannot be used."""
+    """The one-line message for a library that is missing or unusable."""
     absent = isinstance(error, ModuleNotFoundError)
     found = Words("not installed" if absent else f"an installation that cannot be used ({error})")
     return InputError(command, f"module {error.name or '?'}", found, install_command(extra), f"the extra [{extra}]")

@@ -1,11 +1,11 @@
-"""The order in which laws stand in every table, legend and list."""
+"""The order of laws in every table, legend and list."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-#: As in Table 2 of Wang et al. (DOI 10.19650/j.cnki.cjsi.J2108765); the first is the one that the others are held
-#: against. Then ours; laws of other distributions follow by name.
+#: As in Table 2 of Wang et al. (DOI 10.19650/j.cnki.cjsi.J2108765); the others are compared with the first. Then
+#: railhil's own; laws of other distributions follow by name.
 LAW_ORDER = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus")
 
 

@@ -1,4 +1,4 @@
-"""Where the commands print: a console that takes text as it is and survives a closed pipe."""
+"""The console of the commands: prints text without markup and survives a closed pipe."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rich.text import Text
 
 from railhil.common.plain_text import plain
 
-#: Width of output into a file or pipe when COLUMNS does not say otherwise.
+#: Width of output into a file or pipe unless COLUMNS is set.
 _FILE_COLUMNS = 100
 
 
 class Output(Console):
-    """Plain text in, plain text out: names and paths of users may hold brackets and colons.
+    """Prints text unchanged: names and paths of users may contain brackets and colons.
 
-    A reader that is gone (``railhil run | head``) must neither stop a run nor change its exit code.
+    A closed pipe (``railhil run | head``) must neither stop a run nor change its exit code.
     """
 
     def __init__(self, stderr: bool = False) -> None:
@@ -32,11 +32,11 @@ class Output(Console):
             self.width = _FILE_COLUMNS
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Every text that is printed, and every cell of a table, on its way to the terminal."""
+        """Called by rich for every text and every table cell before it is printed."""
         return super().render_str(plain(text), **options)
 
     def on_broken_pipe(self) -> None:
-        """Print nothing from here on; rich would end the process with the exit code of FAIL."""
+        """Print nothing from here on; rich would end the process with exit code 1, which means FAIL."""
         self.quiet = True
         discard_output()
 
@@ -46,7 +46,7 @@ class Output(Console):
 
 
 def table(tight: bool = False) -> Table:
-    """An empty table with little between its columns: two blanks, one when ``tight``."""
+    """An empty table with two spaces between its columns, one if ``tight``."""
     return Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 0 if tight else 1, 0, 0))
 
 
@@ -67,7 +67,7 @@ def print_json(document: object) -> None:
 
 
 def flush_output() -> None:
-    """Hand out what is buffered, so that nothing is left to fail when the process ends."""
+    """Flush buffered output, so that nothing can fail later when the process ends."""
     if sys.stdout is None:
         return
     try:
@@ -77,7 +77,7 @@ def flush_output() -> None:
 
 
 def discard_output() -> None:
-    """Send standard output nowhere."""
+    """Discard standard output."""
     null = os.open(os.devnull, os.O_WRONLY)
     os.dup2(null, sys.stdout.fileno())
     os.close(null)

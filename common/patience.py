@@ -5,7 +5,7 @@ what is known                                        what is done
 ==================================================== =================================================================
 ``railhil run`` has started both                     a node that has ended is given up at once (:class:`Lifelines`)
 the hub, or the own interface, is gone               the link says so (:class:`railhil.bus.errors.BusLost`)
-nothing: the other is a board, on another machine,   it is waited for with patience (``--patience``)
+nothing: the other is a board, on another machine,   it is given a limited time (``--patience``)
 or was started by hand
 ==================================================== =================================================================
 """
@@ -15,19 +15,20 @@ from __future__ import annotations
 import select
 from collections.abc import Mapping
 
-#: Wall time that an answer may take when nobody says that its owner has ended: on a machine with a load of 9 a process
-#: was seen to stand still for 2 to 10 s.
+#: Longest wall time for an answer from a node that is not known to have ended: on a machine with a load of 9 a process
+#: was observed to be stalled for 2 to 10 s.
 PATIENCE_S = 60.0
 #: Wall time for all nodes of a run to appear.
 APPEAR_S = 25.0
-#: Who waits for the bus administrator waits longer than it does itself, which knows better who is missing.
+#: Nodes that wait for the bus administrator wait longer than it does itself, because it knows better which node is
+#: missing.
 LATER_S = 2.0
 
 
 class Lifelines:
-    """The reading ends of pipes whose writing ends other processes hold, each only its own, as long as they live.
+    """Read ends of pipes; each other process holds the write end of its own pipe open for as long as it lives.
 
-    The kernel closes a writing end with its process, however that ends; nobody ever writes.
+    The kernel closes the write end when its process ends in any way; nothing is ever written.
 
     :param ends: name of a node and the file descriptor that this process has inherited for it.
     """
@@ -36,6 +37,6 @@ class Lifelines:
         self._ends = dict(ends or {})
 
     def has_ended(self, node: str) -> bool:
-        """Whether it is known that a node has ended; False also for one of which nothing is known."""
+        """Whether a node is known to have ended; also False for a node without a pipe."""
         end = self._ends.get(node)
         return end is not None and bool(select.select((end,), (), (), 0.0)[0])

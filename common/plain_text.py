@@ -1,11 +1,11 @@
-"""Text from outside as it may be shown: nothing in it steers a terminal or turns the order of what is read."""
+"""Makes text from outside safe to show: nothing in it controls the terminal or changes the reading direction."""
 
 from __future__ import annotations
 
 import re
 
-#: Control characters but for line feed and tab, separators of lines and paragraphs, marks that are not seen (direction,
-#: width, annotation, language), half characters and those that are none. Joiners and the soft hyphen are writing.
+#: Control characters except line feed and tab, line and paragraph separators, invisible marks (direction, width,
+#: annotation, language), surrogates and noncharacters. Joiners and the soft hyphen count as text.
 _UNSAFE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\ufffe\uffff"
     "\ud800-\udfff\U000e0001-\U000e007f]"
@@ -13,7 +13,7 @@ _UNSAFE = re.compile(
 
 
 def plain(text: str) -> str:
-    r"""The text with such characters written out: ``\x1b`` for the one that begins an escape sequence."""
+    r"""The text with such characters escaped: ``\x1b`` for the one that begins an escape sequence."""
     return text if text.isprintable() else _UNSAFE.sub(_written_out, text)
 
 

@@ -1,17 +1,17 @@
-"""What a node of a realtime run asks of the kernel, for the time in which it keeps deadlines.
+"""What a node of a real-time run requests from the kernel while it keeps deadlines.
 
 ============================ =======================================================================================
-asked for                    because
+request                      reason
 ============================ =======================================================================================
-no garbage collection        a collection stops the node for milliseconds at a moment of its own choice
-timer slack of 1 ns          without SCHED_FIFO the kernel lets a sleep end 50 us late to save a wake-up
+no garbage collection        a collection stops the node for milliseconds at an arbitrary moment
+timer slack of 1 ns          without SCHED_FIFO the kernel may end a sleep 50 us late to save a wake-up
 SCHED_FIFO                   the node runs as soon as it is woken, however busy the processors are
-locked memory                no page of the node has to be fetched in the middle of a tick
+locked memory                no page of the node has to be loaded in the middle of a tick
 ============================ =======================================================================================
 
-The last two need a permission; the node says what it was granted and goes on without. A node that computes for
-:data:`RUNAWAY_S` without a pause gives SCHED_FIFO up, and one that cannot even do that any more is killed by the kernel
-(RLIMIT_RTTIME): a defect of the bench never takes the machine with it.
+The last two need a permission; without it the node says what it was granted and continues. A node that computes for
+:data:`RUNAWAY_S` without a pause gives up SCHED_FIFO, and one that can no longer do so is killed by the kernel
+(RLIMIT_RTTIME), so a defect of the bench cannot block the machine.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-#: SCHED_FIFO priorities: a frame is carried before a node goes on, and no node waits for the recorder. All below 50,
-#: where a PREEMPT_RT kernel has its interrupt threads, the CAN adapter's among them.
+#: SCHED_FIFO priorities: the hub carries a frame before a node continues, and no node waits for the recorder. All are
+#: below 50, the priority of interrupt threads in a PREEMPT_RT kernel, including the CAN adapter's.
 HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY = 45, 40, 30
-#: 99 is the kernel's own.
+#: 99 is reserved for the kernel.
 PRIORITY_MAX = 98
-#: Computing time without a pause after which a node gives SCHED_FIFO up, and after which the kernel kills it, s.
+#: Computing time without a pause after which a node gives up SCHED_FIFO, and after which the kernel kills it, s.
 RUNAWAY_S, KILLED_S = 0.5, 2.0
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
 _PR_SET_TIMERSLACK, _PR_GET_TIMERSLACK = 29, 30
-#: Normal scheduling as it is given back: who has no CAP_SYS_NICE may not take the flag away again (sched(7)).
+#: Normal scheduling as it is restored: without CAP_SYS_NICE a process may not clear the flag again (sched(7)).
 _GIVEN_BACK = os.SCHED_OTHER | os.SCHED_RESET_ON_FORK
 _NORMAL = "normal scheduling"
 _MARK = ": scheduling: "
@@ -47,7 +47,7 @@ _MARK = ": scheduling: "
 class Scheduling:
     """How a node is scheduled: ``priority`` of SCHED_FIFO (0: normal scheduling), and the same in words.
 
-    ``name``: under which it is said aloud, empty for not.
+    ``name``: the node's name for the printed line, empty to print nothing.
     """
 
     name: str = ""
@@ -57,7 +57,7 @@ class Scheduling:
 
 @contextmanager
 def cycle(name: str, priority: int, aloud: bool = True) -> Iterator[Scheduling]:
-    """The part of a process in which deadlines are kept; everything is given back at its end.
+    """Context in which a process keeps deadlines; everything is restored at its end.
 
     :param name: of the node, for the line on standard error that says what was granted.
     :param priority: SCHED_FIFO priority to ask for; 0 asks for none and says nothing.
@@ -84,18 +84,18 @@ def cycle(name: str, priority: int, aloud: bool = True) -> Iterator[Scheduling]:
 
 
 def is_said(line: str) -> bool:
-    """Whether a line of a node's output only says how it is scheduled."""
+    """Whether a line of a node's output is the one about its scheduling."""
     return _MARK in line
 
 
 def said_in(text: str, name: str) -> str:
-    """What a node has last said of its scheduling in its output; a node that was not asked says nothing."""
+    """The last line on scheduling in a node's output; a node that requested nothing prints none."""
     found = [line.partition(_MARK)[2] for line in text.splitlines() if line.startswith(name + _MARK)]
     return found[-1] if found else _NORMAL
 
 
 def permitted_priority(priority: int = NODE_PRIORITY) -> tuple[int, str]:
-    """SCHED_FIFO priority that this process may have, tried and given back at once; 0 with the reason when none."""
+    """SCHED_FIFO priority that this process may have, tried and restored at once; 0 with the reason if none."""
     before, parameter = os.sched_getscheduler(0), os.sched_getparam(0)
     granted, reason = _ask(priority)
     if granted:
@@ -106,7 +106,7 @@ def permitted_priority(priority: int = NODE_PRIORITY) -> tuple[int, str]:
 @contextmanager
 def _first_in_first_out(priority: int, scheduling: Scheduling, libc: ctypes.CDLL) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
-        # Only the main thread can be told that it has run away.
+        # Only the main thread can handle the signal for a runaway.
         _say(scheduling, f"not permitted (not the main thread of its process); {_NORMAL}")
         yield
         return
@@ -120,7 +120,7 @@ def _first_in_first_out(priority: int, scheduling: Scheduling, libc: ctypes.CDLL
     handler = signal.signal(signal.SIGXCPU, give_up)
     try:
         _limit_runaway()
-        # First the memory: to lock it takes a while, which no other process has to wait for.
+        # Lock the memory first: it takes a while, during which other processes can still run.
         memory = _lock_memory(libc)
         scheduling.priority, reason = _ask(priority)
         if scheduling.priority:
@@ -136,7 +136,7 @@ def _first_in_first_out(priority: int, scheduling: Scheduling, libc: ctypes.CDLL
 
 
 def _limit_runaway() -> None:
-    """Lower RLIMIT_RTTIME, for good: it is of no account under normal scheduling."""
+    """Lower RLIMIT_RTTIME permanently: it has no effect under normal scheduling."""
     wanted_us = (round(RUNAWAY_S * 1e6), round(KILLED_S * 1e6))
     limits_us = resource.getrlimit(resource.RLIMIT_RTTIME)
     soft, hard = (
@@ -147,14 +147,14 @@ def _limit_runaway() -> None:
 
 
 def _ask(priority: int) -> tuple[int, str]:
-    """Ask for SCHED_FIFO, at most at the priority that the limit of the user allows."""
+    """Request SCHED_FIFO, at most at the priority that the user's limit allows."""
     limit = resource.getrlimit(resource.RLIMIT_RTPRIO)[0]
     reason = f"no CAP_SYS_NICE, rtprio limit {limit}"
     for wanted in (priority, min(priority, limit)):
         if wanted < 1:
             continue
         try:
-            # Threads and processes started from here on are no part of the cycle.
+            # Threads and processes started from here on are not part of the cycle.
             os.sched_setscheduler(0, os.SCHED_FIFO | os.SCHED_RESET_ON_FORK, os.sched_param(wanted))
         except PermissionError:
             if wanted <= limit:
@@ -167,14 +167,14 @@ def _ask(priority: int) -> tuple[int, str]:
 
 
 def _lock_memory(libc: ctypes.CDLL) -> str:
-    """Lock memory as far as permitted; what was reached, in words.
+    """Lock memory as far as permitted; returns what was achieved, in words.
 
-    Memory of the future is only locked where no limit holds: at a limit the next allocation would fail.
+    Future memory is locked only if there is no limit: at a limit the next allocation would fail.
     """
     limit = resource.getrlimit(resource.RLIMIT_MEMLOCK)[0]
     if libc.mlockall(_MCL_CURRENT) != 0:
         return f"memory not locked ({os.strerror(ctypes.get_errno()).lower()}, memlock limit {limit // 1024} KiB)"
-    # Above the limit means that CAP_IPC_LOCK counts here, which it does not in every container.
+    # More locked than the limit means that CAP_IPC_LOCK is effective, which is not so in every container.
     unlimited = limit == resource.RLIM_INFINITY or _locked_bytes() > limit
     if unlimited and libc.mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0:
         return "memory locked"

@@ -1,4 +1,4 @@
-"""Files that a user names: whole or not at all, and nothing that was there is lost by a failed attempt."""
+"""Atomic writing of files named by the user: complete or not at all; a failed attempt leaves the old file intact."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ _NEW_FILE_MODE = 0o666
 
 
 def _mode(path: Path) -> int | None:
-    """Mode of what a path leads to, None when nothing is there.
+    """Mode of the file that a path leads to, None when there is none.
 
-    :raises OSError: it cannot be found out (a loop of links, a file in place of a folder).
+    :raises OSError: it cannot be determined (a loop of links, a file instead of a folder).
     """
     try:
         return path.stat().st_mode
@@ -32,7 +32,7 @@ def _new_file_mode() -> int:
 
 
 def check_writable(path: Path) -> None:
-    """Try what :func:`whole_file` will need, before the work that fills the file; leaves nothing behind.
+    """Check that :func:`whole_file` will succeed, before the work that fills the file; leaves nothing behind.
 
     :raises OSError: the file cannot be written.
     """
@@ -43,19 +43,19 @@ def check_writable(path: Path) -> None:
         if not os.access(path, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
     if mode is None or stat.S_ISREG(mode):
-        # Asking for permissions would not notice a read-only file system.
+        # Checking permissions would not detect a read-only file system.
         tempfile.TemporaryFile(dir=path.resolve().parent).close()
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Where to write, inside ``with``, so that the file appears whole when the block ends, or not at all.
+    """Path to write to, inside ``with``, so that the file appears complete when the block ends, or not at all.
 
-    That is a draft of its own beside the file, with the same suffix; it takes the place of what a link leads to, not
-    of the link, and the permissions of the file that was there. What exists and is no regular file (a device, a pipe)
-    is written to directly.
+    The path is a temporary file in the same folder, with the same suffix. It replaces the target of a link, not the
+    link, and takes the permissions of the file it replaces. An existing file that is not a regular one (a device, a
+    pipe) is written directly.
 
-    :raises OSError: the file cannot be written. Whatever the block raises goes through; the draft is gone.
+    :raises OSError: the file cannot be written. Exceptions of the block are passed on; the temporary file is removed.
     """
     mode = _mode(path)
     if mode is not None and not stat.S_ISREG(mode):

@@ -1,4 +1,4 @@
-"""The wire contract: ports, telegram layouts, and the DBC file that says the same to every other tool."""
+"""The wire contract: ports, telegram layouts, and the equivalent DBC file for other tools."""
 
 from railhil.dbc.contract import DBC, PORTS, Contract, ContractError, Port, Signal
 from railhil.dbc.house import HOUSE_PORTS, system_contract

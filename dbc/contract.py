@@ -20,7 +20,7 @@ PORTS, DBC = "ports.toml", "railhil.dbc"
 class ContractError(Exception):
     """The port table or the DBC is unusable; one line: file, key, found, allowed."""
 
-    #: Bad input; the number of :data:`railhil.common.exit_codes.USAGE`, which this room does not know.
+    #: Bad input; the value of :data:`railhil.common.exit_codes.USAGE`, which this package must not import.
     exit_code = 2
 
 

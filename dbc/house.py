@@ -1,4 +1,4 @@
-"""What the wire contracts of all systems have in common, and the check of it."""
+"""The part that is common to the wire contracts of all systems, and its check."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from pathlib import Path
 from railhil.dbc.contract import Contract, ContractError
 from railhil.dbc.read import load_contract, wire_contract
 
-#: Ports that every system has, laid out alike: clock, orders, milestones and handshake of the bench itself.
+#: Ports that every system has with the same layout: clock, orders, milestones and handshake of the bench itself.
 HOUSE_PORTS = ("TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
 
 
 @cache
 def system_contract(path: Path) -> Contract:
-    """The contract of a system from its port table, with no DBC beside it: that is made from the table.
+    """The contract of a system from its port table; the DBC is made from the table and need not exist as a file.
 
-    The bench's own ports (:data:`HOUSE_PORTS`) and the identifiers of its polls are those of every system, and the
+    The bench's own ports (:data:`HOUSE_PORTS`) and the identifiers of its polls are the same in every system, and the
     plant's fastest port opens every tick: one frame with its life sign in the last four bits.
 
     :raises ContractError: one line with file, key, found and allowed.

@@ -1,4 +1,4 @@
-"""Read the port table ``ports.toml``: of this installation, of a record, or of a system.
+"""Reads a port table ``ports.toml``: that of this installation, of a record, or of a system.
 
 The table is the single source: telegram classes check their fields against it, ``railhil.dbc`` is written from it,
 and its DBC's SHA-256 is what the nodes compare before a run.
@@ -87,10 +87,10 @@ def _checked(file: str, port: Port) -> Port:
 
 
 def load_contract(path: Path = _FOLDER / PORTS, check_dbc: bool = True) -> Contract:
-    """Read the port table and, unless told otherwise, check it against the DBC file beside it.
+    """Read the port table and, unless ``check_dbc`` is false, check it against the DBC file in the same folder.
 
-    :raises ContractError: one line with file, key, found and allowed; also when the DBC beside the table does not
-        say the same (a foreign or outdated DBC).
+    :raises ContractError: one line with file, key, found and allowed; also when the DBC does not match the table (a
+        foreign or outdated DBC).
     """
     file = path.name
     draft = _read(path, "")
@@ -120,7 +120,7 @@ def _read(path: Path, sha256: str) -> Contract:
 
 
 def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
-    """The contract that a parsed port table says."""
+    """The contract of a parsed port table."""
     ports: list[Port] = []
     for entry in table["port"]:
         name = str(entry["name"])
@@ -151,11 +151,11 @@ def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
 
 
 def recorded_contract(folder: Path, sha256: str | None) -> Contract:
-    """The contract that a record was made with: of its folder, else this version's, else an earlier one's.
+    """The contract with which a record was made: from its folder, else this version's, else an earlier one's.
 
     :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
-    :param sha256: of the DBC, as the certificate says; None when nothing says it.
-    :raises ContractError: the folder's DBC is another, or no version of railhil had the one that is asked for.
+    :param sha256: of the DBC, from the certificate; None if unknown.
+    :raises ContractError: the folder's DBC has another hash, or no version of railhil had the requested one.
     """
     if (folder / PORTS).is_file() and (folder / DBC).is_file():
         found = hashlib.sha256((folder / DBC).read_bytes()).hexdigest()

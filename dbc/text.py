@@ -1,8 +1,8 @@
-"""The text of the DBC file that says what a port table says.
+"""The text of the DBC file that is equivalent to a port table.
 
-A classic telegram of more than 32 bit is several CAN frames, so it becomes several DBC messages: one per block, one
-for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too, so that
-cantools decodes every frame on the bus.
+A classic telegram of more than 32 bits consists of several CAN frames, so it becomes several DBC messages: one per
+block, one for the trailer, and one for the CAN FD form. The check sequences, master words and trailers are signals too,
+so that cantools decodes every frame on the bus.
 """
 
 from __future__ import annotations

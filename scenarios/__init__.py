@@ -1,4 +1,4 @@
-"""Scenarios: lines, trains, target speed curves and what is asked of a run.
+"""Scenarios: lines, trains, target speed curves and the requirements on a run.
 
 * :func:`railhil.scenarios.load.load`, :func:`railhil.scenarios.load.names`: scenarios by shipped name or TOML path
 * :mod:`railhil.scenarios.model`: the frozen dataclasses that everything else reads

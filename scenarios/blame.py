@@ -1,7 +1,7 @@
-"""Which key of a user's scenario is to blame when it breaks a file that it builds upon.
+"""Finds the key of a user's scenario that makes its base scenario invalid.
 
-A check names the key that does not hold, and that may stand in a shipped file: who lowers the speed limit below a
-shipped target curve is told of the curve. The shipped file holds by itself, so the key to name is the one without which
+A check names the key that fails, which may be in a shipped file: a speed limit set below a shipped target curve would
+be reported as an error of the curve. The shipped file is valid by itself, so the key to report is the one without which
 the scenario loads.
 """
 
@@ -15,18 +15,18 @@ from railhil.scenarios.layers import DATA, Layers, Without
 from railhil.scenarios.settings import SET
 from railhil.scenarios.validation import dotted
 
-#: Loadings that are tried for one message.
+#: Number of load attempts for one message.
 _TRIES_MAX = 60
 
 
 def blamed(layers: Layers, error: InputError, loads: Callable[[Without], bool]) -> InputError:
-    """The error as it is to be told: on the file and key of the user that caused it, where there is one.
+    """The error to report: with the user's file and key that caused it, if there is one.
 
-    :param loads: whether the scenario loads without one key of one of its files.
+    :param loads: tells whether the scenario loads without one key of one of its files.
     """
     own = [(path, keys) for path, keys in layers.leaves() if _higher(path, Path(error.file))]
     section = error.key.partition(".")[0]
-    # What is nearest to the key that does not hold comes first; then whole tables, then whole files.
+    # Keys closest to the one that fails come first, then whole tables, then whole files.
     own.sort(key=lambda leaf: leaf[1][0] != section)
     tables = list(dict.fromkeys((path, keys[:1]) for path, keys in own))
     files = list(dict.fromkeys((path, ()) for path, _ in own))
@@ -39,7 +39,8 @@ def blamed(layers: Layers, error: InputError, loads: Callable[[Without], bool]) 
 
 
 def _higher(path: Path, broken: Path) -> bool:
-    """Whether a file stands above the one that a check has named: the command line over all, own files over shipped."""
+    """Whether a file has priority over the one named by a check: the command line over all files, own files over
+    shipped ones."""
     if broken == SET or path == broken:
         return False
     return path == SET or (broken.is_relative_to(DATA) and not path.is_relative_to(DATA))

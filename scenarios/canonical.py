@@ -11,14 +11,14 @@ from railhil.scenarios.model import Scenario
 
 #: Fields that only explain a scenario.
 _EXPLAINING = ("title", "assumptions", "published", "sha256")
-#: Fields that change no frame of a run, but what is said of it.
+#: Fields that change no frame of a run, only its evaluation.
 _JUDGING = ("energy",)
 _JUDGING_OF_PLAN = ("stop_error_max_m", "time_error_max_s")
 
 
 def _used(item: Any) -> Any:
-    """A dataclass as a table without the fields that have their defaults; so a field that is added later, and not
-    used by a scenario, does not change its hash."""
+    """A dataclass as a table without the fields that have their defaults, so that a field added later, and not used by
+    a scenario, does not change its hash."""
     if not dataclasses.is_dataclass(item):
         return [_used(entry) for entry in item] if isinstance(item, tuple) else item
     table = {}
@@ -56,7 +56,7 @@ def text_sha256(table: dict[str, Any]) -> str:
 
 
 def judged_sha256(scenario: Scenario) -> str:
-    """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores may stand together."""
+    """SHA-256 (hex) of what the run uses and what it is judged by: equal where scores are comparable."""
     table = _used(scenario)
     for name in _EXPLAINING:
         table.pop(name, None)

@@ -1,4 +1,4 @@
-"""Consistency of a scenario beyond single values: what must fit together before a run makes sense."""
+"""Consistency of a scenario beyond single values: conditions between values that a run requires."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ DISTANCE_TOLERANCE_M = 0.01
 TIME_TOLERANCE_S = 0.01
 #: The target may touch a speed limit, not exceed it by more than rounding.
 SPEED_TOLERANCE_MPS = 0.01
-#: Above this the predictive laws limit-cycle (IPFC reading 6).
+#: Above this delay the predictive laws limit-cycle (IPFC reading 6).
 LOOP_DELAY_MAX_S = 0.3
-#: The same balise number comes again after so many others at the earliest: receivers tell a balise from the one before
-#: by its number, and some of those between may have been lost.
+#: A balise number may be reused only after this many others: receivers tell a balise from the previous one by its
+#: number, and some in between may have been lost.
 BALISES_BETWEEN = 15
 _SAMPLE_S = 0.1
 
@@ -97,7 +97,7 @@ def check_perturbations(perturbations: model.Perturbations, refuse: Refuse) -> N
 
 
 def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
-    """Every level of the ladder is entered later than the one before."""
+    """Each level of the ladder is entered later than the previous one."""
     levels = ("hold_ms", "traction_cut_ms", "service_brake_ms", "emergency_ms")
     for before, after in pairwise(levels):
         if getattr(watch, after) <= getattr(watch, before):
@@ -105,7 +105,7 @@ def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
 
 
 def checked_target(curve: model.TargetCurve, refuse: Refuse) -> Target:
-    """The evaluated curve. Raises :class:`InputError` when it does not start, run and stop."""
+    """The evaluated curve. Raises :class:`InputError` unless it starts at time 0, moves and stops."""
     key = ("target", "nodes_s_mps2")
     if len(curve.nodes) < 2:
         raise refuse(key, [list(node) for node in curve.nodes], "at least two nodes [time s, acceleration m/s2]")

@@ -24,7 +24,7 @@ def effort(table: schema.EffortTable) -> model.Effort:
 
 
 def train(table: schema.TrainTable | schema.ImportedTrainTable, refuse: Refuse) -> model.Train:
-    """The train, its inertial mass and force per notch worked out. Raises :class:`InputError`."""
+    """The train, with inertial mass and force per notch computed. Raises :class:`InputError`."""
     if isinstance(table, schema.ImportedTrainTable):
         return railtoolkit.load_train(
             table.railtoolkit,
@@ -66,9 +66,9 @@ def train(table: schema.TrainTable | schema.ImportedTrainTable, refuse: Refuse) 
 
 
 def line(table: schema.LineTable, train_length_m: float, refuse: Refuse) -> tuple[model.Line, float | None]:
-    """The line of the run, and the length of the section when it was cut between two stops.
+    """The line of the run, and the length of the section if it was cut between two stops.
 
-    Raises :class:`InputError` for contradicting or missing sources and for stops that are not there.
+    Raises :class:`InputError` for contradictory or missing sources and for unknown stops.
     """
     whole = _whole_line(table, refuse)
     if table.stops:
@@ -134,7 +134,7 @@ def _whole_line(table: schema.LineTable, refuse: Refuse) -> StopLine:
 
 
 def plan(table: schema.PlanTable, running_time_s: float) -> model.RunPlan:
-    """The run plan with the running time that was given or worked out."""
+    """The run plan with the running time that was given or computed."""
     return model.RunPlan(
         distance_m=table.distance_m,
         running_time_s=running_time_s,

@@ -1,4 +1,4 @@
-"""Force limits and resistance of a train in N, shared by the target curve generator and by who needs them."""
+"""Force limits and resistance of a train in N, shared by the target curve generator and other modules."""
 
 from __future__ import annotations
 

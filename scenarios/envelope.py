@@ -1,4 +1,4 @@
-"""Fastest speed over distance under limits that change along the line.
+"""Highest speed over distance under limits that change along the line.
 
 The acceleration is constant on each piece, so the square of the speed is linear in position there: the pass with
 traction (forwards) and the pass with brakes (backwards) are polylines of ``u = v^2`` over ``x``, and the fastest
@@ -43,7 +43,7 @@ class Piece:
 
 
 class CurveError(ValueError):
-    """No target speed curve meets what is asked; the message says which limit stands against it."""
+    """No target speed curve meets the requirements; the message says which limit prevents it."""
 
 
 def one_way(zones: list[Zone], rate: Rate, first: Piece | None = None) -> list[Piece]:

@@ -31,7 +31,7 @@ from railhil.scenarios.envelope import (
 from railhil.scenarios.model import Line, TargetCurve, Train
 from railhil.scenarios.profiles import Floats, MeanGrade, front_speed_limit
 
-#: Acceleration that must be left when a train holds the speed of a zone, so that it can also reach it.
+#: Acceleration reserve required at the speed of a zone, so that the train can also reach that speed.
 _SPARE_MPS2 = 0.05
 #: Cells in which the highest speed that the train can hold on the grade is found.
 _CELL_M = 25.0
@@ -45,11 +45,11 @@ _CAP_LEAST_MPS = 2.0
 
 @dataclass(frozen=True, slots=True)
 class CurveLimits:
-    """What the curve keeps to, besides line and train.
+    """Limits of the curve, besides line and train.
 
     ``traction_utilisation`` and ``brake_utilisation`` are the shares of the train's force limits that the
-    curve may use: the rest is for control. ``speed_margin_mps`` stays below the line's limits. Higher
-    limits that would be used for less than ``hold_min_s`` between two lower ones are left unused.
+    curve may use: the rest is reserved for control. ``speed_margin_mps`` is the distance kept to the line's limits.
+    Higher limits that would be used for less than ``hold_min_s`` between two lower ones are left unused.
     """
 
     accel_max_mps2: float = 0.8
@@ -93,12 +93,12 @@ def fastest_time_s(line: Line, train: Train, distance_m: float, limits: CurveLim
 
 
 class _Builder:
-    """Builds the curve for a given speed cap; what does not depend on the cap is worked out once."""
+    """Builds the curve for a given speed cap; whatever does not depend on the cap is computed once."""
 
     def __init__(self, line: Line, train: Train, distance_m: float, limits: CurveLimits) -> None:
         self._train, self._limits = train, limits
         self._tau_s = (limits.accel_max_mps2 + limits.braking_max_mps2) / limits.jerk_max_mps3
-        # Averaging x over the window moves the stop by a tau^2 / 24 (a parabola against its own mean).
+        # Averaging x over the window moves the stop by a tau^2 / 24 (a parabola compared with its moving average).
         self._raw_m = distance_m + limits.end_braking_mps2 * self._tau_s**2 / 24
         self._grade = MeanGrade(line.grade_permil, train.length_m)
         front = front_speed_limit(line, train)
@@ -134,10 +134,9 @@ class _Builder:
         return _without_straight(nodes)
 
     def _line_zones(self, front: tuple[tuple[float, float], ...]) -> list[Zone]:
-        """Speed that line and grade allow; lower limits begin earlier and end later by half a window.
+        """Speed that line and grade allow; lower limits begin half a window earlier and end half a window later.
 
-        Where the averaged position passes a change of limit, the window reaches half its length to both
-        sides.
+        The averaging window reaches half its length to both sides of a change of limit.
         """
         starts = [row[0] for row in front]
         margin = self._limits.speed_margin_mps
@@ -161,7 +160,7 @@ class _Builder:
         return zones
 
     def _holdable(self, from_m: float, to_m: float, limit_mps: float) -> float:
-        """Highest speed (whole km/h below the limit) that the train can hold on the grades near by."""
+        """Highest speed (whole km/h below the limit) that the train can hold on the grades there."""
         grade = self._grade.extremes(from_m - self._reach_m, to_m + self._reach_m)[1]
         speeds = np.concatenate(([limit_mps], np.arange(np.floor(limit_mps * 3.6), 0.0, -1.0) / 3.6))
         force = self._limits.traction_utilisation * force_limit_n(self._train.traction, speeds)
@@ -205,7 +204,7 @@ class _Builder:
 
 
 def _samples(low_mps: float, high_mps: float, curve: tuple[tuple[float, float], ...]) -> Floats:
-    """Speeds at which to look for the least force over a band: ends, middle, corners of the curve."""
+    """Speeds at which the minimum force over a band is sought: ends, middle, corners of the curve."""
     corners = [speed for speed, _ in curve]
     inside = corners[bisect_right(corners, low_mps) : bisect_right(corners, high_mps)]
     return np.array([low_mps, (low_mps + high_mps) / 2, high_mps, *inside])

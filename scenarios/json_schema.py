@@ -1,7 +1,7 @@
 """JSON Schema of scenario files for editors: ``python -m railhil.scenarios.json_schema > scenario.schema.json``.
 
 A scenario may take any key from another file (``extends``, ``file``), so the schema knows every key, its type and
-bounds, but requires none; what is missing in the end is found by loading.
+bounds, but requires none; keys that are missing in the end are found when the file is loaded.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def scenario_json_schema() -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    # The reader of our output may go before its end (... | head).
+    # The reader of our output may close the pipe early (... | head).
     signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     json.dump(scenario_json_schema(), sys.stdout, indent=2, sort_keys=True)
     sys.stdout.write("\n")

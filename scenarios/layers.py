@@ -1,8 +1,8 @@
-"""Reading of scenario files with their references: which file says what, and what wins.
+"""Reads scenario files with their references, and determines which file gives each value.
 
 A scenario may ``extends`` another scenario, and its ``[train]``, ``[line]`` and ``[target]`` may name a
-``file``. Each of these is a layer; a key in a higher layer wins, tables are merged key by key, arrays are
-replaced whole.
+``file``. Each of these is a layer; a key in a higher layer takes precedence, tables are merged key by key, arrays are
+replaced as a whole.
 """
 
 from __future__ import annotations
@@ -18,30 +18,30 @@ from railhil.scenarios.tomlfile import parsed_toml
 
 DATA = Path(__file__).parent / "data"
 _FOLDERS = {"train": "trains", "line": "lines", "target": "targets"}
-#: References to files in a format of somebody else, by section.
+#: References to files in third-party formats, by section.
 _FOREIGN = {"train": ("railtoolkit",), "line": ("railtoolkit", "ttobench"), "target": ()}
 _CHAIN_MAX = 8
 
-#: Keys that say which scenario it is and what it builds upon, and so are never left out.
+#: Keys that identify the scenario and its base, and so are never left out.
 _KEPT = ("extends", "name", "title", "schema_version")
 
 Table = dict[str, Any]
-#: A file and a key in it that is left out; without keys all of the file but what it builds upon.
+#: A file and a key in it that is left out; without keys, the whole file except its reference to the base.
 Without = tuple[Path, tuple[str, ...]]
 
 
 class Layers:
-    """The files behind one scenario, highest priority first, each with the part that it gives.
+    """The files of one scenario, highest priority first, each with the part that it supplies.
 
-    :param settings: keys from the command line (:mod:`railhil.scenarios.settings`), above all files.
-    :param without: one key that is read as if it were not there.
+    :param settings: keys from the command line (:mod:`railhil.scenarios.settings`), with priority over all files.
+    :param without: one key to be ignored.
     """
 
     def __init__(self, path: Path, settings: Sequence[str] = (), without: Without | None = None) -> None:
         self.main = path
         self._without = without
         self._stack: list[tuple[Path, Table]] = []
-        #: Scenario files as they are written, nothing left out.
+        #: Complete scenario files as written.
         self._written: list[tuple[Path, Table]] = []
         self._closed: set[str] = set()
         self._target_made_anew = False
@@ -50,12 +50,12 @@ class Layers:
         self._read_scenario(path)
 
     def leaves(self) -> Iterator[tuple[Path, tuple[str, ...]]]:
-        """Every key of the scenario files and of the command line with the file that gives it, as it stands there."""
+        """Every key of the scenario files and of the command line, as written there, with the file that gives it."""
         for path, table in self._written:
             yield from ((path, keys) for keys in _leaves(table) if keys[0] not in _KEPT)
 
     def value(self, path: Path, keys: tuple[str, ...]) -> object:
-        """What a file gives for a key; in words for a table."""
+        """The value that a file gives for a key; for a table a description in words."""
         found: Any = dict(self._written)[path]
         for key in keys:
             found = found[key]
@@ -69,9 +69,9 @@ class Layers:
         return result
 
     def origin(self, *keys: str | int) -> Path:
-        """The file that gives a key; for a missing key the one that should: the lowest that gives its table.
+        """The file that gives a key; for a missing key the lowest file that gives its table, where it belongs.
 
-        Arrays are replaced whole, so for a key inside an array it is the highest file that has the array.
+        Arrays are replaced as a whole, so for a key inside an array it is the highest file with that array.
         """
         outside = next((count for count, key in enumerate(keys) if isinstance(key, int)), len(keys))
         depths = [_depth(table, keys[:outside]) for _, table in self._stack]
@@ -93,7 +93,7 @@ class Layers:
         raise InputError(path, "extends", Words("a longer chain"), f"at most {_CHAIN_MAX} files in a chain")
 
     def _left(self, path: Path, table: Table) -> Table:
-        """What a scenario file gives without the key that is left out."""
+        """The content of a scenario file without the key that is left out."""
         self._written.append((path, copy.deepcopy(table)))
         if self._without is None or self._without[0] != path:
             return table
@@ -117,7 +117,7 @@ class Layers:
             _absolute_foreign(path, section, inner)
             self._drop_nodes(section, inner)
             if any(key in inner for key in ("file", *_FOREIGN[section])):
-                # A section that names a file starts anew: what an extended scenario says of it is left out.
+                # A section that names a file inherits nothing: the same section of an extended scenario is ignored.
                 self._closed.add(section)
             if "file" in inner:
                 there = self._reference(path, f"{section}.file", inner.pop("file"), DATA / folder)
@@ -127,7 +127,7 @@ class Layers:
                 self._stack.append((there, {section: referred}))
 
     def _drop_nodes(self, section: str, table: Table) -> None:
-        """A file that only says how to generate the target makes nodes of the files below it void."""
+        """If a file only says how to generate the target, ignore nodes of the files below it."""
         if section == "target":
             if self._target_made_anew:
                 table.pop("nodes_s_mps2", None)
@@ -155,14 +155,15 @@ def shipped_names(folder: Path) -> list[str]:
 
 
 def shipped_name(text: str, folder: Path) -> str | None:
-    """Whole name of the shipped file that a name or the beginning of one means; None when that is not exactly one."""
+    """Full name of the shipped file that matches a name or the beginning of one; None unless exactly one does."""
     names = shipped_names(folder)
     begun = [name for name in names if text and name.startswith(text)]
     return text if text in names else begun[0] if len(begun) == 1 else None
 
 
 def short_name(name: str, names: Sequence[str]) -> str:
-    """The fewest words of a name that mean it alone: ``yizhuang_05`` of ``yizhuang_05_yizhuang_qiao_...``."""
+    """The fewest leading words of a name that are unambiguous: ``yizhuang_05`` for
+    ``yizhuang_05_yizhuang_qiao_...``."""
     words = name.split("_")
     for count in range(1, len(words)):
         begin = "_".join(words[:count])
@@ -186,7 +187,7 @@ def read_toml(path: Path) -> Table:
 
 
 def _absolute_foreign(path: Path, section: str, table: Table) -> None:
-    """Foreign files are named relative to the file that names them: their place is fixed here."""
+    """Make paths of third-party files absolute: they are relative to the file that names them."""
     for key in _FOREIGN[section]:
         value = table.get(key)
         if isinstance(value, str):

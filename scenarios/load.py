@@ -36,7 +36,7 @@ def short_names() -> dict[str, str]:
 
 
 def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenario:
-    """As :func:`load_any`, for what knows only railhil's own train on its line.
+    """Like :func:`load_any`, for code that works only with railhil's own system ``ato``.
 
     Raises :class:`~railhil.common.errors.InputError` also for a scenario of another system.
     """
@@ -50,7 +50,7 @@ def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenar
 def load_any(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.AnyScenario:
     """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``, of its system.
 
-    :param settings: keys that are set beside it, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    :param settings: keys set in addition, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
 
     Raises :class:`~railhil.common.errors.InputError` (one line) for anything in the files that is not allowed.
     """
@@ -99,7 +99,7 @@ def find(name_or_path: str | Path) -> Path:
 
 
 def stable_name(name_or_path: str) -> str:
-    """A scenario as it is written down: whole name or absolute path, the same from any folder.
+    """The name to record for a scenario: full name or absolute path, valid from any folder.
 
     Raises :class:`InputError` when there is none.
     """
@@ -129,7 +129,7 @@ class TrainScenarios:
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """A scenario file that is read and checked, up to its target speed curve."""
+    """A scenario file, read and checked except for its target speed curve."""
 
     file: ScenarioFile
     train: model.Train
@@ -189,7 +189,7 @@ def _build(parts: Parts) -> model.Scenario:
 
 
 def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
-    """The target curve and the running time: the nodes when they are given, else generated."""
+    """The target curve and the running time: from the nodes if they are given, else generated."""
     table, given_s = parts.file.target, parts.file.plan.running_time_s
     if table.nodes_s_mps2 is None:
         return generated_target(parts)
@@ -201,7 +201,7 @@ def _target(parts: Parts) -> tuple[model.TargetCurve, float]:
 def generated_target(parts: Parts) -> tuple[model.TargetCurve, float]:
     """Curve and running time from ``[target.generate]``; a reserve is rounded up to whole seconds.
 
-    Raises :class:`InputError` when there is no such table or when no curve meets what is asked.
+    Raises :class:`InputError` when there is no such table or when no curve meets the requirements.
     """
     table, plan = parts.file.target.generate, parts.file.plan
     if table is None:

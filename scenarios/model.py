@@ -1,4 +1,4 @@
-"""What a run is made of, as frozen dataclasses in SI units.
+"""The data of a run, as frozen dataclasses in SI units.
 
 Everything inside the bench reads these classes; files and their validation stay in :mod:`railhil.scenarios.schema`.
 Positions are metres from the stopping point at which the run starts (increasing along the run), grades are
@@ -12,13 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any, Protocol
 
-#: A step profile: rows ``(from_m, value)``, each valid until the next row; before the first row its value
-#: holds.
+#: A step profile: rows ``(from_m, value)``, each valid until the next row; the first value also applies before the
+#: first row.
 Profile = tuple[tuple[float, float], ...]
 
 
 def profile_value(profile: Profile, position_m: float) -> float:
-    """Value of a step profile at ``position_m`` (the row that starts exactly there already holds)."""
+    """Value of a step profile at ``position_m`` (a row that starts exactly there already applies)."""
     index = bisect_right(profile, position_m, key=lambda row: row[0]) - 1
     return profile[max(index, 0)][1]
 
@@ -41,7 +41,7 @@ class Train:
     """One train as a rigid mass with length.
 
     Resistance in N is ``weight_kn * (a + b V + c V^2 + grade)``, coefficients in N/kN (Davis), ``V`` in km/h,
-    ``weight_kn = mass_kg * gravity / 1000``. ``inertial_mass_kg`` already holds the rotating masses.
+    ``weight_kn = mass_kg * gravity / 1000``. ``inertial_mass_kg`` already includes the rotating masses.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Train:
 
 @dataclass(frozen=True, slots=True)
 class Balise:
-    """A balise: its number, the surveyed position that its telegram carries, and where it really lies."""
+    """A balise: its number, the surveyed position that its telegram carries, and its true position."""
 
     number: int
     surveyed_m: float
@@ -72,7 +72,7 @@ class Balise:
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """The piece of line that the run uses; profiles may start below 0 (under the standing train)."""
+    """The section of line that the run uses; profiles may start below 0 (under the standing train)."""
 
     name: str
     grade_permil: Profile
@@ -85,7 +85,7 @@ class TargetCurve:
     """Target speed curve as piecewise-linear acceleration, nodes ``(time_s, accel_mps2)`` from time 0.
 
     After the last node the last acceleration continues, so the speed becomes virtually negative after the
-    planned stop (spec decision: clamping at zero costs seconds of punctuality). Values are exact
+    planned stop (design decision: clamping at zero costs seconds of punctuality). Values are exact
     polynomials per piece: see :mod:`railhil.scenarios.target`.
     """
 
@@ -94,13 +94,13 @@ class TargetCurve:
 
 @dataclass(frozen=True, slots=True)
 class RunPlan:
-    """What is asked of the run: where and when to stop, and how far off is still a pass."""
+    """The requirements on the run: where and when to stop, and the tolerances for a PASS."""
 
     distance_m: float
     running_time_s: float
     stop_error_max_m: float
     time_error_max_s: float
-    #: A run that has not stopped this long after the timetable has failed.
+    #: Time after the end of the timetable at which a run that has not stopped has failed.
     overtime_max_s: float = 10.0
 
 
@@ -110,7 +110,7 @@ class Timing:
 
     base_tick_ns: int = 10_000_000
     control_period_ns: int = 500_000_000
-    #: From the sampling of the speed to the moment the notch command acts, in simulation time.
+    #: Simulation time from the sampling of the speed to the moment at which the notch command takes effect.
     loop_delay_s: float = 0.04
     #: Port periods that differ from the port table, by port name.
     port_period_ns: Mapping[str, int] = field(default_factory=dict)
@@ -143,7 +143,7 @@ class Energy:
 class WatchLimits:
     """Reaction ladder: age of the last accepted telegram at which each level is entered.
 
-    The defaults are those of the shipped scenarios; a watch with a limit above is weaker than they are.
+    The defaults are those of the shipped scenarios; a watch with a higher limit is weaker.
     """
 
     hold_ms: int = 20
@@ -154,7 +154,7 @@ class WatchLimits:
 
     @property
     def weakened(self) -> str:
-        """Which limits are above the usual ones, by their keys in a scenario file; empty when none is."""
+        """Limits that are higher than usual, by their keys in a scenario file; empty if there are none."""
         usual = WatchLimits()
         ages = ("hold_ms", "traction_cut_ms", "service_brake_ms", "emergency_ms")
         rows = [(name, float(getattr(self, name)), float(getattr(usual, name))) for name in ages]
@@ -189,13 +189,13 @@ class Perturbations:
 
 @dataclass(frozen=True, slots=True)
 class PublishedScore:
-    """One row of a published result table, to be printed beside the measured scores: law, values by criterion."""
+    """One row of a published result table, printed with the measured scores: law and values by criterion."""
 
     controller: str
     values: Mapping[str, float]
 
     def as_table(self) -> dict[str, str | float]:
-        """The row as files have it, the values beside the law."""
+        """The row as in files, the values on the same level as the law."""
         return {"controller": self.controller, **self.values}
 
     @classmethod
@@ -205,15 +205,15 @@ class PublishedScore:
 
 
 class AnyScenario(Protocol):
-    """What the bench itself asks of a scenario, of whatever system."""
+    """What the bench itself needs from a scenario of any system."""
 
     @property
     def name(self) -> str:
-        """What the run is called in folders and logs."""
+        """Name of the run in folders and logs."""
 
     @property
     def title(self) -> str:
-        """What it is called in tables."""
+        """Title of the run in tables."""
 
     @property
     def system(self) -> str:
@@ -225,7 +225,7 @@ class AnyScenario(Protocol):
 
     @property
     def assumptions(self) -> tuple[str, ...]:
-        """Sentences that say what is chosen rather than published or measured."""
+        """Sentences about values that are chosen rather than published or measured."""
 
     @property
     def published(self) -> tuple[PublishedScore, ...]:
@@ -237,19 +237,19 @@ class AnyScenario(Protocol):
 
     @property
     def planned_s(self) -> float:
-        """How long the run is planned to last, in s."""
+        """Planned duration of the run, in s."""
 
     @property
     def watch_weakened(self) -> str:
-        """Which limits of the watches are above the usual ones; empty: none."""
+        """Limits of the watches that are higher than usual; empty if there are none."""
 
     @property
     def described(self) -> Mapping[str, object]:
-        """What a list of scenarios says of it besides, by keys with units."""
+        """Further properties for a list of scenarios, by keys with units."""
 
     @property
     def can_be_perturbed(self) -> bool:
-        """Whether it says what a perturbed run draws."""
+        """Whether it defines what a perturbed run draws."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -272,7 +272,7 @@ class Scenario:
     watch: WatchLimits
     perturbations: Perturbations
     published: tuple[PublishedScore, ...] = ()
-    #: Sentences that say what is chosen rather than published or measured; every report repeats them.
+    #: Sentences about values that are chosen rather than published or measured; every report repeats them.
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
     system: str = "ato"

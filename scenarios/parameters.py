@@ -9,7 +9,7 @@
     scenario = "lvshun_tieshan"
     seeds = [0, 1, 2, 3, 4, 5, 6, 7]
 
-What a law does with its parameters, and which it has, only the controller knows: here they are names and values.
+Only the controller knows which parameters a law has and what they mean: here they are just names and values.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from railhil.common.errors import InputError, Words, near_file
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
-#: Digits of the hash that stand for a set of parameters in names, tables and the handshake.
+#: Digits of the hash that identify a set of parameters in names, tables and the handshake.
 DIGEST_DIGITS = 8
 
 
@@ -37,7 +37,7 @@ class _Training(BaseModel):
     #: Name of the scenario.
     scenario: str
     seeds: list[int] = Field(min_length=1)
-    #: What the search says about itself.
+    #: Notes of the search about itself.
     notes: dict[str, Any] = Field(default_factory=dict)
 
 
@@ -60,10 +60,10 @@ class _Stored(BaseModel):
 
 @dataclass(frozen=True)
 class ParameterSet:
-    """Parameters of one law, as a file gives them.
+    """Parameters of one law, from a file.
 
-    ``training_seeds`` are those of the perturbed runs on ``training_scenario`` that a search has seen: the parameters
-    must not be judged by them.
+    ``training_seeds`` are the seeds of the perturbed runs on ``training_scenario`` that a search used: the parameters
+    must not be evaluated on them.
     """
 
     law: str
@@ -74,7 +74,7 @@ class ParameterSet:
 
     @property
     def sha256(self) -> str:
-        """Hash of the law's name and its parameters, whatever the file looks like."""
+        """Hash of the law's name and its parameters, independent of the layout of the file."""
         content = json.dumps({"law": self.law, "parameters": self.values}, sort_keys=True, default=str)
         return hashlib.sha256(content.encode()).hexdigest()
 
@@ -89,7 +89,7 @@ class ParameterSet:
         return f"{self.law}+{self.digest}"
 
     def as_json(self) -> dict[str, Any]:
-        """What a certificate says of the parameters: enough to write the file again."""
+        """The parameters' entry in a certificate: enough to write the file again."""
         training = {"scenario": self.training_scenario, "seeds": sorted(self.training_seeds)}
         return {
             "law": self.law,
@@ -99,14 +99,14 @@ class ParameterSet:
         }
 
     def seen(self, seeds: Iterable[int]) -> list[int]:
-        """Those of the seeds whose perturbed runs the search has seen, in order, whatever the scenario.
+        """Those of the seeds that the search used, in order, whatever the scenario.
 
-        A seed draws the same mass, resistance, force and delay for every scenario, by whatever name.
+        A seed draws the same mass, resistance, force and delay for every scenario.
         """
         return sorted(self.training_seeds.intersection(seeds))
 
     def check_unseen(self, seeds: Iterable[int]) -> None:
-        """Refuse to judge the parameters by runs that they were made from.
+        """Refuse to evaluate the parameters on runs that were used to find them.
 
         :raises InputError: one of the seeds is a training seed.
         """
@@ -120,10 +120,10 @@ class ParameterSet:
 
 
 def parameters_from_json(document: Mapping[str, Any], source: Path) -> ParameterSet:
-    """The parameters of a document as :meth:`ParameterSet.as_json` makes it.
+    """The parameters in a document made by :meth:`ParameterSet.as_json`.
 
-    :param source: the file it is from.
-    :raises InputError: it is none, or not with the values that it has the hash of.
+    :param source: the file that it comes from.
+    :raises InputError: it is not such a document, or its values do not match its hash.
     """
     file = validated(_Stored, dict(document), lambda keys: source)
     training = file.training
@@ -153,7 +153,7 @@ def _stored(path: Path, text: str) -> ParameterSet:
         document = json.loads(text)
     except RecursionError:
         document = None
-    # A certificate holds the same document beside much else.
+    # A certificate contains the same document among other things.
     document = document.get("parameters", document) if isinstance(document, dict) else None
     if not isinstance(document, dict):
         raise ValueError("no JSON object with parameters")
@@ -163,7 +163,7 @@ def _stored(path: Path, text: str) -> ParameterSet:
 def load_parameters(path: Path) -> ParameterSet:
     """Read a parameter file, or ``parameters.json`` or ``certificate.json`` of a run folder.
 
-    :raises InputError: it cannot be read, or is not what stands in the head of this module.
+    :raises InputError: it cannot be read, or does not have the format described at the top of this module.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -174,7 +174,7 @@ def load_parameters(path: Path) -> ParameterSet:
         found = Words(error.strerror or str(error))
         raise InputError(path, "", found, "a parameter file (TOML)", near_file(path)) from error
     except ValueError as error:
-        # No text, or no TOML that can be worked with.
+        # Not text, or not usable TOML.
         raise InputError(path, "", Words(str(error)), "a parameter file (TOML)") from error
     file = validated(_File, content, lambda keys: path)
     training = file.training

@@ -1,4 +1,4 @@
-"""Perturbed runs: one random draw of everything that ``perturbations`` of a scenario leaves open."""
+"""Perturbed runs: one random draw of every quantity with a distribution in the scenario's ``perturbations``."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from railhil.scenarios.model import AnyScenario, Balise, Line, Scenario, Sensors
 
 
 class _Draws:
-    """Draws in a fixed order; a distribution that is not given still uses up its number.
+    """Draws in a fixed order; a missing distribution still consumes its random number.
 
-    So the draw of one quantity does not depend on which other quantities a scenario perturbs.
+    Therefore the draw of one quantity does not depend on which other quantities a scenario perturbs.
     """
 
     def __init__(self, units: Sequence[Any]) -> None:
@@ -29,22 +29,22 @@ class _Draws:
 
 
 def require_perturbations(scenario: AnyScenario, key: str) -> None:
-    """Refuse perturbed runs of a scenario that leaves nothing to draw: they would all be nominal.
+    """Refuse perturbed runs of a scenario without distributions: they would all be nominal.
 
-    :param key: the option or command that asks for them.
-    :raises InputError: it leaves nothing.
+    :param key: the option or command that requests them.
+    :raises InputError: there is nothing to draw.
     """
     if not scenario.can_be_perturbed:
         found = Words(f"the scenario {scenario.name}, which has nothing to draw (no [perturbations])")
         raise InputError("command line", key, found, "a scenario that says what is drawn, in which range")
 
 
-#: Draws of a run besides one for each balise.
+#: Number of draws per run, not counting one for each balise.
 _DRAWS = 9
 
 
 def unit_draws(scenario: Scenario, seed: int) -> NDArray[np.float64]:
-    """Numbers in 0..1 from which the perturbations of a run follow, shape (draws,).
+    """Numbers in 0..1 that determine the perturbations of a run, shape (draws,).
 
     Raises ``ValueError`` for a negative seed.
     """
@@ -56,8 +56,8 @@ def perturbed(scenario: Scenario, seed: int) -> Scenario:
 
     The mass factor scales mass and inertial mass, the Davis factor all three coefficients, the grade is
     multiplied and then offset, the force gain scales the force per notch (not the force limits), and the
-    balise error moves each balise against its surveyed position. ``sha256`` stays that of the scenario:
-    with the seed it names the run, and a controller that knows only the nominal train compares the same
+    balise error moves each balise against its surveyed position. ``sha256`` stays that of the nominal scenario:
+    together with the seed it identifies the run, and a controller that knows only the nominal train compares the same
     hash. Raises ``ValueError`` for a negative seed.
     """
     return with_draws(scenario, unit_draws(scenario, seed).tolist())
@@ -66,7 +66,7 @@ def perturbed(scenario: Scenario, seed: int) -> Scenario:
 def with_draws(scenario: Scenario, units: Sequence[Any]) -> Scenario:
     """:func:`perturbed` with given draws.
 
-    :param units: one for each draw; with arrays of shape (N,) the perturbed quantities are such arrays, too.
+    :param units: one number for each draw; with arrays of shape (N,) the perturbed quantities are such arrays as well.
     """
     given = scenario.perturbations
     draws = _Draws(units)

@@ -1,4 +1,4 @@
-"""Line profiles as a train of finite length feels them: limit over its length, grade averaged."""
+"""Line profiles as they act on a train of finite length: limit over its length, mean grade."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Floats = NDArray[np.float64]
 def front_speed_limit(line: Line, train: Train) -> Profile:
     """Speed limit in m/s by position of the train's **front**, as a step profile without repeated values.
 
-    A lower limit applies from the front reaching it; a higher one only when the rear has left the lower one
-    (one train length later). The train's own limit is included. Before the first row its value holds.
+    A lower limit applies when the front reaches it; a higher one only when the rear has left the lower one (one train
+    length later). The train's own limit is included. The first value also applies before the first row.
     """
     rows = line.speed_limit_mps
     ends = [row[0] + train.length_m for row in rows[1:]]
@@ -60,21 +60,21 @@ class MeanGrade:
         return np.asarray((self._height_at(front) - self._height_at(front - self._length_m)) / self._length_m)
 
     def extremes(self, from_m: float, to_m: float) -> tuple[float, float]:
-        """Least and greatest mean grade with the front between two positions (linear between breakpoints)."""
+        """Smallest and largest mean grade with the front between two positions (linear between breakpoints)."""
         inside = self.breakpoints_m[(self.breakpoints_m > from_m) & (self.breakpoints_m < to_m)]
         values = self(np.concatenate(([from_m], inside, [to_m])))
         return float(values.min()), float(values.max())
 
 
 def cut(profile: Profile, from_m: float, to_m: float) -> Profile:
-    """The rows that hold somewhere between two positions (the first may start before ``from_m``)."""
+    """The rows that apply somewhere between two positions (the first may start before ``from_m``)."""
     ends = [row[0] for row in profile[1:]] + [float("inf")]
     kept = tuple(row for row, end in zip(profile, ends, strict=True) if end > from_m and row[0] < to_m)
     return kept or (profile[-1],)
 
 
 def shift(profile: Profile, offset_m: float) -> Profile:
-    """The profile with ``offset_m`` taken off every position."""
+    """The profile with ``offset_m`` subtracted from every position."""
     return tuple((position_m - offset_m, value) for position_m, value in profile)
 
 

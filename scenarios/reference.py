@@ -1,6 +1,6 @@
 """``docs/scenario_keys.md``: every key of a scenario file with unit, default and range, from the schema.
 
-``python -m railhil.scenarios.reference`` writes it; a test holds the file against what would be written.
+``python -m railhil.scenarios.reference`` writes it; a test compares the file with what would be written.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ PAGE = Path(__file__).resolve().parents[1] / "docs" / "scenario_keys.md"
 _HEAD = """\
 # Every key of a scenario file
 
-Written by `python -m railhil.scenarios.reference` from the schema that checks the files. Keys as `--set` takes them
-([scenarios.md](scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. Beside them a file may
-say `extends`, and `[train]`, `[line]` and `[target]` a `file`. What is `required` must come from the file or one that
-it builds upon.
+Written by `python -m railhil.scenarios.reference` from the schema that checks the files. Keys are written as for
+`--set` ([scenarios.md](scenarios.md)); `[]` stands for the rows of an array, which is set as a whole. In addition, a
+file may contain `extends`, and `[train]`, `[line]` and `[target]` may contain `file`. A `required` key must be given by
+the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 _ROWS = {"line.balises", "line.stops", "published"}
 
-#: Ends like a length, and is none.
+#: Ends like a length, but is not one.
 _PURE = ("energy.xi_m",)
 #: Ending of a key and its unit, longer endings first.
 _UNITS = {
@@ -100,7 +100,7 @@ def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
         if below:
             rows = "[]" if key in _ROWS else ""
             for kind, inner in enumerate(below):
-                # What only another kind of the table has, no file needs.
+                # A key that only another variant of the table has is not required.
                 yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
             continue
         default = "required" if name in required else _shown(node.get("default"))

@@ -1,8 +1,8 @@
-"""Target speed curve of a scenario made again: ``python -m railhil.scenarios.regenerate NAME... [--write]``.
+"""Recompute the target speed curve of a scenario: ``python -m railhil.scenarios.regenerate NAME... [--write]``.
 
-Shipped scenarios carry their curve precomputed, so that loading is quick and the curve does not depend on the
-versions of numerical libraries. This command recomputes it from ``[target.generate]`` and prints the target
-file, or writes it over the shipped one.
+Shipped scenarios contain the precomputed curve, so that loading is quick and the curve does not depend on the versions
+of numerical libraries. This command recomputes it from ``[target.generate]`` and prints the target file, or writes it
+over the shipped one.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from railhil.scenarios.model import TargetCurve
 
 
 def target_file_text(parts: Parts, curve: TargetCurve) -> str:
-    """Text of the target file: the limits that it was made with, and the nodes."""
+    """Text of the target file: the limits used to generate it, and the nodes."""
     limits = parts.file.target.generate
     assert limits is not None
     lines = [

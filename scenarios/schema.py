@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 
-#: Far beyond any railway, and small enough that no sum or square of it overflows.
+#: Far beyond any railway, yet small enough that no sum or square of it overflows.
 _LARGEST = 1e7
 _SMALLEST = 1e-9
 
@@ -34,12 +34,12 @@ NotNegative = Annotated[float, Field(ge=0, le=_LARGEST)]
 Text = Annotated[str, Field(min_length=1, max_length=200)]
 Name = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_\-]*$", max_length=80)]
 
-#: Notches; on the grid of the command (1/256 notch), so that law, watch and train agree on the last step.
+#: Notches, on the grid of the command (1/256 notch), so that law, watch and train agree on the largest value.
 NotchRange = Annotated[float, Field(gt=0, le=127, multiple_of=1 / 256)]
 
 
 class Table(BaseModel):
-    """A table of a file: no keys but its own, and no other types."""
+    """Base of the tables of a file: no unknown keys, strict types."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False, defer_build=True)
 
@@ -53,7 +53,7 @@ class DavisTable(Table):
 
 
 class EffortTable(Table):
-    """Largest force over speed: the least of a constant, a power and a curve ``[[km/h, kN], ...]``."""
+    """Largest force over speed: the minimum of a constant, a power limit and a curve ``[[km/h, kN], ...]``."""
 
     force_max_kn: Positive
     power_max_kw: Positive | None = None
@@ -86,7 +86,7 @@ class TrainTable(Table):
 
 
 class ImportedTrainTable(Table):
-    """A train from a railtoolkit rolling-stock 2022.05 file, with what that format leaves out."""
+    """A train from a railtoolkit rolling-stock 2022.05 file, plus the data that format does not contain."""
 
     railtoolkit: Text
     train_id: Text | None = None
@@ -100,7 +100,7 @@ def _train_kind(table: Any) -> str:
     return "imported" if isinstance(table, dict) and "railtoolkit" in table else "own"
 
 
-#: Either kind of train; the tags never show in messages.
+#: Either kind of train; the tags never appear in messages.
 TRAIN_TAGS = ("own", "imported")
 AnyTrain = Annotated[
     Annotated[TrainTable, Tag("own")] | Annotated[ImportedTrainTable, Tag("imported")],
@@ -111,7 +111,7 @@ AnyTrain = Annotated[
 class BaliseTable(Table):
     """One balise; ``true_m`` defaults to the surveyed position."""
 
-    # 0 on the wire means that none has been passed.
+    # 0 on the wire means that no balise has been passed.
     number: Annotated[int, Field(ge=1, le=255)]
     surveyed_m: Annotated[float, Field(ge=-2_000_000, le=2_000_000)]
     true_m: Number | None = None
@@ -162,9 +162,9 @@ class TargetTable(Table):
 
 
 class PlanTable(Table):
-    """What is asked of the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
+    """The requirements on the run; exactly one of ``running_time_s`` and ``running_time_reserve_percent``."""
 
-    # 400 km and 8 h; the wire has room for 536 km (TRK_INFO, target) and 14 h (planned arrival).
+    # 400 km and 8 h; the wire format can represent 536 km (TRK_INFO, target) and 14 h (planned arrival).
     distance_m: Annotated[float, Field(gt=0, le=DISTANCE_MAX_M)]
     running_time_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)] | None = None
     running_time_reserve_percent: NotNegative | None = None

@@ -1,8 +1,8 @@
 """``--set KEY=VALUE``: single keys of a scenario from the command line, a layer above its files.
 
 ``--set plan.stop_error_max_m=0.3 --set 'line.grade_permil=[[0, 5]]'``: the key is the dotted path of the scenario file,
-the value is TOML (a bare word is a text); arrays are replaced whole. What is set is checked as a file is, stands in
-certificate and command of a run, and the scenario's SHA-256 covers it.
+the value is TOML (a bare word is a string); arrays are replaced as a whole. Settings are checked like a file, recorded
+in certificate and command of a run, and covered by the scenario's SHA-256.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from typing import Any
 
 from railhil.common.errors import InputError, Words
 
-#: Where a key from the command line stands, in place of a file.
+#: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
-#: What says which scenario it is, and so cannot be set beside it.
+#: Keys that identify the scenario, and so cannot be set.
 _FIXED = ("schema_version", "name", "extends")
 #: Keys that name files: relative to the working folder, so kept as absolute paths.
 _FILES = ("file", "railtoolkit", "ttobench")
@@ -27,9 +27,9 @@ _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
 def setting(text: str) -> str:
-    """An option's type: ``KEY=VALUE`` as every program that is handed it reads it again, in any folder.
+    """An option's type: ``KEY=VALUE`` in a form that other programs can read again in any folder.
 
-    :raises InputError: it is none.
+    :raises InputError: it is not a valid setting.
     """
     key, value = _parsed(text)
     last = key.rpartition(".")[2]
@@ -56,9 +56,9 @@ def set_words(settings: Sequence[str]) -> list[str]:
 
 
 def layer(settings: Sequence[str]) -> dict[str, Any]:
-    """The settings as the table that a file would hold.
+    """The settings as the table that a file would contain.
 
-    :raises InputError: a text that is no setting, or two that cannot both hold.
+    :raises InputError: a text that is not a setting, or two contradictory ones.
     """
     top: dict[str, Any] = {}
     for text in settings:
@@ -88,5 +88,5 @@ def _value(text: str) -> Any:
         table = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, ValueError, RecursionError):
         return text
-    # A text with a line break may hold more than a value.
+    # A text with a line break may contain more than a value.
     return table["value"] if len(table) == 1 else text

@@ -1,6 +1,6 @@
-"""Resolved scenarios as JSON: what a run folder keeps, and what a record of an earlier version was made with.
+"""Resolved scenarios as JSON: those in run folders, and those of earlier versions for their records.
 
-A scenario of a record is never read from the shipped files again: they may say something else by now. The document has
+A record's scenario is never read from the shipped files, because these may have changed since. The document has
 every field of :class:`railhil.scenarios.model.Scenario`, in SI units, with the names of the dataclasses.
 """
 
@@ -22,7 +22,7 @@ from railhil.scenarios.system import DEFAULT, system_named
 
 #: Name in a run folder.
 SCENARIO = "scenario.json"
-#: Fields that version 0.1.0 left out of its hash, which covered everything else, used by the run or not.
+#: Fields that version 0.1.0 excluded from its hash, which covered all others, whether used by the run or not.
 _EXPLAINING_0_1_0 = ("title", "assumptions", "published")
 _ALLOWED = "a scenario that railhil has written"
 
@@ -33,14 +33,14 @@ def _adapter() -> TypeAdapter[Scenario]:
 
 
 def document(scenario: Scenario) -> dict[str, Any]:
-    """Every field of a scenario of ``ato`` as JSON can hold it."""
+    """Every field of a scenario of ``ato``, as JSON-compatible values."""
     return {**dataclasses.asdict(scenario), "published": [row.as_table() for row in scenario.published]}
 
 
 def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
-    """The scenario of a document; fields that came later than it have their defaults.
+    """The scenario of a document; fields added after it was written have their defaults.
 
-    :param file: named in a complaint.
+    :param file: for the error message.
     :raises InputError: a field is missing, unknown or of another kind.
     """
     try:
@@ -56,7 +56,8 @@ def scenario_of(fields: dict[str, Any], file: Path) -> Scenario:
 
 
 def _published(rows: object) -> object:
-    """Published rows with their values apart from the law; what is no such row is left for the check."""
+    """Published rows with their values separated from the law; anything that is not such a row is left for the
+    check."""
     if not isinstance(rows, list):
         return rows
     apart = []
@@ -67,7 +68,7 @@ def _published(rows: object) -> object:
 
 
 def _unknown(given: object, known: object, key: str = "") -> str:
-    """First key of ``given`` that ``known`` has not; empty when there is none."""
+    """First key of ``given`` that is not in ``known``; empty when there is none."""
     if isinstance(given, dict) and isinstance(known, dict):
         for name, value in given.items():
             inner = f"{key}.{name}".lstrip(".")
@@ -83,14 +84,14 @@ def _unknown(given: object, known: object, key: str = "") -> str:
 
 
 def any_document(scenario: AnyScenario) -> dict[str, Any]:
-    """Every field of a scenario, of whatever system, as JSON can hold it."""
+    """Every field of a scenario of any system, as JSON-compatible values."""
     system = system_named(scenario.system)
     fields: dict[str, Any] = system.part("scenarios")(system).document(scenario)
     return fields
 
 
 def any_judged_sha256(scenario: AnyScenario) -> str:
-    """Hash of what a run of whatever system uses and what it is judged by: equal where scores may stand together."""
+    """Hash of what a run of any system uses and what it is judged by: equal where scores are comparable."""
     system = system_named(scenario.system)
     return str(system.part("scenarios")(system).judged_sha256(scenario))
 
@@ -98,7 +99,7 @@ def any_judged_sha256(scenario: AnyScenario) -> str:
 def read_scenario(path: Path) -> AnyScenario:
     """The scenario in ``scenario.json`` of a run folder.
 
-    :raises InputError: it cannot be read, is no scenario, or is not the one that it says it is (its hash).
+    :raises InputError: it cannot be read, is not a scenario, or does not match its own hash.
     """
     try:
         fields = json.loads(path.read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""Independent random streams of a run: every source of chance has its own, so adding one moves no other.
+"""Independent random streams of a run: every random source has its own, so adding one does not change the others.
 
 A stream is ``SeedSequence([seed, stream])`` feeding PCG64 (numpy's default bit generator, whose stream is
 fixed by numpy's compatibility policy for seeded bit generators).
@@ -17,7 +17,7 @@ TUNING = 5
 
 
 def generator(seed: int, stream: int) -> np.random.Generator:
-    """Random generator of one stream of one run; ``seed`` and ``stream`` are whole numbers >= 0.
+    """Random generator of one stream of one run; ``seed`` and ``stream`` are integers >= 0.
 
     Raises ``ValueError`` for negative numbers.
     """

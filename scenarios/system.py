@@ -1,7 +1,7 @@
-"""Systems: what the bench needs to know of one kind of train and task (entry point group ``railhil.systems``).
+"""Systems: what the bench needs to know about one kind of train and task (entry point group ``railhil.systems``).
 
-A scenario file says ``system = "..."``; railhil's own train on its line is ``ato``. A system names its parts by
-reference, ``module:object``: each process imports only those that it needs, and no room has to import another.
+A scenario file selects one with ``system = "..."``; railhil's own is ``ato``. A system names its parts by reference,
+``module:object``: each process imports only those that it needs, and no package has to import another.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, system_contract
 
 GROUP = "railhil.systems"
-#: The system of a scenario that names none.
+#: The system of a scenario that does not name one.
 DEFAULT = "ato"
-#: Numbers of the milestones in RUN_EVENT that systems may have for their own.
+#: Milestone numbers in RUN_EVENT that systems may use for their own events.
 OWN_EVENTS = range(32, 256)
 
 
@@ -34,9 +34,9 @@ class System:
     (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant, of (scenario, seed, pace)
     (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus, of
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
-    entry point group of its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by
+    entry point group of its laws. ``law``: the default law. ``events``: its own milestones by
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
-    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task``,
+    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules use, such as ``task``,
     ``interface``, ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without
     them campaign and audit go through the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`) and ``picture``: draws
     scenario and trace into a file (without one: :mod:`railhil.supervisor.report.signals_picture`).
@@ -56,7 +56,7 @@ class System:
     own: Mapping[str, str] = field(default_factory=dict)
 
     def part(self, name: str) -> Any:
-        """What a reference of this system names.
+        """The object that a reference of this system names.
 
         :param name: of the field, or of an entry in ``own``.
         :raises InputError: there is no such part, or it cannot be imported.
@@ -68,7 +68,7 @@ class System:
         try:
             return getattr(import_module(module), attribute)
         except Exception as error:
-            # Code that somebody plugs in may raise anything.
+            # Plug-in code may raise anything.
             cause = f"{type(error).__name__}: {error}"
             raise InputError(f"system {self.name}", name, reference, "a part that can be imported", cause) from error
 
@@ -135,7 +135,7 @@ def system_named(name: str, file: str | Path = "scenario") -> System:
     try:
         system = entry.load()
     except Exception as error:
-        # Code that somebody plugs in may raise anything.
+        # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
         raise InputError(file, "system", entry.value, "an entry point that can be imported", cause) from error
     if not isinstance(system, System) or system.name != name:

@@ -26,9 +26,9 @@ from railhil.scenarios.model import TargetCurve
 Floats = NDArray[np.float64]
 
 
-#: Newton steps end when they are this short.
+#: Newton's iteration ends when a step is this small.
 _SETTLED_S = 1e-12
-#: More than bisection alone would need.
+#: Maximum number of steps, more than bisection alone would need.
 _STEPS_MAX = 80
 
 
@@ -36,11 +36,11 @@ _STEPS_MAX = 80
 def time_in_piece_s(distance_m: Any, longest_s: Any, speed_mps: Any, accel_mps2: Any, jerk_mps3: Any) -> Any:
     """Time into a piece of the curve at which it has covered a distance; numbers, or arrays of one shape.
 
-    Newton steps kept inside a bisection bracket, from where the piece would be without jerk. An element that has
-    settled stays, so one number gives what it gives in an array.
+    Newton's method inside a bisection bracket, starting from the solution without jerk. A converged element no longer
+    changes, so a number gives the same result alone as in an array.
 
-    :param longest_s: length of the piece, inside which the distance is covered.
-    :param speed_mps: at the start of the piece, as acceleration and jerk; the speed stays above 0 inside.
+    :param longest_s: duration of the piece; the distance is covered within it.
+    :param speed_mps: at the start of the piece, like acceleration and jerk; the speed stays above 0 inside it.
     """
     low, high = 0.0 * longest_s, longest_s
     twice_mean = speed_mps + sqrt(maximum(speed_mps * speed_mps + 2.0 * accel_mps2 * distance_m, 0.0))
@@ -69,8 +69,8 @@ class Target:
 
     Times are seconds from departure, scalar or array of any shape; results are m/s2, m/s, m of the same
     shape. ``stop_time_s`` is the first time after departure at which the speed falls to zero,
-    ``stop_position_m`` the position there. Raises ``ValueError`` when the curve has no node, decreasing
-    times, or never stops.
+    ``stop_position_m`` the position there. Raises ``ValueError`` when the curve has no node or decreasing times, or
+    never stops.
     """
 
     def __init__(self, curve: TargetCurve) -> None:
@@ -123,7 +123,7 @@ class Target:
     @overload
     def position_m(self, t: Floats) -> Floats: ...
     def position_m(self, t: float | Floats) -> float | Floats:
-        """Target position at ``t`` seconds (runs back after the planned stop, as the speed does)."""
+        """Target position at ``t`` seconds (runs backwards after the planned stop, where the speed is negative)."""
         piece, s = self._locate(t)
         value = self._position[piece] + s * (
             self._speed[piece] + s * (self._accel[piece] / 2 + s * self._jerk[piece] / 6)
@@ -133,7 +133,7 @@ class Target:
     def time_s(self, position_m: ArrayLike) -> Floats:
         """Time at which the target first passes each position, between departure and the stop (clipped outside).
 
-        To rounding; used for the distance-indexed set-point.
+        Exact up to rounding; used for the set-point by distance.
         """
         goal = np.clip(np.asarray(position_m, dtype=np.float64), 0.0, self.stop_position_m)
         ahead = self._time < self.stop_time_s
@@ -145,7 +145,7 @@ class Target:
         return np.asarray(self._time[piece] + after)
 
     def _first_stop(self) -> float:
-        """First time at which the speed, having been positive, is back at rest."""
+        """First time at which the speed falls to zero after having been positive."""
         lengths = np.append(np.diff(self._time), np.inf)
         moved = False
         for i, length in enumerate(lengths):
@@ -174,7 +174,7 @@ class Target:
         else:
             discriminant = a * a - 4 * half_jerk * v
             root = discriminant**0.5 if discriminant >= 0.0 else np.nan
-            # Of the two zeros the one with falling speed, in the form that loses no digits to a small jerk.
+            # Of the two zeros, the one with falling speed, in the form without cancellation for a small jerk.
             zeros = [2 * v / (root - a) if a < 0.0 else (-a - root) / (2 * half_jerk)]
         falling = [s for s in zeros if 0.0 < s <= length_s]
         if falling:
@@ -182,5 +182,5 @@ class Target:
         return length_s if length_s < np.inf and abs(self._piece_speed(i, length_s)) <= _REST_MPS else None
 
 
-#: Speeds below this are rest: the rounding left over by summing hundreds of exact pieces.
+#: Speeds below this count as standstill: rounding error from summing hundreds of exact pieces.
 _REST_MPS = 1e-9

@@ -1,4 +1,4 @@
-"""Scenarios of systems that plug in: what every scenario says, and a section ``[task]`` that only the system knows.
+"""Scenarios of plug-in systems: the part common to every scenario, and a section ``[task]`` defined by the system.
 
 ::
 
@@ -38,37 +38,37 @@ class ScenarioKind(Protocol):
     """Reads and writes the scenarios of a system."""
 
     def __init__(self, system: System) -> None:
-        """Of that system."""
+        """For scenarios of that system."""
 
     def read(self, layers: Layers) -> AnyScenario:
-        """Scenario of a file and what it builds upon. Raises InputError."""
+        """Scenario from a file and its base files. Raises InputError."""
 
     def document(self, scenario: Any) -> dict[str, Any]:
-        """Every field of a scenario as JSON can hold it."""
+        """Every field of a scenario, as JSON-compatible values."""
 
     def stored(self, fields: dict[str, Any], file: Path) -> AnyScenario:
-        """The scenario of a document with the hash that it has now. Raises InputError."""
+        """The scenario of a document, with its hash computed by this version. Raises InputError."""
 
     def judged_sha256(self, scenario: Any) -> str:
         """Hash of what the run uses and what it is judged by."""
 
 
 class Task(Table):
-    """The section ``[task]`` of a system's scenario file: it adds its keys, with units in their names."""
+    """The section ``[task]`` of a system's scenario file; subclasses add keys, with units in their names."""
 
-    #: Keys that change no frame of a run, but what is said of it.
+    #: Keys that change no frame of a run, only its evaluation.
     JUDGING: ClassVar[tuple[str, ...]] = ()
 
     duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)]
 
     @property
     def can_be_perturbed(self) -> bool:
-        """Whether the plant draws something with the seed when a perturbed run is asked for."""
+        """Whether the plant draws something with the seed in a perturbed run."""
         return False
 
 
 class TaskFile(Table):
-    """What every scenario file of a system says beside its task."""
+    """The part of a system's scenario file that is common to all systems."""
 
     schema_version: Literal[1]
     system: Name
@@ -81,7 +81,7 @@ class TaskFile(Table):
 
 @dataclass(frozen=True, slots=True)
 class TaskScenario:
-    """A scenario with a section of its system's own."""
+    """A scenario with a section defined by its system."""
 
     name: str
     title: str
@@ -94,22 +94,22 @@ class TaskScenario:
 
     @property
     def planned_s(self) -> float:
-        """How long the run is planned to last, in s."""
+        """Planned duration of the run, in s."""
         return float(self.task.duration_s)
 
     @property
     def watch_weakened(self) -> str:
-        """Limits of the watches above the usual ones: the house knows none of this system."""
+        """Limits of the watches that are higher than usual: none are known for this system."""
         return ""
 
     @property
     def described(self) -> Mapping[str, object]:
-        """Its system; the rest its task knows."""
+        """Its system; the task has no further description."""
         return {"system": self.system}
 
     @property
     def can_be_perturbed(self) -> bool:
-        """Whether there is something that a seed draws beside the noise."""
+        """Whether the seed draws anything besides the noise."""
         return bool(self.task.can_be_perturbed)
 
 
@@ -180,7 +180,7 @@ class TaskScenarios:
         task_type = self._system.part("task")
         try:
             timing = Timing(**fields["timing"])
-            # Through JSON, so that arrays become what the table makes of them.
+            # Through JSON, so that arrays get the types of the table.
             task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
             rest = tuple(map(PublishedScore.of, fields["published"])), tuple(fields["assumptions"])
             return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, *rest)

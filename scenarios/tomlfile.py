@@ -1,19 +1,19 @@
-"""TOML text as a table, with what tomllib leaves to its caller: numbers and depths that nobody can work with."""
+"""TOML text as a table, with checks that tomllib leaves to its caller: excessive numbers and nesting depths."""
 
 from __future__ import annotations
 
 import tomllib
 from typing import Any
 
-#: Tables and arrays inside each other; ours have four.
+#: Maximum nesting of tables and arrays; railhil's own files use four.
 DEPTH_MAX = 32
 
 
 def parsed_toml(text: str) -> dict[str, Any]:
-    """The table that a TOML text says.
+    """The table of a TOML text.
 
-    :raises ValueError: it is no TOML, nests deeper than :data:`DEPTH_MAX`, or has a whole number of thousands of
-        digits; one line that says so.
+    :raises ValueError: it is not TOML, nests deeper than :data:`DEPTH_MAX`, or has an integer of thousands of digits;
+        the message is one line.
     """
     try:
         table = tomllib.loads(text)

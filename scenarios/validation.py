@@ -1,5 +1,5 @@
-"""pydantic's findings as one :class:`~railhil.common.errors.InputError`: the first that explains the others, or all
-keys that are missing."""
+"""pydantic's errors as one :class:`~railhil.common.errors.InputError`: the first one that explains the others, or all
+missing keys."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def _keys(tagged: Keys, tags: tuple[str, ...]) -> Keys:
 
 
 def _all_missing(missing: list[Keys], origin: Callable[[Keys], str | Path]) -> InputError:
-    """Keys that one file leaves out, together; of several files those of the first."""
+    """All keys missing in one file; if several files lack keys, those of the first."""
     file = origin(missing[0])
     names = [dotted(keys) for keys in missing if origin(keys) == file]
     allowed = _ALLOWED_BY_TYPE["missing"] if len(names) == 1 else "values: the keys are required"
@@ -82,12 +82,12 @@ def _translated(
 
 
 def sentence(one: ErrorDetails) -> str:
-    """What is allowed, from one of pydantic's findings: ``at most 200``."""
+    """What is allowed, from one of pydantic's errors: ``at most 200``."""
     return _from_context(one["type"], one.get("ctx", {})) or _lowered(one["msg"])
 
 
 def _from_context(kind: str, context: Mapping[str, Any]) -> str | None:
-    """Sentences for findings whose bounds pydantic gives apart from its message."""
+    """Sentences for errors whose bounds pydantic gives separately from its message."""
     if kind == "string_pattern_mismatch":
         return f"a text that matches {context['pattern']}"
     if kind in ("greater_than_equal", "less_than_equal"):

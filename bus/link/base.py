@@ -1,4 +1,4 @@
-"""What every link has: what a node needs of its connection, its counters, and what it says of them."""
+"""The base of all links: the interface that a node needs, the counters, and the messages about them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
 from railhil.common.patience import Lifelines
 
-#: What python-can and its drivers raise when an interface fails.
+#: Exceptions that python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)
 _TROUBLE = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
@@ -25,7 +25,7 @@ _TROUBLE = (
 class Endpoint(Protocol):
     """What a node needs from its connection."""
 
-    #: Lockstep: a frame that meets a full queue or an interface that is down waits; else it is dropped and counted.
+    #: Lockstep: if the queue is full or the interface down, a frame waits; otherwise it is dropped and counted.
     lossless: bool
 
     @property
@@ -45,7 +45,7 @@ class Endpoint(Protocol):
         """
 
     def has_ended(self, node: str) -> bool:
-        """True when it is known that another node has ended: nobody waits for it."""
+        """True when another node is known to have ended, so that waiting for it is useless."""
 
     def close(self) -> None:
         """Leave the bus."""
@@ -56,25 +56,25 @@ class Link(ABC):
 
     ``counters``: ``sent``, ``received``, ``send_retries`` (transmit queue full), ``send_dropped`` (still full after
     the bounded retry, or interface down; newest value wins, nothing stale is sent later), ``rx_lost`` (receive buffer
-    overflowed, where the kernel says so), ``garbage`` (unreadable input of a serial adapter), ``error_frames``,
+    overflowed, where the kernel reports it), ``garbage`` (unreadable input of a serial adapter), ``error_frames``,
     ``bus_off``, ``outages``.
 
-    :param say: takes one line when something has happened that the user should know.
+    :param say: called with a one-line message when something has happened that the user should know.
     """
 
     def __init__(self, bus: can.BusABC, say: Callable[[str], None] | None = None) -> None:
         self.bus = bus
         self.lossless = False
         self.counters: Counter[str] = Counter()
-        #: Called while a frame waits for the bus in lockstep; what it raises ends the wait.
+        #: Called while a frame waits for the bus in lockstep; an exception from it ends the wait.
         self.while_waiting: Callable[[], None] = lambda: None
-        #: Of the other nodes, when they were started together.
+        #: Pipes to the other nodes, if they were started together.
         self.lifelines = Lifelines()
         self._say = say or (lambda line: None)
 
     @property
     def where(self) -> str:
-        """The interface, as it stands in messages."""
+        """The interface, as named in messages."""
         return str(self.bus.channel_info)
 
     @property
@@ -84,12 +84,14 @@ class Link(ABC):
 
     @property
     def has_rest(self) -> bool:
-        """True while the interface has taken part of a frame; :meth:`offer` and :meth:`receive` hand over the rest."""
+        """True while the interface has accepted only part of a frame; :meth:`offer` and :meth:`receive` pass on the
+        rest."""
         return False
 
     @property
     def has_descriptor(self) -> bool:
-        """Whether ``bus.fileno()`` becomes readable when frames have come, and :meth:`receive` waits as it is told."""
+        """Whether ``bus.fileno()`` becomes readable when frames have arrived, and :meth:`receive` respects its
+        time-out."""
         return True
 
     @abstractmethod
@@ -98,11 +100,11 @@ class Link(ABC):
 
     @abstractmethod
     def offer(self, frames: Sequence[Frame]) -> int:
-        """Hand over as many of the frames, from the first, as the interface takes without waiting; returns how many.
+        """Pass on as many of the frames, from the first, as the interface accepts without blocking; returns how many.
 
-        With no frames only the rest of one that it has taken in part.
+        Without frames, pass on only the rest of a frame that it has accepted in part.
 
-        :raises BusLost: as :meth:`send`.
+        :raises BusLost: like :meth:`send`.
         """
 
     @abstractmethod
@@ -112,7 +114,7 @@ class Link(ABC):
     def close(self) -> None:
         """See :meth:`Endpoint.close`."""
         with contextlib.suppress(*FAILURES):
-            # An adapter that is gone cannot be told goodbye; why it is gone has been said.
+            # A lost adapter cannot be closed properly; the reason has already been reported.
             self.bus.shutdown()
 
     def has_ended(self, node: str) -> bool:
@@ -120,11 +122,11 @@ class Link(ABC):
         return self.lifelines.has_ended(node)
 
     def take_gap_ns(self) -> int:
-        """Wall time for which an outage, now over, kept frames away; 0 when there was none since the last call."""
+        """Wall time without frames because of an outage that is now over; 0 when there was none since the last call."""
         return 0
 
     def tell_trouble(self) -> None:
-        """Say what went wrong on this connection, if anything did: for the end of a node."""
+        """Report what went wrong on this connection, if anything did; called at the end of a node."""
         found = [f"{key} {self.counters[key]}" for key in _TROUBLE if self.counters[key]]
         if found:
             self._say(f"{self.where}: {', '.join(found)}")

@@ -1,4 +1,4 @@
-"""The link on the hub: whole batches of frames, to and from an interface that loses none."""
+"""The link on the hub: batches of frames, over an interface that does not lose any."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.bus.link.base import FAILURES, Link
 class BatchLink(Link):
     """:class:`~railhil.bus.link.base.Link` on an interface with ``send_frames``, ``offer_frames`` and ``recv_frames``.
 
-    A failure is final: the hub is gone, and the run with it.
+    A failure is final: without the hub the run has ended.
     """
 
     def __init__(self, bus: can.BusABC, say: Callable[[str], None] | None = None) -> None:

@@ -1,8 +1,8 @@
-"""The link on an interface that gives a node its own frames back, unmarked: python-can's ``udp_multicast``.
+"""The link on an interface that returns a node's own frames unmarked: python-can's ``udp_multicast``.
 
-The sender's address, which would tell, does not come out of python-can. So an own frame is known by its content: each
-frame that was sent takes one equal frame off what is received. One too many is somebody else's, as that of a second
-bus administrator.
+python-can does not pass on the sender's address, which would identify them. Own frames are therefore recognised by
+content: for each frame sent, one equal received frame is discarded. A surplus frame is from another node, such as a
+second bus administrator.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.wallclock import WallClock
 
-#: Frames that have been sent and not been heard again: more of them are lost on the way, the oldest first.
+#: Maximum number of sent frames whose echo is awaited; beyond it the oldest are assumed lost.
 _REMEMBERED_FRAMES = 1024
 
 
 class EchoLink(SingleLink):
-    """:class:`~railhil.bus.link.single.SingleLink` that keeps own frames from the node."""
+    """:class:`~railhil.bus.link.single.SingleLink` that hides the node's own frames from it."""
 
     def __init__(
         self,
@@ -46,7 +46,7 @@ class EchoLink(SingleLink):
         while frames := super()._get(timeout_s):
             if others := [frame for frame in frames if not self._is_own(frame)]:
                 return others
-            # An own frame is no reason to return before the time.
+            # An own frame is no reason to return early.
             if deadline_s is not None:
                 timeout_s = max(0.0, deadline_s - self._wall.monotonic())
         return []

@@ -1,4 +1,4 @@
-"""Error frames of a real CAN interface: what the controller chip says of the wire, by ``linux/can/error.h``."""
+"""Error frames of a real CAN interface: what the CAN controller reports about the bus, as in ``linux/can/error.h``."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _STATES = {
 
 
 def describe(frame: Frame) -> str:
-    """Words for an error frame, e.g. ``controller problem (transmit error-passive)``."""
+    """Description of an error frame, e.g. ``controller problem (transmit error-passive)``."""
     words = [text for bit, text in _CLASSES.items() if frame.can_id & bit]
     if frame.can_id & _CONTROLLER and len(frame.data) > 1:
         states = [text for bit, text in _STATES.items() if frame.data[1] & bit]

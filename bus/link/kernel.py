@@ -1,7 +1,7 @@
-"""The link on kernel SocketCAN: frames straight from and to the raw socket that python-can has opened.
+"""The link on kernel SocketCAN: reads and writes frames directly on the raw socket opened by python-can.
 
-python-can's own path costs a :class:`can.Message` per frame, does not say what the kernel has dropped
-(``SO_RXQ_OVFL``), and may block in a send. Interface, filters and bit timing remain python-can's business.
+python-can's own path costs a :class:`can.Message` per frame, does not report what the kernel has dropped
+(``SO_RXQ_OVFL``), and may block in a send. python-can still handles interface, filters and bit timing.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ _IFREQ = Struct("16sH22x")
 _TIMEVAL = Struct("ll")
 _DROPS = Struct("=I")
 _ANCILLARY_BYTES = socket.CMSG_SPACE(_DROPS.size)
-#: Asked for; the kernel gives what net.core.rmem_max permits.
+#: Requested size; the kernel grants what net.core.rmem_max permits.
 _RECEIVE_BUFFER_BYTES = 4 << 20
-#: The kernel doubles it, and counts some 800 bytes for a frame: about 30 frames. With the default of 208 KiB a bus
-#: without a second node would keep 280 frames, half a second of a plant, and send them when it has one again.
+#: The kernel doubles it and counts some 800 bytes per frame: about 30 frames. With the default of 208 KiB, a bus
+#: without a second node would queue 280 frames, half a second of plant traffic, and send them when the node is back.
 _SEND_BUFFER_BYTES = 12 << 10
-#: Longest wait inside one system call; nearer deadlines are waited for with select.
+#: Longest wait inside one system call; for shorter waits select is used.
 _KERNEL_WAIT_S = 0.02
 _BATCH_FRAMES = 64
 
@@ -42,8 +42,8 @@ _BATCH_FRAMES = 64
 class KernelLink(SingleLink):
     """:class:`~railhil.bus.link.base.Link` on a ``socketcan`` interface.
 
-    An interface that is taken down and up again keeps its socket and what is queued in it; one that is unplugged and
-    plugged in again (another interface index) is opened anew.
+    An interface that is taken down and up again keeps its socket and the queue in it; one that is unplugged and plugged
+    in again (another interface index) is reopened.
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class KernelLink(SingleLink):
             try:
                 packet = self._read(socket.MSG_DONTWAIT)
             except OSError as error:
-                # First what came before it.
+                # First deliver what was received before the failure.
                 self._failure = error
                 break
         return frames

@@ -1,4 +1,4 @@
-"""Open an interface, with the link that fits it."""
+"""Opens an interface with the matching link."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from railhil.common.plain_text import plain
 def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts = TIMEOUTS) -> Link:
     """Open a python-can interface from ``can.Bus`` keyword arguments (absent ones come from ``can.rc``, environment).
 
-    :param name: the node, which begins each line about an outage on standard error.
-    :param timeouts: how long an interface that is down is waited for; the hub is not: it ends the run.
+    :param name: the node's name, with which each line about an outage on standard error begins.
+    :param timeouts: how long to wait for an interface that is down; not used for the hub, whose loss ends the run.
     :raises BusUnavailable: one line that names interface and channel.
     """
 
@@ -26,11 +26,11 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
         return can.Bus(**config)
 
     def say(line: str) -> None:
-        # A closed standard error is no reason to stop.
+        # A closed standard error must not stop the node.
         with contextlib.suppress(OSError):
             print(plain(f"{name}: {line}"), file=sys.stderr, flush=True)
 
-    # What an interface does not need is not loaded: nodes start in a moment.
+    # Import only what the interface needs, so that nodes start quickly.
     try:
         bus = reopen()
         if hasattr(bus, "send_frames"):
@@ -43,8 +43,8 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
             return KernelLink(bus, reopen, say, timeouts=timeouts)
         has_port = isinstance(getattr(getattr(bus, "serialPortOrig", None), "fd", None), int)
         if has_port and type(bus).__name__ == "slcanBus":
-            # A port of this machine; one behind socket:// or on Windows goes python-can's way. So does an adapter of
-            # another protocol: robotell keeps its port under the same name.
+            # Only a local port; ports behind socket:// and on Windows use python-can's own driver. So do adapters with
+            # other protocols: robotell stores its port under the same attribute name.
             from railhil.bus.link.slcan import SlcanLink
 
             return SlcanLink(bus, reopen, say, timeouts=timeouts)
@@ -56,7 +56,7 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
 
         return SingleLink(bus, reopen, say, timeouts=timeouts)
     except Exception as error:
-        # An interface without its driver library raises anything (kvaser: NameError).
+        # An interface without its driver library may raise anything (kvaser: NameError).
         where = f"{config.get('interface', 'default interface')}:{config.get('channel', 'default channel')}"
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise BusUnavailable(f"bus {where} cannot be opened: {reason}") from error

@@ -1,4 +1,4 @@
-"""An interface that is down: since when, why, when to look again, and when to give up."""
+"""An outage of an interface: since when, why, when to check again, and when to give up."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ class Timeouts:
     """How long a link waits, in s on the wall clock.
 
     :ivar give_up_s: for an interface that is down, and in lockstep for a full transmit queue; then the node ends.
-    :ivar look_again_s: between two looks whether the interface is back.
-    :ivar queue_full_s: in realtime for a full transmit queue (ENOBUFS); then the frames are dropped.
-    :ivar opening_s: so long after a serial port was opened, answers may be those to the commands that opened it.
+    :ivar look_again_s: between two checks whether the interface is back.
+    :ivar queue_full_s: in real time for a full transmit queue (ENOBUFS); then the frames are dropped.
+    :ivar opening_s: time after opening a serial port in which answers may still belong to the opening commands.
     """
 
     give_up_s: float = 30.0
@@ -24,15 +24,15 @@ class Timeouts:
     opening_s: float = 1.0
 
 
-#: Of every link that is not told otherwise.
+#: Default of every link.
 TIMEOUTS = Timeouts()
 
 
 class Outage:
     """One outage.
 
-    :ivar reason: one clause.
-    :ivar bus_off: the interface is there, but its controller chip has gone off the bus.
+    :ivar reason: the cause, as one clause.
+    :ivar bus_off: the interface is present, but its CAN controller is bus-off.
     """
 
     def __init__(
@@ -52,13 +52,13 @@ class Outage:
 
     @property
     def hopeless(self) -> bool:
-        """True when a node has waited long enough."""
+        """True when the node has waited long enough and gives up."""
         return self.lasted_s > self._timeouts.give_up_s
 
     def until_look_s(self) -> float:
-        """Wall time until the interface should be looked at again, at least 0."""
+        """Wall time until the interface should be checked again, at least 0."""
         return max(0.0, self._look_s - self._wall.monotonic())
 
     def looked(self) -> None:
-        """It was looked at, and it is not back."""
+        """Note that it was checked and is not back."""
         self._look_s = self._wall.monotonic() + self._timeouts.look_again_s

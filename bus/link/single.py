@@ -1,6 +1,6 @@
-"""The link on any python-can interface: frame by frame, with outages.
+"""The link on any python-can interface: frame by frame, with handling of outages.
 
-An adapter that fails does not end the node: the link waits for it (:mod:`railhil.bus.link.outage`) and opens it again.
+An adapter that fails does not end the node: the link waits for it (:mod:`railhil.bus.link.outage`) and reopens it.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from railhil.bus.link.errorframe import BUS_OFF, RESTARTED, describe
 from railhil.bus.link.outage import TIMEOUTS, Outage, Timeouts
 from railhil.bus.wallclock import WallClock
 
-#: A full transmit queue (ENOBUFS) is tried again this far apart; python-can raises it at once.
+#: Interval between attempts while the transmit queue is full (ENOBUFS), which python-can raises at once.
 _SEND_RETRY_S = 0.0005
 #: Longest time that an interface may block in one attempt to send.
 _SEND_TIMEOUT_S = 0.005
@@ -27,10 +27,10 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 
 
 class SingleLink(Link):
-    """:class:`~railhil.bus.link.base.Link` on an interface that takes and gives single frames.
+    """:class:`~railhil.bus.link.base.Link` on an interface that sends and receives single frames.
 
-    :param reopen: opens the interface again after a failure; None: a failure is final.
-    :param wall: the clock to wait on; links that wait in the kernel have the machine's own.
+    :param reopen: reopens the interface after a failure; None: a failure is final.
+    :param wall: the clock to wait on; links that wait in the kernel use the machine's own.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class SingleLink(Link):
         self._timeouts = timeouts
         self._wall = wall
         self._outage: Outage | None = None
-        # Frames that came while a send waited for the bus.
+        # Frames received while a send waited for the bus.
         self._stash: list[Frame] = []
         self._heard_ns = self._wall.monotonic_ns()
         self._was_out = False
@@ -55,12 +55,12 @@ class SingleLink(Link):
 
     @property
     def is_down(self) -> bool:
-        """True while the interface is gone or its controller chip is bus-off."""
+        """True while the interface is gone or its CAN controller is bus-off."""
         return self._outage is not None
 
     @property
     def has_descriptor(self) -> bool:
-        """False: python-can's own drivers may keep frames where a poll cannot see them, and wait too long."""
+        """False: python-can's own drivers may buffer frames where a poll cannot see them, and may wait too long."""
         return False
 
     def take_gap_ns(self) -> int:
@@ -96,7 +96,7 @@ class SingleLink(Link):
         return taken
 
     def _send_one(self, frame: Frame, give_up_s: float) -> None:
-        """Hand over one frame; it is dropped when it may not wait, or when ``give_up_s`` (monotonic) has come."""
+        """Send one frame; it is dropped when it may not wait, or when ``give_up_s`` (monotonic) is reached."""
         while self._outage is None or self._back_for_sending():
             try:
                 self._put(frame)
@@ -117,18 +117,18 @@ class SingleLink(Link):
         self.counters["send_dropped"] += 1
 
     def _back_for_sending(self) -> bool:
-        """Whether a frame may be sent again; in lockstep that is waited for."""
+        """Whether frames can be sent again; in lockstep, wait for that."""
         while self.lossless and self._outage is not None:
             self.while_waiting()
             self._stash += self._look_again(None)
         return self._outage is None
 
     def _put(self, frame: Frame) -> None:
-        """Hand one frame to the interface, once."""
+        """Pass one frame to the interface, without retry."""
         self.bus.send(to_message(frame), timeout=_SEND_TIMEOUT_S)
 
     def _put_rest(self) -> None:
-        """Hand over the rest of a frame, see :attr:`Link.has_rest`."""
+        """Pass on the rest of a frame, see :attr:`Link.has_rest`."""
 
     # -- receiving ------------------------------------------------------------------------------------------------
 
@@ -145,7 +145,7 @@ class SingleLink(Link):
         return frames
 
     def _heard(self, timeout_s: float | None) -> list[Frame]:
-        """Frames of an open interface, counted and looked at for what they say of it."""
+        """Frames of an open interface, counted and checked for information about its state."""
         try:
             frames = self._get(timeout_s)
         except FAILURES as error:
@@ -161,7 +161,8 @@ class SingleLink(Link):
         return frames
 
     def _note_heard(self) -> None:
-        """Frames of other nodes have come; the first after an outage say how long there were none."""
+        """Note that frames of other nodes have arrived; the first after an outage determine how long there were
+        none."""
         now_ns = self._wall.monotonic_ns()
         if self._was_out:
             self._was_out = False
@@ -169,11 +170,11 @@ class SingleLink(Link):
         self._heard_ns = now_ns
 
     def _get(self, timeout_s: float | None) -> list[Frame]:
-        """What has arrived, or nothing at the time-out."""
+        """The frames that have arrived, or none at the time-out."""
         try:
             message = self.bus.recv(timeout_s)
         except (ValueError, IndexError, TypeError, struct.error):
-            # A serial line can say anything, or half of a frame; python-can's readers do not expect that, and some
+            # A serial line can deliver anything, or half a frame; python-can's readers do not expect that, and some
             # keep it in their buffer.
             self.counters["garbage"] += 1
             if hasattr(self.bus, "flush"):
@@ -182,7 +183,7 @@ class SingleLink(Link):
         return [] if message is None else [from_message(message)]
 
     def _look_at(self, frames: list[Frame]) -> None:
-        """Take notice of error frames, and of a bus that speaks again."""
+        """Handle error frames, and notice that the bus works again."""
         for frame in frames:
             if not frame.flags & ERROR:
                 if self._outage is not None:
@@ -212,7 +213,7 @@ class SingleLink(Link):
         if self._outage is None:
             self._go_out(text)
         else:
-            # Bus-off, and now the interface itself.
+            # It was bus-off, and now the interface itself is gone.
             self._outage.bus_off = False
 
     def _go_out(self, reason: str, *, bus_off: bool = False) -> None:
@@ -227,7 +228,7 @@ class SingleLink(Link):
         self._was_out = True
 
     def _look_again(self, timeout_s: float | None) -> list[Frame]:
-        """Wait for the interface, at most until the next look; what a bus-off interface has to say meanwhile.
+        """Wait for the interface, at most until the next check; returns what a bus-off interface receives meanwhile.
 
         :raises BusLost: it has been away for too long.
         """
@@ -251,15 +252,15 @@ class SingleLink(Link):
         return []
 
     def _try_again(self) -> bool:
-        """Open the interface anew; False while it is not to be had."""
+        """Reopen the interface; False while it is not available."""
         assert self._reopen is not None
         with contextlib.suppress(Exception):
-            # A half-dead driver may raise anything at its end.
+            # A failing driver may raise anything when it is closed.
             self.bus.shutdown()
         try:
             self.bus = self._reopen()
         except Exception:
-            # So may one that is only just being plugged in; the reason of the outage has been said.
+            # So may one whose device is just being plugged in; the reason for the outage has already been reported.
             return False
         return True
 

@@ -1,11 +1,11 @@
-"""The link on a serial adapter (slcan): lines straight to and from the port that python-can has opened.
+"""The link on a serial adapter (slcan): reads and writes lines directly on the port opened by python-can.
 
-python-can's own path reads the port byte by byte, waits until each frame has left the computer (``tcdrain``, without
-end when the adapter hangs), leaves a line that it cannot read in its buffer, and does not look at what the adapter
-answers. Opening the port, bit rate and channel remain python-can's business.
+python-can's own path reads the port byte by byte, waits until each frame has left the computer (``tcdrain``, for ever
+if the adapter hangs), leaves an unreadable line in its buffer, and ignores the adapter's answers. python-can still
+opens the port and sets bit rate and channel.
 
-The answers are what keeps old frames off the bus: while the adapter owes the answer to a frame for longer than
-:data:`STALE_NS`, nothing more is written, so that no backlog waits for it in the computer.
+The answers are used to keep stale frames off the bus: while an answer has been outstanding for longer than
+:data:`STALE_NS`, nothing more is written, so that no backlog builds up in the computer.
 """
 
 from __future__ import annotations
@@ -28,40 +28,40 @@ from railhil.bus.link.outage import TIMEOUTS, Timeouts
 from railhil.bus.link.single import SingleLink
 from railhil.bus.link.slcanline import FRAME_LETTERS, LINE_MAX_BYTES, from_line, to_line
 
-#: In realtime nothing is added to frames that have waited longer than this: half of what cuts traction.
+#: In real time no frame is queued behind frames that have waited longer than this: half the age that cuts traction.
 STALE_NS = 30_000_000
 
-#: An adapter that takes nothing is asked for a sign of life this often.
+#: Interval at which an adapter that accepts nothing is probed.
 _ASK_AGAIN_NS = 200_000_000
 _GOODBYE_S = 0.5
-#: A pause this long is said.
+#: A pause of this length is reported.
 _SAY_S = 0.2
 _CHUNK_BYTES = 4096
 _UNANSWERED_MAX = 64
-#: Stands among the unanswered frames for a question about the adapter's state.
+#: Marks a query of the adapter's state among the unanswered frames.
 _QUESTION_NS = 0
-#: After this long without a byte from it the adapter is asked for its state.
+#: After this time without a byte from the adapter its state is queried.
 _SILENCE_S = 0.1
 _STATUS = re.compile(rb"F[0-9A-Fa-f]{2}")
 #: Status flag of the SJA1000: bus error (Lawicel CAN232, command F).
 _BUS_ERROR = 0x80
 _END = re.compile(rb"[\r\a]")
 _BELL = 0x07
-#: Answers to a frame that was taken: of Lawicel adapters with and without automatic sending of what is received.
+#: Answers to an accepted frame, from Lawicel adapters with and without automatic forwarding of received frames.
 _TAKEN = (b"", b"z", b"Z")
 
 
 class StuckAdapter(can.CanTimeoutError):
-    """The adapter takes nothing: to the link, a full queue."""
+    """The adapter accepts nothing; the link treats this as a full queue."""
 
 
 class SlcanLink(SingleLink):
     """:class:`~railhil.bus.link.base.Link` on an ``slcan`` interface.
 
     ``counters`` beyond those of the link: ``adapter_refused`` frames that the adapter answered with BELL (its transmit
-    queue is full, or it is off the bus), ``adapter_stuck`` pauses in which it took nothing, ``garbage`` lines that are
-    none of the protocol. An adapter that answers
-    nothing to frames (the first CANable's firmware) is known to be stuck only when the port takes no more.
+    queue is full, or it is off the bus), ``adapter_stuck`` pauses in which it accepted nothing, ``garbage`` lines that
+    are not valid slcan. An adapter that does not answer frames (the first CANable's firmware) is known to be stuck only
+    when the port accepts no more data.
     """
 
     def __init__(
@@ -93,30 +93,32 @@ class SlcanLink(SingleLink):
     def _use_port(self) -> None:
         serial: Any = self.bus
         self._port = str(serial.serialPortOrig.port)
-        # python-can says goodbye to the adapter, and would wait without end for one that takes nothing.
+        # When closing, python-can sends a command to the adapter, and would wait for ever if the adapter accepts
+        # nothing.
         serial.serialPortOrig.write_timeout = _GOODBYE_S
         self._fd: int = serial.fileno()
-        #: Of the line that is just being received.
+        #: Received part of an incomplete line.
         self._partial = b""
-        #: Of a line that the port took only in part.
+        #: Unsent rest of a line that the port accepted only in part.
         self._rest = b""
-        #: When each frame was written that the adapter has not answered yet; questions among them.
+        #: When each frame or query was written that the adapter has not answered yet.
         self._unanswered: deque[int] = deque(maxlen=_UNANSWERED_MAX)
-        #: The adapter is one that answers frames.
+        #: Whether the adapter is one that answers frames.
         self._answers = False
-        #: It was stuck and has been asked for a sign of life; that has been said.
+        #: Whether it is stuck and has been probed, and whether this has been reported.
         self._asked = self._has_said = False
         self._asked_ns = 0
-        #: When the oldest frame was written that a stuck adapter has not answered.
+        #: When the oldest frame unanswered by a stuck adapter was written.
         self._stuck_since_ns = 0
-        #: The frame before was taken.
+        #: Whether the previous frame was accepted.
         self._taking = True
-        #: When the adapter has last said something, or was asked to (monotonic).
+        #: When the adapter last sent something or was queried (monotonic).
         self._opened_s = self._quiet_since_s = time.monotonic()
 
     def _send_one(self, frame: Frame, give_up_s: float) -> None:
         if self._asked and self._outage is None and not self.lossless:
-            # Only the adapter's answer, which is received, tells that it goes on: no use in waiting for it here.
+            # Only an answer from the adapter, which arrives by receiving, shows that it continues: waiting here is
+            # useless.
             self.counters["send_dropped"] += 1
             self._say_stuck()
             self._ask_again()
@@ -145,16 +147,16 @@ class SlcanLink(SingleLink):
         self._taking = True
 
     def _is_stuck(self, now_ns: int) -> bool:
-        """Whether the adapter owes an answer for too long."""
+        """Whether an answer of the adapter has been outstanding for too long."""
         oldest_ns = self._oldest_ns()
         return self._answers and oldest_ns != _QUESTION_NS and now_ns - oldest_ns > STALE_NS
 
     def _oldest_ns(self) -> int:
-        """When the oldest frame without an answer was written."""
+        """When the oldest unanswered frame was written."""
         return next((written_ns for written_ns in self._unanswered if written_ns != _QUESTION_NS), _QUESTION_NS)
 
     def _silent_s(self) -> float:
-        """Time for which an adapter that is stuck has owed an answer."""
+        """Time for which a stuck adapter has not answered."""
         return (time.monotonic_ns() - self._stuck_since_ns) / 1e9
 
     def _say_stuck(self) -> None:
@@ -163,7 +165,7 @@ class SlcanLink(SingleLink):
             self._say(f"{self.where} takes no frames for {self._silent_s():.2f} s; they are dropped until it does")
 
     def _ask_again(self) -> None:
-        """The sign of life may have been lost itself."""
+        """Probe again: the probe itself may have been lost."""
         now_ns = time.monotonic_ns()
         if now_ns - self._asked_ns > _ASK_AGAIN_NS:
             self._asked_ns = now_ns
@@ -171,9 +173,9 @@ class SlcanLink(SingleLink):
                 self._write(b"\r")
 
     def _write(self, line: bytes) -> None:
-        """Write a line behind the rest of the one before.
+        """Write a line after the rest of the previous one.
 
-        :raises BlockingIOError: the port takes nothing of this line now.
+        :raises BlockingIOError: the port accepts nothing of this line now.
         """
         self._put_rest()
         self._rest = line[os.write(self._fd, line) :]
@@ -183,9 +185,10 @@ class SlcanLink(SingleLink):
             self._rest = self._rest[os.write(self._fd, self._rest) :]
 
     def _discard(self) -> None:
-        """Throw away what the port still holds, as far as its driver can, and end a line that was taken in part.
+        """Discard the data in the port's buffer, as far as its driver can, and terminate a line that was accepted in
+        part.
 
-        The answer to the empty line is the sign of life.
+        The answer to the resulting empty line shows that the adapter is alive.
         """
         self.counters["adapter_stuck"] += self._taking
         self._taking = False
@@ -202,7 +205,7 @@ class SlcanLink(SingleLink):
         while True:
             now_s = time.monotonic()
             rest_s = None if deadline_s is None else max(0.0, deadline_s - now_s)
-            # In the middle of a long wait, and over many short ones: bus-off is nothing but silence.
+            # Both during a long wait and over many short ones: bus-off shows only as silence.
             ask_s = max(0.0, self._quiet_since_s + _SILENCE_S - now_s)
             ports = (self._fd,)
             readable, writable, _ = select.select(
@@ -210,7 +213,7 @@ class SlcanLink(SingleLink):
             )
             if writable:
                 with contextlib.suppress(BlockingIOError):
-                    # Writable, but not for all of it.
+                    # Writable, but not for the whole line.
                     self._put_rest()
             if not readable:
                 if not writable:
@@ -223,24 +226,24 @@ class SlcanLink(SingleLink):
                 raise OSError(errno.EIO, "serial port closed, adapter unplugged")
             self._quiet_since_s = time.monotonic()
             frames = self._frames(self._partial + data)
-            # Answers alone are nothing to tell of.
+            # Only answers, no frames: keep waiting.
             if frames or rest_s == 0.0:
                 return frames
 
     def _ask_status(self) -> None:
-        """Ask an adapter that has said nothing for so long whether it is on the bus at all."""
+        """Query an adapter that has been silent for too long whether it is on the bus at all."""
         now_s = time.monotonic()
         if now_s - self._quiet_since_s < _SILENCE_S:
             return
         self._quiet_since_s = now_s
-        # One whose port is full, or that is stuck, has other troubles.
+        # Not if its port is full or it is stuck: that is another problem.
         if not self._rest and (self.lossless or not self._is_stuck(time.monotonic_ns())):
             with contextlib.suppress(BlockingIOError):
                 self._write(b"F\r")
                 self._unanswered.append(_QUESTION_NS)
 
     def _frames(self, data: bytes) -> list[Frame]:
-        """Frames of the whole lines in ``data``; what follows the last of them is kept."""
+        """Frames of the complete lines in ``data``; the rest after the last one is kept."""
         frames: list[Frame] = []
         start = 0
         for end in _END.finditer(data):
@@ -265,12 +268,12 @@ class SlcanLink(SingleLink):
     def _answered(self, *, refused: bool) -> None:
         """The adapter's answer to the oldest frame.
 
-        :raises BusLost: in lockstep, for a frame that is refused: those behind it may be on the bus already.
+        :raises BusLost: in lockstep, for a refused frame, because later frames may already be on the bus.
         """
         while self._unanswered and self._unanswered[0] == _QUESTION_NS:
             self._unanswered.popleft()
             if refused:
-                # It does not know the question.
+                # It does not know the query.
                 return
         if not self._unanswered and not self._asked:
             return
@@ -284,7 +287,7 @@ class SlcanLink(SingleLink):
             self._unanswered.popleft()
 
     def _goes_on(self) -> None:
-        """A stuck adapter is alive. What it still has to answer is not told apart from what was thrown away."""
+        """A stuck adapter is alive. Its outstanding answers cannot be told apart from those to discarded frames."""
         if self._has_said:
             self._say(f"{self.where} takes frames again after {self._silent_s():.2f} s")
         self._unanswered.clear()
@@ -293,7 +296,7 @@ class SlcanLink(SingleLink):
     def _take_status(self, flags: int) -> None:
         if self._asked:
             self._goes_on()
-        # What was written before the question has been answered, or the answer was lost on the way.
+        # Everything written before the query has been answered, or its answer was lost.
         while _QUESTION_NS in self._unanswered and self._unanswered.popleft() != _QUESTION_NS:
             pass
         if flags & _BUS_ERROR and self._outage is None:

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from railhil.bus.frame import BRS, EXTENDED, FD, REMOTE, Frame
 
-#: The longest line: an extended FD frame of 64 bytes, and a time stamp.
+#: The longest line: an extended FD frame of 64 bytes with a time stamp.
 LINE_MAX_BYTES = 1 + 8 + 1 + 128 + 4
-#: Letters of lines that carry a frame.
+#: First letters of lines that carry a frame.
 FRAME_LETTERS = b"tTrRdDbB"
 
 _KINDS = {b"t": 0, b"r": REMOTE, b"d": FD, b"b": FD | BRS}
@@ -42,7 +42,7 @@ def to_line(frame: Frame) -> bytes:
 def from_line(line: bytes, *, may_have_stamp: bool = False) -> Frame:
     """The frame of a line that begins with one of :data:`FRAME_LETTERS`.
 
-    :param may_have_stamp: four more digits, the adapter's time in ms (command ``Z1``), are allowed and dropped.
+    :param may_have_stamp: four more digits, the adapter's time in ms (command ``Z1``), are allowed and discarded.
     :raises ValueError: anything that is not exactly one frame.
     """
     letter, digits = line[:1], line[1:]

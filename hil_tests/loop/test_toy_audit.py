@@ -79,7 +79,7 @@ def test_every_part_of_the_audit_is_there(site: Path, tmp_path: Path) -> None:
     for foreign in ("notch", "Train held", "at rest", "itae", "stop_error"):
         assert foreign not in done.stdout
     assert max(map(len, done.stdout.splitlines())) <= 100
-    assert done.stdout.rstrip().endswith("all bars met")
+    assert done.stdout.rstrip().endswith("all limits met")
     assert not list(tmp_path.iterdir())
 
 

@@ -30,8 +30,8 @@ _RUNS_MAX = 100_000
 _RUNS, _RUNS_NODES = 200, 20
 _EXIT_CODES = """\
 exit codes:
-  0    all bars are met
-  1    a bar is missed; the last table says which
+  0    all limits are met
+  1    a limit is missed; the last table says which
   2    usage or bad input; one line says what was found and what is allowed
   4    TOOL ERROR: a defect of the audit"""
 
@@ -82,7 +82,7 @@ def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Audit and print; exit code 1 when a bar is missed."""
+    """Audit and print; exit code 1 when a limit is missed."""
     accept_any_text()
     namespace = parse(arguments(), words)
     scenario = load_any(namespace.scenario, namespace.set)

@@ -141,7 +141,7 @@ def _effects(result: Result, effect: Effect) -> Table:
 
 
 def _bars(result: Result) -> Table:
-    made = _columns("Bars", ("", "demand", "found", "allowed"), ())
+    made = _columns("Limits", ("", "requirement", "found", "allowed"), ())
     for bar in result.bars:
         verdict, style = ("PASS", None) if bar.met else ("FAIL", "bold red")
         made.add_row(verdict, bar.name, bar.found, bar.allowed, style=style)
@@ -211,4 +211,4 @@ def show(out: Output, result: Result) -> None:
         out.print()
     _say_cost(out, result)
     out.print(_bars(result))
-    out.print("all bars met" if result.met else "NOT all bars met", style=None if result.met else "bold red")
+    out.print("all limits met" if result.met else "NOT all limits met", style=None if result.met else "bold red")

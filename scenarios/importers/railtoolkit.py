@@ -9,10 +9,10 @@ Train resistance in permil of weight (Wende, Fahrdynamik des Schienenverkehrs, 2
 * passenger coach:              ``base + rolling V / 100 + air ((V + 15) / 100)^2``
 * freight wagon:                ``base + air (V / 100)^2``
 
-Powered vehicles resist with their mass without load, coaches and wagons with their load; grade and inertia always
-take the load (``inertia = (mass + load_limit) * rotation_mass``). These readings bring the nine published running
-times within 0.6 %, which is the step error of the published values. Gravity is 9.80665 m/s2. Braking defaults are
-those of TrainRuns.jl: 0.375 m/s2, and 0.225 m/s2 with freight wagons in the train.
+The resistance of powered vehicles uses their mass without load, that of coaches and wagons their mass with load; grade
+and inertia always include the load (``inertia = (mass + load_limit) * rotation_mass``). With this interpretation the
+nine published running times are reproduced within 0.6 %, which is the step error of the published values. Gravity is
+9.80665 m/s2. Braking defaults are those of TrainRuns.jl: 0.375 m/s2, and 0.225 m/s2 with freight wagons in the train.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from railhil.scenarios.validation import Keys, validated
 VERSION = "2022.05"
 GRAVITY_MPS2 = 9.80665
 _BRAKING_MPS2 = {"passenger": 0.375, "freight": 0.225}
-#: Head wind that Wende adds to the train's own speed.
+#: Head wind that Wende adds to the train's speed.
 _WIND_KMH = 15.0
 
 _Positive = Annotated[float, Field(gt=0)]
@@ -89,8 +89,8 @@ class _StockFile(_Foreign):
 def load_line(file: str | Path, path_id: str | None = None) -> StopLine:
     """A path as a line (its only one, or the one with ``path_id``), positions in m as in the file.
 
-    Stops are ``start``, ``end`` and the points of interest that are taken by the front of the train. The path
-    resistance in permil stands for the grade. Raises :class:`InputError`.
+    Stops are ``start``, ``end`` and the points of interest measured at the front of the train. The path resistance in
+    permil is used as the grade. Raises :class:`InputError`.
     """
     data = _read(file, "running-path")
     origin = _only(file)
@@ -122,7 +122,7 @@ def load_train(
     train_id: str | None = None,
     notch_max: float = 7.0,
 ) -> Train:
-    """A train as one rigid mass; what the format does not contain (actuator, notches) is given by the caller.
+    """A train as one rigid mass; the caller supplies what the format does not contain (actuator, notches).
 
     The brake force limit is the one that gives the file's braking rate on the inertial mass.
     Raises :class:`InputError`.
@@ -163,7 +163,7 @@ def _loaded_t(vehicle: _Vehicle) -> float:
 
 
 def _resisting_t(vehicle: _Vehicle) -> float:
-    """Mass that the resistance terms of a vehicle are multiplied with: without load for powered vehicles."""
+    """Mass by which the resistance terms of a vehicle are multiplied: without load for powered vehicles."""
     return _loaded_t(vehicle) if vehicle.vehicle_type in ("passenger", "freight") else vehicle.mass
 
 
@@ -216,7 +216,7 @@ def _chosen(file: str | Path, key: str, entries: list[Any], wanted: str | None) 
 
 
 def _read(file: str | Path, kind: str) -> dict[str, Any]:
-    # Here, because every process would load it, and few scenarios have such a file.
+    # Imported here, because few scenarios have such a file and every process would load it.
     try:
         import yaml
     except ImportError as error:

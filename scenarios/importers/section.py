@@ -1,4 +1,4 @@
-"""A line with its stops, and the cutting of one run out of it."""
+"""A line with its stops, from which a single run can be cut out."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from railhil.scenarios import profiles
 from railhil.scenarios.model import Balise, Line
 
 #: Balises of stop ``i`` are numbered ``10 i + 1, 10 i + 2, ...`` in running order; stops 25 apart share numbers,
-#: because the telegram has 8 bit for them.
+#: because the telegram has only 8 bits for them.
 _NUMBERS_PER_STOP = 10
 _STOPS_NUMBERED = 25
 
@@ -37,10 +37,9 @@ class StopLine:
     ) -> Line:
         """The run between two stops, shifted so that it starts at 0.
 
-        Keeps what lies under the standing train at both ends (profiles may start at negative positions) and
-        the balises of the line in between. ``balises_before_stop_m`` adds, at distances before each
-        stopping point in running order, the balises of the arrival stop, and of the departure stop the one
-        at the stopping point.
+        Keeps the profiles under the standing train at both ends (they may start at negative positions) and the balises
+        of the line in between. ``balises_before_stop_m`` lists distances before each stopping point in running order;
+        it adds the balises of the arrival stop, and of the departure stop the one at the stopping point.
         """
         start_m, end_m = self.stops[from_index].position_m, self.stops[to_index].position_m
         low_m = start_m - train_length_m
@@ -65,7 +64,7 @@ def _number(stop_index: int, order: int) -> int:
 def _stop_balises(
     from_index: int, to_index: int, distance_m: float, before_stop_m: tuple[float, ...]
 ) -> tuple[Balise, ...]:
-    """Balises laid alike before every stop; the one at the departure point lies under the train."""
+    """Balises laid at the same distances before every stop; the one at the departure point lies under the train."""
     balises = [
         Balise(_number(from_index, order), 0.0, 0.0)
         for order, before_m in enumerate(before_stop_m, start=1)

@@ -61,7 +61,7 @@ def test_an_audit_from_the_command_line(short, tmp_path):
     assert max(map(len, done.out.splitlines())) <= 100
     positions = [done.out.index(heading) for heading in HEADINGS]
     assert positions == sorted(positions)
-    assert done.out.rstrip().endswith("all bars met")
+    assert done.out.rstrip().endswith("all limits met")
     assert [path.name for path in tmp_path.iterdir()] == ["short.toml"]
 
 
@@ -92,7 +92,7 @@ def test_a_missed_bar_is_exit_code_1(short, tmp_path, capsys, monkeypatch):
     assert command.main([str(short), "--controller", "wrapping", "--runs", "0"]) == 1
     out = capsys.readouterr().out
     assert "FAIL" in out
-    assert out.rstrip().endswith("NOT all bars met")
+    assert out.rstrip().endswith("NOT all limits met")
 
 
 @pytest.mark.parametrize(
@@ -120,4 +120,4 @@ def test_bad_input_is_one_line(arguments, words, tmp_path):
 def test_the_help_says_what_the_exit_codes_mean(tmp_path):
     done = railhil("audit", "--help", cwd=tmp_path)
     assert done.exit_code == 0
-    assert "a bar is missed" in done.out
+    assert "a limit is missed" in done.out
