@@ -150,11 +150,12 @@ def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
     )
 
 
-def recorded_contract(folder: Path, sha256: str | None) -> Contract:
+def recorded_contract(folder: Path, sha256: str | None, current: Contract | None = None) -> Contract:
     """The contract with which a record was made: from its folder, else this version's, else an earlier one's.
 
     :param folder: run folder; its port table and DBC, if it has them, are :data:`PORTS` and :data:`DBC`.
     :param sha256: of the DBC, from the certificate; None if unknown.
+    :param current: today's contract of the record's system; None: railhil's own.
     :raises ContractError: the folder's DBC has another hash, or no version of railhil had the requested one.
     """
     if (folder / PORTS).is_file() and (folder / DBC).is_file():
@@ -162,8 +163,9 @@ def recorded_contract(folder: Path, sha256: str | None) -> Contract:
         if sha256 not in (None, found):
             raise ContractError(f"{folder / DBC}: sha256: found {found}, allowed {sha256}, as in the certificate")
         return _read(folder / PORTS, found)
-    if sha256 in (None, wire_contract().sha256):
-        return wire_contract()
+    current = current or wire_contract()
+    if sha256 in (None, current.sha256):
+        return current
     earlier = _FOLDER / "history" / f"{sha256}.toml"
     if not earlier.is_file():
         allowed = f"one of a version of railhil, or {PORTS} and {DBC} in the folder"

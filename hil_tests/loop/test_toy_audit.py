@@ -72,7 +72,7 @@ def test_every_part_of_the_audit_is_there(site: Path, tmp_path: Path) -> None:
         "Medians of 3 perturbed runs",
         "Cycles of one control period",
         "Constants rounded",
-        "Bars",
+        "Limits",
     )
     positions = [done.stdout.index(heading) for heading in headings]
     assert positions == sorted(positions)

@@ -141,6 +141,15 @@ def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded
     assert json.loads(done.stdout)["scores"] == live["scores"]
 
 
+def test_a_log_alone_is_scored_with_the_scenario_that_is_named(site: Path, recorded: Path, tmp_path: Path) -> None:
+    """Without a folder's port table it is that of the scenario's system."""
+    shutil.copy(recorded / "frames.log", tmp_path)
+    done = railhil(site, "score", str(tmp_path / "frames.log"), "--scenario", str(SCENARIO), "--json")
+    assert done.returncode == 0, done.stderr
+    live = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
+    assert json.loads(done.stdout)["scores"] == live["scores"]
+
+
 def test_score_of_a_limit_that_is_missed_is_a_fail(site: Path, recorded: Path, tmp_path: Path) -> None:
     """The limit judges and changes no frame: the same log under a stricter scenario."""
     strict = tmp_path / "strict.toml"

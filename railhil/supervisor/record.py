@@ -12,6 +12,7 @@ from railhil.dbc import Contract, recorded_contract
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
+from railhil.scenarios.system import system_named
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import Trace, trace_of
@@ -92,7 +93,8 @@ def checked_record(text: str, name: str | None) -> Record:
             raise
         document = {}
     _check_judged(log, scenario, document, name)
-    trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256")))
+    contract = system_named(scenario.system).contract
+    trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256"), contract))
     wanted, found = document.get("frames_sha256"), log_sha256(log)
     if wanted != found:
         if name is None:

@@ -42,7 +42,7 @@ HEADINGS = (
     "Cycles of one control period",
     "Train held for 60 s",
     "Constants rounded",
-    "Bars",
+    "Limits",
 )
 
 
