@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.schema import ScenarioFile
 
@@ -24,7 +26,6 @@ say `extends`, and `[train]`, `[line]` and `[target]` a `file`. What is `require
 it builds upon.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
-_ROWS = {"line.balises", "line.stops", "published"}
 
 #: Ends like a length, and is none.
 _PURE = ("energy.xi_m",)
@@ -58,18 +59,22 @@ Schema = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One row of the page."""
+    """One row of the page; ``initial`` is the default itself, None where there is none."""
 
     name: str
     unit: str
     default: str
     allowed: str
     meaning: str
+    initial: object = None
 
 
-def keys() -> list[Key]:
-    """All keys in the order of the schema, each once."""
-    schema = ScenarioFile.model_json_schema()
+def keys(file_type: type[BaseModel] = ScenarioFile) -> list[Key]:
+    """All keys in the order of the schema, each once.
+
+    :param file_type: of the files of another system; what its own keys mean is their ``Field(description=...)``.
+    """
+    schema = file_type.model_json_schema()
     found: dict[str, Key] = {}
     for key in _table(schema, schema, ""):
         found.setdefault(key.name, key)
@@ -98,13 +103,14 @@ def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
         key = f"{above}{name}"
         below = list(_tables(root, node))
         if below:
-            rows = "[]" if key in _ROWS else ""
+            rows = "[]" if "$ref" in node.get("items", {}) else ""
             for kind, inner in enumerate(below):
                 # What only another kind of the table has, no file needs.
                 yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
             continue
         default = "required" if name in required else _shown(node.get("default"))
-        yield Key(key, _unit(key), default, _allowed(node), MEANING[key])
+        meaning = node["description"] if "description" in node else MEANING.get(key, "")
+        yield Key(key, _unit(key), default, _allowed(node), meaning, node.get("default"))
 
 
 def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
@@ -136,7 +142,7 @@ def _one(node: Schema) -> str:
         return f"{node['const']}"
     kind = node.get("type")
     if kind == "object":
-        return f"table of {_one(node['additionalProperties'])}"
+        return f"table of {_allowed(node['additionalProperties'])}"
     if kind == "array" and "prefixItems" in node:
         return f"[{', '.join('number' for _ in node['prefixItems'])}]"
     if kind == "array":
@@ -152,7 +158,7 @@ def _one(node: Schema) -> str:
         if name in node
     ]
     length = [f"at most {node['maxLength']} letters"] if "maxLength" in node else []
-    return " ".join([_NUMBERS[str(kind)], *bounds, *length])
+    return " ".join([_NUMBERS.get(str(kind), "value"), *bounds, *length])
 
 
 if __name__ == "__main__":

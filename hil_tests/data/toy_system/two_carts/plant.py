@@ -3,44 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import CHECK_CORRECT, Telegram
-from railhil.bus.telegrams import Event, TimeState, TimeSync
+from railhil.bus.telegrams import TimeState, TimeSync
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.timed_run import Milestone, TimedEnd
 from railhil.scenarios import streams
 from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
 
 #: Steps of the simulation in a tick.
 _STEPS = 10
 _FORCE_LSB_N = 0.01
-
-
-@dataclass(frozen=True)
-class Happened:
-    """A milestone."""
-
-    kind: str
-    instant_01ms: int
-    position_01mm: int
-
-
-class UntilDuration:
-    """The run is over when its time is, or its controller is gone."""
-
-    def __init__(self, duration_s: float, tick_ns: int) -> None:
-        self.due_tick = round(duration_s * 1e9 / tick_ns)
-
-    def happened(self, kind: str, tick: int) -> None:
-        """Nothing that happens ends the run."""
-
-    def reached(self, tick: int, controller_lost: bool) -> Event | None:
-        if controller_lost:
-            return Event.ENDED_NOT_STOPPED
-        return Event.ENDED_COMPLETE if tick >= self.due_tick else None
 
 
 class Carts:
@@ -62,10 +38,10 @@ class Carts:
         self._tick_ns, self._step_s = timing.base_tick_ns, timing.base_tick_ns / 1e9 / _STEPS
         self._noise = streams.generator(seed, streams.SPEED_NOISE)
         self._life: dict[str, int] = {}
-        self._events: list[Happened] = []
+        self._events: list[Milestone] = []
         self._arrived = False
         rate_10th = rate_to_10th(rate)
-        self.ending = UntilDuration(self._task.duration_s, self._tick_ns)
+        self.ending = TimedEnd(self._task.duration_s, self._tick_ns)
         self.makers: dict[str, Callable[[], Telegram | None]] = {
             STATS[0].PORT: lambda: self._stat(0),
             STATS[1].PORT: lambda: self._stat(1),
@@ -114,13 +90,13 @@ class Carts:
         errors_m = [abs(at - to) for at, to in zip(self.position_m, task.target_m, strict=True)]
         if not self._arrived and max(errors_m) < task.error_max_m:
             self._arrived = True
-            self._events.append(Happened("arrived", self.tick * self._tick_ns // 100_000, self.position_01mm))
+            self._events.append(Milestone("arrived", self.tick * self._tick_ns // 100_000, self.position_01mm))
 
-    def drain_events(self) -> list[Happened]:
+    def drain_events(self) -> list[Milestone]:
         events, self._events = self._events, []
         return events
 
-    def telegram_of(self, event: Happened) -> None:
+    def telegram_of(self, event: Milestone) -> None:
         return None
 
     def is_abandoned(self, command_age_ns: int) -> bool:
