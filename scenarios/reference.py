@@ -33,8 +33,6 @@ _PURE = ("energy.xi_m",)
 _UNITS = {
     "n_per_kn_kmh2": "N/kN/(km/h)²",
     "n_per_kn_kmh": "N/kN/(km/h)",
-    "n_per_kn": "N/kN",
-    "per_s": "1/s",
     "kmh_kn": "km/h, kN",
     "s_mps2": "s, m/s²",
     "mps3": "m/s³",
@@ -43,6 +41,7 @@ _UNITS = {
     "kmh": "km/h",
     "permil": "‰",
     "percent": "%",
+    "kg": "kg",
     "kw": "kW",
     "kj": "kJ",
     "kn": "kN",
@@ -122,8 +121,19 @@ def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
 
 
 def _unit(key: str) -> str:
-    found = (unit for ending, unit in _UNITS.items() if key.endswith(f"_{ending}") and key not in _PURE)
-    return next(found, "-")
+    """Unit that a key ends with, ``force_n_per_mps`` with two; ``-`` for none."""
+    ending = _ending(key)
+    if not ending or key in _PURE:
+        return "-"
+    unit, stem = _UNITS[ending], key.removesuffix(f"_{ending}")
+    if not stem.endswith("_per"):
+        return unit
+    over = _ending(stem.removesuffix("_per"))
+    return f"{_UNITS[over] if over else 1}/{f'({unit})' if '/' in unit else unit}"
+
+
+def _ending(key: str) -> str:
+    return next((ending for ending in _UNITS if key.endswith(f"_{ending}")), "")
 
 
 def _shown(value: object) -> str:

@@ -58,12 +58,15 @@ class ScenarioKind(Protocol):
 
 
 class Task(Table):
-    """The section ``[task]`` of a system's scenario file: it adds its keys, with units in their names."""
+    """The section ``[task]`` of a system's scenario file: it adds its keys, with units in their names.
+
+    What a key means is its ``Field(description=...)``.
+    """
 
     #: Keys that change no frame of a run, but what is said of it.
     JUDGING: ClassVar[tuple[str, ...]] = ()
 
-    duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)]
+    duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S, description="how long the run lasts")]
 
     @property
     def can_be_perturbed(self) -> bool:

@@ -19,7 +19,7 @@ NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
 #: What a checkout has at its top and nobody may get by installing the bench.
 OURS_ALONE = ("bus", "common", "plant_sim", "controller_node", "hil_tests", "benchmarks", "docker", "docs")
 SUBCOMMANDS = ("run", "score", "report", "compare", "campaign", "tune", "audit", "doctor", "export-c", "node plant",
-               "node controller", "bus hub")  # fmt: skip
+               "node controller", "bus hub", "new law", "new scenario", "new system")  # fmt: skip
 
 
 def content(wheel: Path) -> dict[str, bytes]:
@@ -107,6 +107,13 @@ def test_campaign_of_a_few_runs(installed: Environment) -> None:
     said = installed.run("railhil", "campaign", "--runs", "4", "--laws", "ipfc", "--out", "campaign")
     assert "ipfc" in said
     assert (installed.folder / "campaign" / "campaign.json").is_file()
+
+
+def test_templates_are_there(installed: Environment) -> None:
+    for kind in ("law", "scenario", "system"):
+        assert installed.run("railhil", "new", kind, f"my{kind}").startswith(f"wrote my{kind}")
+    installed.run("railhil", "scenarios", "myscenario.toml")
+    assert (installed.folder / "mysystem" / "mysystem" / "ports.toml").is_file()
 
 
 @pytest.mark.parametrize("command", SUBCOMMANDS)

@@ -141,6 +141,9 @@ def _write(files: Mapping[Path, str]) -> None:
         for path in files:
             if path.is_symlink() or path.exists():
                 raise InputError(path, "", Words("a file that is there already"), "a new one (--out says where)")
+            above = next(folder for folder in path.parents if folder.exists())
+            if not above.is_dir():
+                raise InputError(above, "", Words("a file"), "a folder for the new files")
         for path, text in files.items():
             path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8", newline="\n") as file:
