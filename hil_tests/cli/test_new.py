@@ -63,7 +63,7 @@ def system_site(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_it_says_what_it_wrote_and_what_comes_next(here, tmp_path):
     done = here("new", "law", "mylaw")
-    files = ("pyproject.toml", "README.md", "mylaw.py", "test_mylaw.py")
+    files = ("pyproject.toml", "README.md", "src/mylaw.py", "test_mylaw.py")
     assert done.out.splitlines() == [
         *(f"wrote mylaw/{name}" for name in files),
         "next: cd mylaw",
@@ -72,7 +72,8 @@ def test_it_says_what_it_wrote_and_what_comes_next(here, tmp_path):
         "      railhil audit lvshun_tieshan --controller mylaw",
     ]
     assert (done.exit_code, done.err) == (0, "")
-    assert sorted(path.name for path in (tmp_path / "mylaw").iterdir()) == sorted(files)
+    written = [path for path in (tmp_path / "mylaw").rglob("*") if path.is_file()]
+    assert sorted(str(path.relative_to(tmp_path / "mylaw")) for path in written) == sorted(files)
     document = here("new", "system", "mysystem", "--out", "deep/down", "--json").json
     assert document["made"] == "deep/down"
     assert document["next"][:2] == ["cd deep/down", "pip install -e ."]
@@ -105,9 +106,11 @@ def test_no_file_that_is_there_is_touched(here, tmp_path):
 @pytest.mark.parametrize(
     ("name", "allowed"),
     [
-        ("MyLaw", "small letters, digits and underscores, a letter first, and no word of Python"),
+        ("MyLaw", "at most 40 small letters, digits and underscores"),
+        ("law_", "between a letter and a letter or digit"),
+        ("setup", "none of setup, conftest"),
         ("my-law", "small letters, digits and underscores"),
-        ("2law", "a letter first"),
+        ("2law", "between a letter and"),
         ("class", "no word of Python"),
         ("../law", "small letters"),
         ("", "small letters"),
@@ -128,7 +131,8 @@ def test_names_of_distributions(here, tmp_path, kind, name, allowed):
     [
         (("law", "ipfc"), "NAME: found 'ipfc', allowed a name that no installed law has (ipfc, "),
         (("system", "ato"), "NAME: found 'ato', allowed a name that no installed system has (ato)"),
-        (("law", "constant"), "NAME: found 'constant', allowed another name: Constant is a class that the new files"),
+        (("law", "constant"), "NAME: found 'constant', allowed another name: Constant is something else"),
+        (("law", "false"), "NAME: found 'false', allowed another name: False is something else"),
         (("system", "mine", "--law", "vector_law"), "--law: found 'vector_law', allowed another name: VectorLaw is"),
         (("system", "mine", "--law", "My"), "--law: found 'My', allowed at most 40 small letters"),
         (("scenario", "My run"), "NAME: found 'My run', allowed at most 80 small letters"),
@@ -159,7 +163,8 @@ def test_a_failed_write_leaves_no_file(here, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Path, "open", full)
     said = complaint(here("new", "system", "mysystem"))
-    assert "mysystem/mysystem/__init__.py: found no space left on device, allowed a file that can be written" in said
+    where = "mysystem/src/mysystem/__init__.py"
+    assert f"{where}: found no space left on device, allowed a file that can be written" in said
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
@@ -210,7 +215,7 @@ def test_a_changed_key_that_is_wrong_is_named_with_its_file(here, tmp_path):
 def test_the_ports_of_the_bench_are_those_of_its_own_table(made: Path) -> None:
     written = [port["name"] for port in tomllib.loads(house_table())["port"]]
     assert written == [port.name for port in wire_contract().ports if port.name in HOUSE_PORTS]
-    path = made / "mysystem" / "mysystem" / "ports.toml"
+    path = made / "mysystem" / "src" / "mysystem" / "ports.toml"
     assert house_table().rstrip() in path.read_text(encoding="utf-8")
     contract = system_contract(path)
     assert contract.clock_port.name == "CART_STAT"

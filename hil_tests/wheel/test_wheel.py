@@ -109,11 +109,14 @@ def test_campaign_of_a_few_runs(installed: Environment) -> None:
     assert (installed.folder / "campaign" / "campaign.json").is_file()
 
 
-def test_templates_are_there(installed: Environment) -> None:
+def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment) -> None:
+    """Commands run beside the folders: none is taken for the module that has its name."""
     for kind in ("law", "scenario", "system"):
         assert installed.run("railhil", "new", kind, f"my{kind}").startswith(f"wrote my{kind}")
-    installed.run("railhil", "scenarios", "myscenario.toml")
-    assert (installed.folder / "mysystem" / "mysystem" / "ports.toml").is_file()
+    for kind in ("law", "system"):
+        installed.install_editable(installed.folder / f"my{kind}")
+    installed.run("railhil", "run", "myscenario.toml", "--controller", "mylaw", "--no-report", "--out", "my_run")
+    installed.run("railhil", "run", "mysystem/mysystem.toml", "--out", "my_system_run")
 
 
 @pytest.mark.parametrize("command", SUBCOMMANDS)

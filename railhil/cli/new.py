@@ -18,30 +18,33 @@ from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
 _TEMPLATES = Path(__file__).with_name("templates")
-#: Files of each distribution: path, with the name of what it is for, and template.
+#: Files of each distribution: path and template. The code is in ``src``: else Python would take the folder of the
+#: distribution, which has the same name, for the module when a command is run beside it.
 _FILES = {
     "law": {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
-        "$name.py": "law.py",
+        "src/$name.py": "law.py",
         "test_$name.py": "checks.py",
     },
     "system": {
         "pyproject.toml": "pyproject.toml",
         "README.md": "README.md",
         "$name.toml": "scenario.toml",
-        "$name/__init__.py": "init.py",
-        "$name/ports.toml": "ports.toml",
-        "$name/wire.py": "wire.py",
-        "$name/task.py": "task.py",
-        "$name/plant.py": "plant.py",
-        "$name/laws.py": "laws.py",
-        "$name/judge.py": "judge.py",
-        "$name/panels.py": "panels.py",
+        "src/$name/__init__.py": "init.py",
+        "src/$name/ports.toml": "ports.toml",
+        "src/$name/wire.py": "wire.py",
+        "src/$name/task.py": "task.py",
+        "src/$name/plant.py": "plant.py",
+        "src/$name/laws.py": "laws.py",
+        "src/$name/judge.py": "judge.py",
+        "src/$name/panels.py": "panels.py",
         "test_$name.py": "checks.py",
     },
 }
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
+_NAME = re.compile(r"[a-z](?:[a-z0-9_]{0,38}[a-z0-9])?", re.ASCII)
+#: Modules that setuptools and pytest run when they lie beside pyproject.toml.
+_RUN_BY_OTHERS = ("setup", "conftest")
 _COMMANDS = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -95,8 +98,11 @@ def _new_scenario(namespace: argparse.Namespace) -> int:
 
 def _check_name(key: str, name: str) -> None:
     """Refuse what cannot be the name of a module and of an entry point."""
-    if not _NAME.fullmatch(name) or keyword.iskeyword(name):
-        allowed = "at most 40 small letters, digits and underscores, a letter first, and no word of Python"
+    if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name in _RUN_BY_OTHERS:
+        allowed = (
+            "at most 40 small letters, digits and underscores between a letter and a letter or digit, "
+            f"no word of Python, none of {', '.join(_RUN_BY_OTHERS)}"
+        )
         raise InputError("command line", key, name, allowed)
 
 
@@ -119,9 +125,10 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
     folder = namespace.out or Path(namespace.name)
     class_name = "".join(word.capitalize() for word in law.split("_"))
     templates = {path: (_TEMPLATES / kind / f"{name}.in").read_text("utf-8") for path, name in _FILES[kind].items()}
-    if any(re.search(rf"\b{class_name}\b", text) for path, text in templates.items() if path.endswith(".py")):
+    texts = [text for path, text in templates.items() if path.endswith(".py")]
+    if keyword.iskeyword(class_name) or any(re.search(rf"\b{class_name}\b", text) for text in texts):
         key = "NAME" if law == namespace.name else "--law"
-        raise InputError("command line", key, law, f"another name: {class_name} is a class that the new files need")
+        raise InputError("command line", key, law, f"another name: {class_name} is something else in the new files")
     words = {"name": namespace.name, "law": law, "class_name": class_name, "house": house_table().rstrip()}
     files = {Template(path).substitute(words): Template(text).substitute(words) for path, text in templates.items()}
     paths = {folder / path: text for path, text in files.items()}

@@ -50,7 +50,8 @@ def test_it_is_what_railhil_new_law_writes(tmp_path: Path) -> None:
     done = railhil("new", "law", "pi", "--out", tmp_path / "new")
     # Its name is installed here, by the fixture only for this process.
     assert done.exit_code == 0, done.err
-    assert (tmp_path / "new" / "pi.py").read_text("utf-8") == EXAMPLE.read_text("utf-8"), "copy it to docs/examples"
+    written = tmp_path / "new" / "src" / "pi.py"
+    assert written.read_text("utf-8") == EXAMPLE.read_text("utf-8"), "copy it to docs/examples"
 
 
 def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:
