@@ -8,6 +8,7 @@ import re
 from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
+from shlex import quote
 from string import Template
 
 from railhil.cli.new_scenario import scenario_file
@@ -93,7 +94,7 @@ def _new_scenario(namespace: argparse.Namespace) -> int:
         raise InputError("command line", "--out", str(path), "a file that ends in .toml")
     text = scenario_file(namespace.name, namespace.extends, path.parent)
     _write({path: text})
-    return _say(namespace, path, [path], [f"railhil scenarios {path}", f"railhil run {path}"])
+    return _say(namespace, path, [path], [f"railhil {verb} {quote(str(path))}" for verb in ("scenarios", "run")])
 
 
 def _check_name(key: str, name: str) -> None:
@@ -111,7 +112,7 @@ def _check_not_taken(key: str, name: str, what: str, taken: list[str]) -> None:
     if name in taken:
         raise InputError("command line", key, name, f"a name that no installed {what} has ({', '.join(taken)})")
     spec = find_spec(name)
-    # A folder without code is found too, for one that of an earlier try.
+    # A folder of that name is found too, as a namespace package without a file: it hides nothing.
     if spec is not None and spec.origin is not None:
         raise InputError("command line", key, name, "a name that no installed module has", f"{spec.origin} has it")
 
@@ -135,7 +136,7 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
     _write(paths)
     commands = _COMMANDS.search(files["README.md"])
     assert commands is not None
-    return _say(namespace, folder, list(paths), [f"cd {folder}", *commands[1].splitlines()])
+    return _say(namespace, folder, list(paths), [f"cd {quote(str(folder))}", *commands[1].splitlines()])
 
 
 def _write(files: Mapping[Path, str]) -> None:
