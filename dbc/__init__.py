@@ -1,7 +1,7 @@
 """The wire contract: ports, telegram layouts, and the equivalent DBC file for other tools."""
 
 from railhil.dbc.contract import DBC, PORTS, Contract, ContractError, Port, Signal
-from railhil.dbc.house import HOUSE_PORTS, system_contract
+from railhil.dbc.house import HOUSE_PORTS, house_table, system_contract
 from railhil.dbc.read import load_contract, recorded_contract, wire_contract
 
 __all__ = [
@@ -12,6 +12,7 @@ __all__ = [
     "ContractError",
     "Port",
     "Signal",
+    "house_table",
     "load_contract",
     "recorded_contract",
     "system_contract",

@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+import re
+import tomllib
 from functools import cache
 from pathlib import Path
 
-from railhil.dbc.contract import Contract, ContractError
+from railhil.dbc.contract import PORTS, Contract, ContractError
 from railhil.dbc.read import load_contract, wire_contract
 
 #: Ports that every system has with the same layout: clock, orders, milestones and handshake of the bench itself.
 HOUSE_PORTS = ("TIME_SYNC", "SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
+
+
+def house_table() -> str:
+    """What is the same in the port table of every system, as text: ``[bus]``, :data:`HOUSE_PORTS`, what they share.
+
+    It is cut out of our own table when it is asked for.
+    """
+    tables = re.split(r"(?m)^(?=\[)", Path(__file__).with_name(PORTS).read_text(encoding="utf-8"))[1:]
+    return "".join(
+        text
+        for text in tables
+        if not text.startswith("[[port]]") or tomllib.loads(text)["port"][0]["name"] in HOUSE_PORTS
+    )
 
 
 @cache

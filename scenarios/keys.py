@@ -96,3 +96,26 @@ MEANING = {
     "published[].stop_error_m": "its stop error, without sign",
     "published[].comfort": "its comfort",
 }
+#: What a file that builds upon another changes most often; ``railhil new scenario`` writes them down.
+USUAL = (
+    "train.mass_t",
+    "train.actuator_pole_per_s",
+    "train.service_braking_mps2",
+    "plan.running_time_s",
+    "plan.running_time_reserve_percent",
+    "plan.stop_error_max_m",
+    "plan.time_error_max_s",
+    "timing.control_period_ms",
+    "timing.loop_delay_s",
+    "sensors.speed_noise_sigma_kmh",
+    "sensors.wheel_factor",
+    "watch.overspeed_margin_kmh",
+    "perturbations.mass_factor",
+    "perturbations.davis_factor",
+    "perturbations.grade_offset_permil",
+    "perturbations.actuator_pole_factor",
+    "perturbations.speed_noise_sigma_kmh",
+    "perturbations.loop_delay_s",
+    "perturbations.wheel_factor",
+    "perturbations.balise_position_error_m",
+)

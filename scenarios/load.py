@@ -14,7 +14,9 @@ from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.envelope import CurveError
 from railhil.scenarios.generate import fastest_time_s, generate
+from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
+from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import TRAIN_TAGS, ScenarioFile
 from railhil.scenarios.stored import document, scenario_of
 from railhil.scenarios.system import DEFAULT, System, system_named
@@ -125,6 +127,9 @@ class TrainScenarios:
 
     def judged_sha256(self, scenario: model.Scenario) -> str:
         return judged_sha256(scenario)
+
+    def usual_keys(self) -> list[Key]:
+        return [key for key in keys() if key.name in USUAL]
 
 
 @dataclass(frozen=True, slots=True)

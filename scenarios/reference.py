@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.schema import ScenarioFile
 
@@ -24,7 +26,6 @@ file may contain `extends`, and `[train]`, `[line]` and `[target]` may contain `
 the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
-_ROWS = {"line.balises", "line.stops", "published"}
 
 #: Ends like a length, but is not one.
 _PURE = ("energy.xi_m",)
@@ -32,8 +33,6 @@ _PURE = ("energy.xi_m",)
 _UNITS = {
     "n_per_kn_kmh2": "N/kN/(km/h)²",
     "n_per_kn_kmh": "N/kN/(km/h)",
-    "n_per_kn": "N/kN",
-    "per_s": "1/s",
     "kmh_kn": "km/h, kN",
     "s_mps2": "s, m/s²",
     "mps3": "m/s³",
@@ -42,6 +41,7 @@ _UNITS = {
     "kmh": "km/h",
     "permil": "‰",
     "percent": "%",
+    "kg": "kg",
     "kw": "kW",
     "kj": "kJ",
     "kn": "kN",
@@ -58,18 +58,22 @@ Schema = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One row of the page."""
+    """One row of the page; ``initial`` is the default itself, None where there is none."""
 
     name: str
     unit: str
     default: str
     allowed: str
     meaning: str
+    initial: object = None
 
 
-def keys() -> list[Key]:
-    """All keys in the order of the schema, each once."""
-    schema = ScenarioFile.model_json_schema()
+def keys(file_type: type[BaseModel] = ScenarioFile) -> list[Key]:
+    """All keys in the order of the schema, each once.
+
+    :param file_type: of the files of another system; what its own keys mean is their ``Field(description=...)``.
+    """
+    schema = file_type.model_json_schema()
     found: dict[str, Key] = {}
     for key in _table(schema, schema, ""):
         found.setdefault(key.name, key)
@@ -98,13 +102,14 @@ def _table(root: Schema, table: Schema, above: str) -> Iterator[Key]:
         key = f"{above}{name}"
         below = list(_tables(root, node))
         if below:
-            rows = "[]" if key in _ROWS else ""
+            rows = "[]" if "$ref" in node.get("items", {}) else ""
             for kind, inner in enumerate(below):
                 # A key that only another variant of the table has is not required.
                 yield from _table(root, {**inner, "required": ()} if kind else inner, f"{key}{rows}.")
             continue
         default = "required" if name in required else _shown(node.get("default"))
-        yield Key(key, _unit(key), default, _allowed(node), MEANING[key])
+        meaning = node["description"] if "description" in node else MEANING.get(key, "")
+        yield Key(key, _unit(key), default, _allowed(node), meaning, node.get("default"))
 
 
 def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
@@ -116,8 +121,19 @@ def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
 
 
 def _unit(key: str) -> str:
-    found = (unit for ending, unit in _UNITS.items() if key.endswith(f"_{ending}") and key not in _PURE)
-    return next(found, "-")
+    """Unit that a key ends with, ``force_n_per_mps`` with two; ``-`` for none."""
+    ending = _ending(key)
+    if not ending or key in _PURE:
+        return "-"
+    unit, stem = _UNITS[ending], key.removesuffix(f"_{ending}")
+    if not stem.endswith("_per"):
+        return unit
+    over = _ending(stem.removesuffix("_per"))
+    return f"{_UNITS[over] if over else 1}/{f'({unit})' if '/' in unit else unit}"
+
+
+def _ending(key: str) -> str:
+    return next((ending for ending in _UNITS if key.endswith(f"_{ending}")), "")
 
 
 def _shown(value: object) -> str:
@@ -136,7 +152,7 @@ def _one(node: Schema) -> str:
         return f"{node['const']}"
     kind = node.get("type")
     if kind == "object":
-        return f"table of {_one(node['additionalProperties'])}"
+        return f"table of {_allowed(node['additionalProperties'])}"
     if kind == "array" and "prefixItems" in node:
         return f"[{', '.join('number' for _ in node['prefixItems'])}]"
     if kind == "array":
@@ -152,7 +168,7 @@ def _one(node: Schema) -> str:
         if name in node
     ]
     length = [f"at most {node['maxLength']} letters"] if "maxLength" in node else []
-    return " ".join([_NUMBERS[str(kind)], *bounds, *length])
+    return " ".join([_NUMBERS.get(str(kind), "value"), *bounds, *length])
 
 
 if __name__ == "__main__":

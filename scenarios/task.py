@@ -27,6 +27,7 @@ from railhil.scenarios import convert
 from railhil.scenarios.canonical import text_sha256
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
+from railhil.scenarios.reference import Key, keys
 from railhil.scenarios.schema import RUNNING_TIME_MAX_S, Name, Number, Table, Text, TimingTable
 from railhil.scenarios.system import System
 from railhil.scenarios.validation import dotted, validated
@@ -52,14 +53,20 @@ class ScenarioKind(Protocol):
     def judged_sha256(self, scenario: Any) -> str:
         """Hash of what the run uses and what it is judged by."""
 
+    def usual_keys(self) -> list[Key]:
+        """Keys that a file that builds upon another changes most often, section by section."""
+
 
 class Task(Table):
-    """The section ``[task]`` of a system's scenario file; subclasses add keys, with units in their names."""
+    """The section ``[task]`` of a system's scenario file; subclasses add keys, with units in their names.
+
+    The meaning of a key is its ``Field(description=...)``.
+    """
 
     #: Keys that change no frame of a run, only its evaluation.
     JUDGING: ClassVar[tuple[str, ...]] = ()
 
-    duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S)]
+    duration_s: Annotated[float, Field(gt=0, le=RUNNING_TIME_MAX_S, description="how long the run lasts")]
 
     @property
     def can_be_perturbed(self) -> bool:
@@ -189,3 +196,8 @@ class TaskScenarios:
 
     def judged_sha256(self, scenario: Any) -> str:
         return text_sha256(self._used(scenario, judging=True))
+
+    def usual_keys(self) -> list[Key]:
+        """All of the task, and the two periods."""
+        periods = ("timing.base_tick_ms", "timing.control_period_ms")
+        return [key for key in keys(self._file) if key.name.startswith("task.") or key.name in periods]

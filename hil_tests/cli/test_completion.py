@@ -38,6 +38,8 @@ def bash_script(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (("tune", "ipfc_"), {"ipfc_plus"}),
         (("campaign", "--first"), {"--first-seed"}),
         (("score", "--js"), {"--json"}),
+        (("new", ""), {"law", "scenario", "system"}),
+        (("new", "scenario", "mine", "--extends", "yizhuang_0"), {"yizhuang_01", "yizhuang_09"}),
     ],
 )
 def test_bash_completes(bash_script: Path, tmp_path: Path, words: tuple[str, ...], wanted: set[str]) -> None:

@@ -21,7 +21,7 @@ _RAW = _REPOSITORY.replace("github.com", "raw.githubusercontent.com")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
-_COMMAND = re.compile(r"\brailhil ((?:bus |node )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
+_COMMAND = re.compile(r"\brailhil ((?:bus |new |node )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
 _OPTION = re.compile(r"(?<!\S)--?[a-z][a-z-]*")
 
 
@@ -38,7 +38,8 @@ def _subparsers(parser: ArgumentParser) -> dict[str, ArgumentParser]:
 def _options() -> dict[str, set[str]]:
     """Command, as it is typed after ``railhil`` -> its options."""
     found = _subparsers(commands.parser())
-    found |= {f"bus {name}": parser for name, parser in _subparsers(found.pop("bus")).items()}
+    for above in ("bus", "new"):
+        found |= {f"{above} {name}": parser for name, parser in _subparsers(found.pop(above)).items()}
     del found["node"]
     programs = {f"node {role}": module for role, module in outside.NODES.items()}
     programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
@@ -94,7 +95,7 @@ def test_code_blocks_name_only_commands_that_exist():
         for block in re.findall(r"^```\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
-                match = re.match(r"\s*railhil (?:(?:bus|node) )?[a-z][a-z-]*(?= |$)", line)
+                match = re.match(r"\s*railhil (?:(?:bus|new|node) )?[a-z][a-z-]*(?= |$)", line)
                 if match and match[0].strip() != "railhil hub":
                     seen += 1
                     assert match[0].strip().removeprefix("railhil ") in _options(), line

@@ -1,4 +1,4 @@
-"""The toy system of ``hil_tests/data/toy_system``, installed as any distribution is, into a folder of its own."""
+"""Distributions of laws and systems, the toy system among them, installed as any is, into a folder of their own."""
 
 from __future__ import annotations
 
@@ -15,9 +15,14 @@ _BUILD = "import sys; from setuptools import build_meta; build_meta.build_wheel(
 
 
 def install_toy(folder: Path) -> Path:
-    """Build its wheel, offline, and unpack it as an installer does; returns the folder for PYTHONPATH."""
+    """:func:`install` of the toy system."""
+    return install(SOURCE, folder)
+
+
+def install(source: Path, folder: Path) -> Path:
+    """Build a distribution's wheel, offline, and unpack it as an installer does; returns the folder for PYTHONPATH."""
     copy, wheels, site = folder / "source", folder / "wheels", folder / "site"
-    shutil.copytree(SOURCE, copy)
+    shutil.copytree(source, copy)
     wheels.mkdir()
     subprocess.run(
         [sys.executable, "-c", _BUILD, str(wheels)], cwd=copy, check=True, capture_output=True, text=True, timeout=120

@@ -134,6 +134,13 @@ class Environment:
         (environment.site_packages / "libraries.pth").write_text(f"import sys; sys.path.append({str(libraries)!r})\n")
         return environment
 
+    def install_editable(self, source: Path) -> None:
+        """``pip install -e`` of a folder, without a package index: setuptools is that of the libraries."""
+        pip = [sys.executable, "-m", "pip", "--python", self.bin / "python", "--disable-pip-version-check", "install"]
+        words = ["--no-deps", "--no-index", "--no-build-isolation", "-e", source]
+        done = subprocess.run([*pip, *words], capture_output=True, text=True, timeout=_TIMEOUT_S, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+
     @property
     def site_packages(self) -> Path:
         """Where the wheels are."""

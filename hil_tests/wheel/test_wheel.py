@@ -19,7 +19,7 @@ NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
 #: What a checkout has at its top and nobody may get by installing the bench.
 OURS_ALONE = ("bus", "common", "plant_sim", "controller_node", "hil_tests", "benchmarks", "docker", "docs")
 SUBCOMMANDS = ("run", "score", "report", "compare", "campaign", "tune", "audit", "doctor", "export-c", "node plant",
-               "node controller", "bus hub")  # fmt: skip
+               "node controller", "bus hub", "new law", "new scenario", "new system")  # fmt: skip
 
 
 def content(wheel: Path) -> dict[str, bytes]:
@@ -107,6 +107,16 @@ def test_campaign_of_a_few_runs(installed: Environment) -> None:
     said = installed.run("railhil", "campaign", "--runs", "4", "--laws", "ipfc", "--out", "campaign")
     assert "ipfc" in said
     assert (installed.folder / "campaign" / "campaign.json").is_file()
+
+
+def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment) -> None:
+    """Commands run beside the folders: none is taken for the module that has its name."""
+    for kind in ("law", "scenario", "system"):
+        assert installed.run("railhil", "new", kind, f"my{kind}").startswith(f"wrote my{kind}")
+    for kind in ("law", "system"):
+        installed.install_editable(installed.folder / f"my{kind}")
+    installed.run("railhil", "run", "myscenario.toml", "--controller", "mylaw", "--no-report", "--out", "my_run")
+    installed.run("railhil", "run", "mysystem/mysystem.toml", "--out", "my_system_run")
 
 
 @pytest.mark.parametrize("command", SUBCOMMANDS)

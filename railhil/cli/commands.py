@@ -12,7 +12,7 @@ from railhil.common.output import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
 #: The modules in the order of the help; each has one command of its own name, but for ``programs``.
-_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "doctor", "programs", "bus")
+_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "new", "doctor", "programs", "bus")
 #: Command -> module that has it.
 _MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
 

@@ -59,7 +59,7 @@ def _mark(parser: argparse.ArgumentParser, file: object, folder: object) -> None
         if isinstance(action, argparse._SubParsersAction):
             for inner in dict.fromkeys(action.choices.values()):
                 _mark(inner, file, folder)
-        elif action.dest == "scenario":
+        elif action.dest in ("scenario", "extends"):
             action.complete = _SCENARIO  # type: ignore[attr-defined]
         elif action.dest in ("controller", "law"):
             action.choices = law_names()

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from hil_tests.support.cli import railhil
 from hil_tests.support.exported import STRICT, checked, compiled, written
 from hil_tests.support.paths import ROOT
 from railhil.bench import direct_run
@@ -23,25 +24,34 @@ from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
-ENTRY = 'pi = "pi_law:PiLaw"'
+ENTRY = 'pi = "pi:Pi"'
+EXAMPLE = ROOT / "docs" / "examples" / "pi.py"
 
 
 @pytest.fixture(autouse=True)
 def plugged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The example and its registration, on the path of this process."""
-    package = tmp_path / "plug" / "pi_law-1.dist-info"
+    package = tmp_path / "plug" / "pi-1.dist-info"
     package.mkdir(parents=True)
-    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: pi-law\nVersion: 1\n")
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: pi\nVersion: 1\n")
     (package / "entry_points.txt").write_text(f"[railhil.laws]\n{ENTRY.replace(chr(34), '')}\n")
-    shutil.copy(ROOT / "docs" / "examples" / "pi_law.py", package.parent)
+    shutil.copy(EXAMPLE, package.parent)
     monkeypatch.syspath_prepend(str(package.parent))
-    monkeypatch.delitem(sys.modules, "pi_law", raising=False)
+    monkeypatch.delitem(sys.modules, "pi", raising=False)
     importlib.invalidate_caches()
 
 
 def test_the_registration_is_the_one_of_the_text() -> None:
     assert ENTRY in (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert load_law("pi").name == "pi"
+
+
+def test_it_is_what_railhil_new_law_writes(tmp_path: Path) -> None:
+    done = railhil("new", "law", "pi", "--out", tmp_path / "new")
+    # Its name is installed here, by the fixture only for this process.
+    assert done.exit_code == 0, done.err
+    written = tmp_path / "new" / "src" / "pi.py"
+    assert written.read_text("utf-8") == EXAMPLE.read_text("utf-8"), "copy it to docs/examples"
 
 
 def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
+from functools import partial
 from math import isfinite
 from typing import Any
 
-from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import CHECK_CORRECT, Telegram
-from railhil.bus.telegrams import Event, TimeState, TimeSync
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.timed_run import TimedPlant
 from railhil.scenarios import streams
 from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
 
@@ -19,78 +18,38 @@ _STEPS = 10
 _FORCE_LSB_N = 0.01
 
 
-@dataclass(frozen=True)
-class Happened:
-    """A milestone."""
-
-    kind: str
-    instant_01ms: int
-    position_01mm: int
-
-
-class UntilDuration:
-    """The run is over when its time is, or its controller is gone."""
-
-    def __init__(self, duration_s: float, tick_ns: int) -> None:
-        self.due_tick = round(duration_s * 1e9 / tick_ns)
-
-    def happened(self, kind: str, tick: int) -> None:
-        """Nothing that happens ends the run."""
-
-    def reached(self, tick: int, controller_lost: bool) -> Event | None:
-        if controller_lost:
-            return Event.ENDED_NOT_STOPPED
-        return Event.ENDED_COMPLETE if tick >= self.due_tick else None
-
-
-class Carts:
+class Carts(TimedPlant):
     """See railhil.plant_sim.any_plant.AnyPlant."""
 
     commands: Mapping[str, type[Telegram]] = {kind.PORT: kind for kind in COMMANDS}
     statuses = (LAW_STAT.PORT,)
 
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
-        self._task, timing = scenario.task, scenario.timing
-        self.tick = 0
+        stats = {kind.PORT: partial(self._stat, unit) for unit, kind in enumerate(STATS)}
+        super().__init__(scenario, rate, {**stats, TRUTH.PORT: self._truth})
+        self._task = scenario.task
         factors = (1.0, 1.0)
         if drawn:
             spread = self._task.mass_spread
             factors = 1 + spread * (2 * streams.generator(seed, streams.PERTURBATION).random(2) - 1)
         self._mass_kg = [float(mass * factor) for mass, factor in zip(self._task.mass_kg, factors, strict=True)]
         self.position_m, self.speed_mps, self._force_n = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
-        self.refused = {"check_variable": 0}
-        self._tick_ns, self._step_s = timing.base_tick_ns, timing.base_tick_ns / 1e9 / _STEPS
+        self._step_s = self.tick_ns / 1e9 / _STEPS
         self._noise = streams.generator(seed, streams.SPEED_NOISE)
-        self._life: dict[str, int] = {}
-        self._events: list[Happened] = []
         self._arrived = False
-        rate_10th = rate_to_10th(rate)
-        self.ending = UntilDuration(self._task.duration_s, self._tick_ns)
-        self.makers: dict[str, Callable[[], Telegram | None]] = {
-            STATS[0].PORT: lambda: self._stat(0),
-            STATS[1].PORT: lambda: self._stat(1),
-            TRUTH.PORT: self._truth,
-            TimeSync.PORT: lambda: to_time_sync(
-                self.tick, self._tick_ns, rate_10th=rate_10th, state=TimeState.RUNNING, life=self._next(TimeSync.PORT)
-            ),
-        }
 
     @property
     def position_01mm(self) -> int:
         return round(self.position_m[0] * 1e4)
 
-    def _next(self, port: str) -> int:
-        self._life[port] = life = (self._life.get(port, -1) + 1) & 0xF
-        return life
-
     def _stat(self, unit: int) -> Telegram:
         read_m = self.position_m[unit] + self._task.noise_sigma_m * self._noise.standard_normal()
-        return STATS[unit](round(read_m * 1e4), life=self._next(STATS[unit].PORT))
+        return STATS[unit](round(read_m * 1e4), life=self.next_life(STATS[unit].PORT))
 
     def _truth(self) -> Telegram:
         places = [round(at_m * 1e5) for at_m in self.position_m]
         speeds = [round(mps * 1e4) for mps in self.speed_mps]
-        return TRUTH(*places, *speeds, life=self._next(TRUTH.PORT))
+        return TRUTH(*places, *speeds, life=self.next_life(TRUTH.PORT))
 
     def take(self, telegram: Telegram) -> None:
         unit = [kind.PORT for kind in COMMANDS].index(telegram.PORT)
@@ -114,14 +73,4 @@ class Carts:
         errors_m = [abs(at - to) for at, to in zip(self.position_m, task.target_m, strict=True)]
         if not self._arrived and max(errors_m) < task.error_max_m:
             self._arrived = True
-            self._events.append(Happened("arrived", self.tick * self._tick_ns // 100_000, self.position_01mm))
-
-    def drain_events(self) -> list[Happened]:
-        events, self._events = self._events, []
-        return events
-
-    def telegram_of(self, event: Happened) -> None:
-        return None
-
-    def is_abandoned(self, command_age_ns: int) -> bool:
-        return command_age_ns > 1_000_000_000
+            self.milestone("arrived", self.position_01mm)

@@ -1,11 +1,9 @@
-"""A complete law in one file: proportional-integral control of the speed, led by the slope of the set-point.
-
-The worked example of CONTRIBUTING.md, "Add a controller". It is no comparator of the others; it is short.
+"""Control law pi: proportional and integral, led by the slope of the set-point.
 
     notch = Kf (slope of the set-point) + Kp e + I,   I = I before + Ki Ts e inside the notch range
 
 While another notch than the law's is sent (a hold, a cut of the traction), I stands still: it would wind up on an error
-that the law has no hand in.
+that the law has no hand in. Written by ``railhil new law``.
 """
 
 from __future__ import annotations
@@ -30,18 +28,18 @@ _AHEAD = 2
 
 
 @dataclass(frozen=True, slots=True)
-class PiParameters:
+class Parameters:
     """What a parameter file may set, and in which range; the defaults are chosen by hand."""
 
     #: Notch per km/h, and per km/h and second.
     proportional: Annotated[float, Field(ge=0, le=20)] = 3.0
     integral_per_s: Annotated[float, Field(ge=0, le=5)] = 0.1
     #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s on the train of lvshun_tieshan.
-    lead_s: Annotated[float, Field(ge=0, le=10)] = 1.3
+    lead_s: Annotated[float, Field(ge=0, le=10)] = 1.15
 
 
 @dataclass(frozen=True)
-class PiConstants:
+class Constants:
     """Everything the run needs as numbers, each with its format and its origin."""
 
     proportional: Constant = field(metadata=held(GAIN_Q, "Kp"))
@@ -52,7 +50,7 @@ class PiConstants:
     zero: Constant = field(metadata=held(0, "0"))
 
 
-class PiState(NamedTuple, Generic[T]):
+class State(NamedTuple, Generic[T]):
     """Memory of the law: the integral now and a control period before (notches, Q19), the notch sent (Q8)."""
 
     integral: T
@@ -60,19 +58,20 @@ class PiState(NamedTuple, Generic[T]):
     notch: T
 
 
-class PiLaw(Law[T, PiState[T]]):
+class Pi(Law[T, State[T]]):
     """The law on one arithmetic. Raises ``ValueError`` for gains that do not fit their format."""
 
     name: ClassVar[str] = "pi"
-    parameters_type: ClassVar[type[Any]] = PiParameters
+    parameters_type: ClassVar[type[Any]] = Parameters
+    parameters_origin: ClassVar[str] = "chosen by hand"
     tunable: ClassVar[Mapping[str, tuple[float, float]]] = {
         "proportional": (0.5, 5.0),
         "integral_per_s": (0.0, 0.5),
         "lead_s": (0.5, 2.0),
     }
 
-    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: PiParameters | None = None) -> None:
-        p = parameters or PiParameters()
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: Parameters | None = None) -> None:
+        p = parameters or Parameters()
         period_s = scenario.timing.control_period_ns / 1e9
         values = {
             "proportional": p.proportional,
@@ -82,7 +81,7 @@ class PiLaw(Law[T, PiState[T]]):
             "notch_max": scenario.train.notch_max,
             "zero": 0.0,
         }
-        self.table = table = build(PiConstants, values)
+        self.table = table = build(Constants, values)
         self._ar = ar = arithmetic
         self._gains = ar.load((table.proportional, table.lead))
         self._integral = ar.const(table.integral)
@@ -100,16 +99,16 @@ class PiLaw(Law[T, PiState[T]]):
     def constants(self) -> tuple[Constant, ...]:
         return flatten(self.table)
 
-    def start(self, inputs: LawInputs[T]) -> PiState[T]:
-        return PiState(self._zero, self._zero, self._zero)
+    def start(self, inputs: LawInputs[T]) -> State[T]:
+        return State(self._zero, self._zero, self._zero)
 
-    def with_sent(self, state: PiState[T], notch: T) -> PiState[T]:
+    def with_sent(self, state: State[T], notch: T) -> State[T]:
         """Another notch than the law's was sent: what this control period added to the integral is taken back."""
         ar = self._ar
         overridden = ar.gt(ar.abs(ar.sub(notch, state.notch)), self._zero)
-        return PiState(ar.where(overridden, state.before, state.integral), state.before, notch)
+        return State(ar.where(overridden, state.before, state.integral), state.before, notch)
 
-    def step(self, state: PiState[T], inputs: LawInputs[T]) -> tuple[PiState[T], LawOutputs[T]]:
+    def step(self, state: State[T], inputs: LawInputs[T]) -> tuple[State[T], LawOutputs[T]]:
         ar = self._ar
         error = ar.note("error", self._limited(ar.sub(inputs.set_point, inputs.speed)), SPEED_Q, "km/h")
         rise = ar.note("rise", self._limited(ar.sub(inputs.preview[-1], inputs.set_point)), SPEED_Q, "km/h")
@@ -121,7 +120,7 @@ class PiLaw(Law[T, PiState[T]]):
         clipped = ar.clip(notch_raw, self._notch_max, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
         outputs = LawOutputs(notch_raw, notch)
-        return PiState(integral, state.integral, notch), outputs
+        return State(integral, state.integral, notch), outputs
 
     def _limited(self, speed: T) -> T:
         """What the formats hold; whether there are formats is known beforehand, so this is no branch on data."""

@@ -1,0 +1,324 @@
+"""``railhil new``: what it writes is accepted, linted, installed and run; what it cannot write is refused in one
+line."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import complaint
+from hil_tests.support.paths import ROOT
+from hil_tests.support.toy_system import install, railhil
+from railhil import cli
+from railhil.dbc import HOUSE_PORTS, house_table, system_contract, wire_contract
+from railhil.scenarios.keys import USUAL
+from railhil.scenarios.load import load
+from railhil.scenarios.reference import keys
+
+#: The longest name that is allowed.
+LONG = "a_law_whose_name_is_as_long_as_it_may_be"
+
+
+def uncommented(text: str) -> str:
+    """The scenario with every key that it offers."""
+    return re.sub(r"^#(?=\w)", "", text, flags=re.MULTILINE)
+
+
+def run(*words: str | Path, cwd: Path, site: Path | None = None) -> None:
+    """A command with this Python that must end well."""
+    paths = os.pathsep.join(map(str, (*([site] if site else []), ROOT)))
+    done = subprocess.run(
+        [sys.executable, "-m", *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=110,
+        env={**os.environ, "PYTHONPATH": paths, "MYPYPATH": str(ROOT)}, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folder with a law and a system."""
+    folder = tmp_path_factory.mktemp("made")
+    for kind in ("law", "system"):
+        assert cli.main(["new", kind, f"my{kind}", "--out", str(folder / f"my{kind}")]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def law_site(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install(made / "mylaw", tmp_path_factory.mktemp("law"))
+
+
+@pytest.fixture(scope="module")
+def system_site(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return install(made / "mysystem", tmp_path_factory.mktemp("system"))
+
+
+def test_it_says_what_it_wrote_and_what_comes_next(here, tmp_path):
+    done = here("new", "law", "mylaw")
+    files = ("pyproject.toml", "README.md", "src/mylaw.py", "test_mylaw.py")
+    assert done.out.splitlines() == [
+        *(f"wrote mylaw/{name}" for name in files),
+        "next: cd mylaw",
+        "      pip install -e .",
+        "      railhil run --controller mylaw",
+        "      railhil audit lvshun_tieshan --controller mylaw",
+    ]
+    assert (done.exit_code, done.err) == (0, "")
+    written = [path for path in (tmp_path / "mylaw").rglob("*") if path.is_file()]
+    assert sorted(str(path.relative_to(tmp_path / "mylaw")) for path in written) == sorted(files)
+    document = here("new", "system", "mysystem", "--out", "deep/down", "--json").json
+    assert document["made"] == "deep/down"
+    assert document["next"][:2] == ["cd deep/down", "pip install -e ."]
+    assert all((tmp_path / file).is_file() for file in document["files"])
+    assert here("new", "scenario", "myrun").out.splitlines() == [
+        "wrote myrun.toml",
+        "next: railhil scenarios myrun.toml",
+        "      railhil run myrun.toml",
+    ]
+
+
+def test_no_file_that_is_there_is_touched(here, tmp_path):
+    """A folder with other files is filled; with one of these, none is written."""
+    (tmp_path / "mylaw").mkdir()
+    (tmp_path / "mylaw" / "README.md").write_text("mine")
+    said = complaint(here("new", "law", "mylaw"))
+    assert said == (
+        "railhil: mylaw/README.md: found a file that is there already, allowed a new one (--out says where)"
+    )
+    assert [path.name for path in (tmp_path / "mylaw").iterdir()] == ["README.md"]
+    assert (tmp_path / "mylaw" / "README.md").read_text() == "mine"
+    (tmp_path / "mylaw" / "README.md").rename(tmp_path / "mylaw" / "NOTES.md")
+    assert here("new", "law", "mylaw").exit_code == 0
+    (tmp_path / "myrun.toml").symlink_to("nowhere.toml")
+    assert "myrun.toml: found a file that is there already" in complaint(here("new", "scenario", "myrun"))
+    assert not (tmp_path / "nowhere.toml").exists()
+
+
+@pytest.mark.parametrize("kind", ["law", "system"])
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [
+        ("MyLaw", "at most 40 small letters, digits and underscores"),
+        ("law_", "between a letter and a letter or digit"),
+        ("setup", "none of setup, conftest"),
+        ("my-law", "small letters, digits and underscores"),
+        ("2law", "between a letter and"),
+        ("class", "no word of Python"),
+        ("../law", "small letters"),
+        ("", "small letters"),
+        ("läw", "small letters"),
+        ("a" * 41, "at most 40"),
+        ("json", "a name that no installed module has"),
+    ],
+)
+def test_names_of_distributions(here, tmp_path, kind, name, allowed):
+    said = complaint(here("new", kind, name))
+    assert said.startswith(f"railhil: command line: NAME: found {name!r}")
+    assert allowed in said
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("law", "ipfc"), "NAME: found 'ipfc', allowed a name that no installed law has (ipfc, "),
+        (("system", "ato"), "NAME: found 'ato', allowed a name that no installed system has (ato)"),
+        (("law", "constant"), "NAME: found 'constant', allowed another name: Constant is something else"),
+        (("law", "false"), "NAME: found 'false', allowed another name: False is something else"),
+        (("system", "mine", "--law", "vector_law"), "--law: found 'vector_law', allowed another name: VectorLaw is"),
+        (("system", "mine", "--law", "My"), "--law: found 'My', allowed at most 40 small letters"),
+        (("scenario", "My run"), "NAME: found 'My run', allowed at most 80 small letters"),
+        (("scenario", "lvshun_tieshan"), "NAME: found 'lvshun_tieshan', allowed a name that no shipped scenario has"),
+        (("scenario", "yizhuang_05"), "NAME: found 'yizhuang_05', allowed a name that no shipped scenario has"),
+        (("scenario", "mine", "--out", "mine"), "--out: found 'mine', allowed a file that ends in .toml"),
+        (("scenario", "mine", "--extends", "lvshun_tieshn"), "did you mean lvshun_tieshan?"),
+        (("scenario", "mine", "--extends", "no.toml"), "no.toml: found no such file"),
+        (("scenario", "mine", "--extends", "broken.toml"), "broken.toml: plan.distance_m: found -1"),
+        (("law", "mine", "--out", "broken.toml"), "broken.toml: found a file, allowed a folder for the new files"),
+    ],
+)
+def test_what_cannot_be_written_is_one_line(here, tmp_path, words, said):
+    (tmp_path / "broken.toml").write_text('extends = "lvshun_tieshan"\nname = "b"\n[plan]\ndistance_m = -1\n')
+    assert said in complaint(here("new", *words))
+    assert [path.name for path in tmp_path.iterdir()] == ["broken.toml"]
+
+
+def test_a_failed_write_leaves_no_file(here, tmp_path, monkeypatch):
+    """The fourth of them finds no room."""
+    opened = Path.open
+    left = iter(range(3))
+
+    def full(path, mode="r", **words):
+        if mode == "x" and next(left, None) is None:
+            raise OSError(28, "No space left on device")
+        return opened(path, mode, **words)
+
+    monkeypatch.setattr(Path, "open", full)
+    said = complaint(here("new", "system", "mysystem"))
+    where = "mysystem/src/mysystem/__init__.py"
+    assert f"{where}: found no space left on device, allowed a file that can be written" in said
+    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+
+
+def test_a_scenario_with_all_its_keys_is_the_one_that_it_builds_upon(here, tmp_path):
+    for base in ("lvshun_tieshan", "yizhuang_05", "lvshun_tieshan_worn_wheels"):
+        path = tmp_path / f"on_{base}.toml"
+        assert here("new", "scenario", "myrun", "--extends", base, "--out", path).exit_code == 0
+        text = path.read_text(encoding="utf-8")
+        found, expected = load(path), load(base)
+        assert (found.name, found.title) == ("myrun", f"myrun, built upon {expected.name}")
+        alike = replace(expected, name=found.name, title=found.title, sha256=found.sha256)
+        assert found == alike
+        path.write_text(uncommented(text), encoding="utf-8")
+        assert load(path) == alike
+        assert uncommented(text).count("\nstop_error_max_m = ") == 1
+        assert here("scenarios", path).exit_code == 0
+
+
+def test_a_scenario_explains_its_keys_as_the_reference_does(here, tmp_path):
+    here("new", "scenario", "myrun")
+    lines = (tmp_path / "myrun.toml").read_text(encoding="utf-8").splitlines()
+    known = {key.name: key for key in keys()}
+    assert set(USUAL) <= known.keys()
+    place = lines.index("#control_period_ms = 500")
+    key = known["timing.control_period_ms"]
+    assert lines[place - 1] == f"# {key.meaning} (in {key.unit}; default {key.default}; {key.allowed})"
+    assert "#wheel_factor = 1.0" in lines, "a default that no file says"
+    assert "# mass with its load (in t; no default; number from 1e-09 to 1e+07)" in lines
+    assert not [line for line in lines if line.startswith("#running_time_reserve_percent")]
+
+
+def test_a_scenario_may_build_upon_a_file_elsewhere(here, tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    assert here("new", "scenario", "one", "--out", "a/one.toml").exit_code == 0
+    assert here("new", "scenario", "two", "--extends", "a/one.toml", "--out", "b/two.toml").exit_code == 0
+    assert tomllib.loads((tmp_path / "b/two.toml").read_text())["extends"] == "../a/one.toml"
+    assert load(tmp_path / "b" / "two.toml").plan == load("lvshun_tieshan").plan
+
+
+def test_a_changed_key_that_is_wrong_is_named_with_its_file(here, tmp_path):
+    here("new", "scenario", "myrun")
+    path = tmp_path / "myrun.toml"
+    path.write_text(path.read_text().replace("#stop_error_max_m = 0.3", "stop_error_max_m = -1"))
+    assert complaint(here("scenarios", "myrun.toml")).startswith("railhil: myrun.toml: plan.stop_error_max_m: found -1")
+
+
+def test_the_ports_of_the_bench_are_those_of_its_own_table(made: Path) -> None:
+    written = [port["name"] for port in tomllib.loads(house_table())["port"]]
+    assert written == [port.name for port in wire_contract().ports if port.name in HOUSE_PORTS]
+    path = made / "mysystem" / "src" / "mysystem" / "ports.toml"
+    assert house_table().rstrip() in path.read_text(encoding="utf-8")
+    contract = system_contract(path)
+    assert contract.clock_port.name == "CART_STAT"
+    assert {port.name for port in contract.ports} == {*HOUSE_PORTS, "CART_STAT", "CART_CMD", "LAW_STAT", "TRUTH"}
+
+
+def test_nothing_is_left_to_be_filled_in(made: Path) -> None:
+    for path in made.rglob("*"):
+        if path.is_file():
+            assert "$" not in path.read_text(encoding="utf-8"), path
+
+
+@pytest.mark.parametrize("name", ["mine", LONG])
+def test_what_is_written_is_linted_and_formatted(here, tmp_path, name):
+    here("new", "law", name, "--out", "law")
+    here("new", "system", name, "--out", "system", "--law", name)
+    for folder in ("law", "system"):
+        # By its own rules, and by those of this repository that do not hang on which names come first.
+        run("ruff", "check", "--no-cache", ".", cwd=tmp_path / folder)
+        words = ("--no-cache", "--config", ROOT / "pyproject.toml", "--ignore", "I001")
+        run("ruff", "check", *words, ".", cwd=tmp_path / folder)
+    run("ruff", "format", "--no-cache", "--check", "law", cwd=tmp_path)
+    run("ruff", "format", "--no-cache", "--check", "system", cwd=tmp_path)
+
+
+@pytest.mark.slow
+def test_what_is_written_is_typed(made: Path, tmp_path: Path) -> None:
+    for kind in ("law", "system"):
+        # What railhil imports is not installed with types in it: its own errors are its own matter.
+        words = ("--strict", "--follow-imports", "silent", "--cache-dir", tmp_path)
+        run("mypy", *words, ".", cwd=made / f"my{kind}")
+
+
+@pytest.mark.slow
+def test_their_tests_pass(made: Path, law_site: Path, system_site: Path) -> None:
+    run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mylaw", site=law_site)
+    run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mysystem", site=system_site)
+
+
+@pytest.mark.slow
+@pytest.mark.loop
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+def test_the_law_drives_the_train_over_the_bus(law_site: Path, tmp_path: Path, arithmetic: str) -> None:
+    words = ("--controller", "mylaw", "--arithmetic", arithmetic, "--out", tmp_path / "run", "--quiet")
+    done = railhil(law_site, "run", *map(str, words))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert f"mylaw {arithmetic} (measured)" in done.stdout
+    scores = json.loads((tmp_path / "run" / "score.json").read_text())
+    assert scores["telemetry"]["wraps"] == 0
+
+
+@pytest.mark.slow
+def test_the_law_is_audited_and_exported(law_site: Path, tmp_path: Path) -> None:
+    done = railhil(law_site, "audit", "lvshun_tieshan", "--controller", "mylaw", "--runs", "0")
+    assert done.returncode == 0, done.stdout + done.stderr
+    done = railhil(law_site, "export-c", "mylaw", "--out", str(tmp_path / "c"))
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "c" / "Makefile").is_file()
+
+
+def test_the_name_of_an_installed_law_or_system_is_taken(law_site: Path, system_site: Path, tmp_path: Path) -> None:
+    for site, kind in ((law_site, "law"), (system_site, "system")):
+        done = railhil(site, "new", kind, f"my{kind}", cwd=tmp_path)
+        assert done.returncode == 2
+        assert f"NAME: found 'my{kind}', allowed a name that no installed {kind} has" in done.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+@pytest.mark.loop
+def test_the_system_goes_through_every_command(made: Path, system_site: Path, tmp_path: Path) -> None:
+    scenario = str(made / "mysystem" / "mysystem.toml")
+
+    def done(*words: str) -> str:
+        found = railhil(system_site, *words, cwd=tmp_path)
+        assert found.returncode == 0, found.stdout + found.stderr
+        return found.stdout
+
+    done("run", scenario, "--out", "hub", "--quiet")
+    done("run", scenario, "--out", "local", "--quiet", "--bus", "local")
+    hub, local = (json.loads((tmp_path / name / "certificate.json").read_text()) for name in ("hub", "local"))
+    assert (hub["system"], hub["controller"], hub["verdict"]) == ("mysystem", "hold", "PASS")
+    assert hub["frames_sha256"] == local["frames_sha256"]
+    page = (tmp_path / "hub" / "report.html").read_text(encoding="utf-8")
+    for said in ("The cart over time", "12 s; allowed ±0.02 m", "2 kg", "Arrived", "end error", "overshoot"):
+        assert said in page
+    assert set(json.loads(done("score", "hub", "--json"))["scores"]) == {"error_m", "overshoot_m"}
+    done("report", "hub", "--out", "again.html")
+    assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
+    done("compare", scenario, "--out", "compared", "--quiet", "--no-report")
+    done("campaign", scenario, "--runs", "3", "--out", "campaign")
+    found = json.loads((tmp_path / "campaign" / "summary.json").read_text())["laws"]["hold"]
+    assert found["inside"]["pass"]["runs"] == 3
+
+
+@pytest.mark.slow
+def test_a_scenario_may_build_upon_one_of_a_plugged_in_system(made: Path, system_site: Path, tmp_path: Path) -> None:
+    base = made / "mysystem" / "mysystem.toml"
+    path = tmp_path / "far.toml"
+    assert railhil(system_site, "new", "scenario", "far", "--extends", str(base), "--out", str(path)).returncode == 0
+    text = path.read_text(encoding="utf-8")
+    assert "# mass of the cart (in kg; no default; number above 0 to 1000)\n#mass_kg = 2.0\n" in text
+    assert "# friction, by its speed (in N/(m/s); default 0; number from 0 to 1000)\n" in text
+    path.write_text(uncommented(text).replace("target_m = 2.0", "target_m = 3.0"), encoding="utf-8")
+    done = railhil(system_site, "run", str(path), "--bus", "local", "--quiet", "--no-report", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr

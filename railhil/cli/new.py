@@ -1,0 +1,176 @@
+"""``railhil new law|scenario|system NAME``: files to begin with, which run at once."""
+
+from __future__ import annotations
+
+import argparse
+import keyword
+import re
+from collections.abc import Callable, Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from shlex import quote
+from string import Template
+
+from railhil.cli.new_scenario import scenario_file
+from railhil.common.errors import InputError, Words
+from railhil.common.output import Output, add_json_argument, print_json
+from railhil.dbc import house_table
+from railhil.scenarios.system import DEFAULT, system_named
+from railhil.scenarios.system import names as system_names
+
+_TEMPLATES = Path(__file__).with_name("templates")
+#: Files of each distribution: path and template. The code is in ``src``: else Python would take the folder of the
+#: distribution, which has the same name, for the module when a command is run beside it.
+_FILES = {
+    "law": {
+        "pyproject.toml": "pyproject.toml",
+        "README.md": "README.md",
+        "src/$name.py": "law.py",
+        "test_$name.py": "checks.py",
+    },
+    "system": {
+        "pyproject.toml": "pyproject.toml",
+        "README.md": "README.md",
+        "$name.toml": "scenario.toml",
+        "src/$name/__init__.py": "init.py",
+        "src/$name/ports.toml": "ports.toml",
+        "src/$name/wire.py": "wire.py",
+        "src/$name/task.py": "task.py",
+        "src/$name/plant.py": "plant.py",
+        "src/$name/laws.py": "laws.py",
+        "src/$name/judge.py": "judge.py",
+        "src/$name/panels.py": "panels.py",
+        "test_$name.py": "checks.py",
+    },
+}
+_NAME = re.compile(r"[a-z](?:[a-z0-9_]{0,38}[a-z0-9])?", re.ASCII)
+#: Modules that setuptools and pytest run when they lie beside pyproject.toml.
+_RUN_BY_OTHERS = ("setup", "conftest")
+_COMMANDS = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("new", help="write a law, a scenario or a system to begin with")
+    kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
+    law = kinds.add_parser("law", help="a control law, as a small distribution")
+    _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)
+    scenario = kinds.add_parser("scenario", help="a scenario file that builds upon another, with the usual keys")
+    _add(scenario, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_scenario)
+    scenario.add_argument(
+        "--extends", metavar="SCENARIO", default="lvshun_tieshan", help="shipped name or TOML file that it changes"
+    )
+    system = kinds.add_parser("system", help="a kind of train and task of its own, as a small distribution")
+    _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
+    system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
+
+
+def _add(
+    parser: argparse.ArgumentParser, what: str, kind: str, where: str, work: Callable[[argparse.Namespace], int]
+) -> None:
+    parser.add_argument("name", metavar="NAME", help=f"name of {what}")
+    parser.add_argument("--out", type=Path, metavar=kind, help=where)
+    add_json_argument(parser)
+    parser.set_defaults(work=work)
+
+
+def _new_law(namespace: argparse.Namespace) -> int:
+    name = namespace.name
+    _check_name("NAME", name)
+    _check_not_taken("NAME", name, "law", system_named(DEFAULT).law_names())
+    return _distribution(namespace, "law", name)
+
+
+def _new_system(namespace: argparse.Namespace) -> int:
+    _check_name("NAME", namespace.name)
+    _check_not_taken("NAME", namespace.name, "system", system_names())
+    _check_name("--law", namespace.its_law)
+    return _distribution(namespace, "system", namespace.its_law)
+
+
+def _new_scenario(namespace: argparse.Namespace) -> int:
+    path = namespace.out or Path(f"{namespace.name}.toml")
+    if path.suffix != ".toml":
+        raise InputError("command line", "--out", str(path), "a file that ends in .toml")
+    text = scenario_file(namespace.name, namespace.extends, path.parent)
+    _write({path: text})
+    return _say(namespace, path, [path], [f"railhil {verb} {quote(str(path))}" for verb in ("scenarios", "run")])
+
+
+def _check_name(key: str, name: str) -> None:
+    """Refuse what cannot be the name of a module and of an entry point."""
+    if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name in _RUN_BY_OTHERS:
+        allowed = (
+            "at most 40 small letters, digits and underscores between a letter and a letter or digit, "
+            f"no word of Python, none of {', '.join(_RUN_BY_OTHERS)}"
+        )
+        raise InputError("command line", key, name, allowed)
+
+
+def _check_not_taken(key: str, name: str, what: str, taken: list[str]) -> None:
+    """Refuse the name of what is installed, or of a module that would hide the new one."""
+    if name in taken:
+        raise InputError("command line", key, name, f"a name that no installed {what} has ({', '.join(taken)})")
+    spec = find_spec(name)
+    # A folder of that name is found too, as a namespace package without a file: it hides nothing.
+    if spec is not None and spec.origin is not None:
+        raise InputError("command line", key, name, "a name that no installed module has", f"{spec.origin} has it")
+
+
+def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
+    """Write the files of a law or a system.
+
+    :param law: name of the law in it.
+    :raises InputError: the name is one that the law's text needs for something else, or a file cannot be written.
+    """
+    folder = namespace.out or Path(namespace.name)
+    class_name = "".join(word.capitalize() for word in law.split("_"))
+    templates = {path: (_TEMPLATES / kind / f"{name}.in").read_text("utf-8") for path, name in _FILES[kind].items()}
+    texts = [text for path, text in templates.items() if path.endswith(".py")]
+    if keyword.iskeyword(class_name) or any(re.search(rf"\b{class_name}\b", text) for text in texts):
+        key = "NAME" if law == namespace.name else "--law"
+        raise InputError("command line", key, law, f"another name: {class_name} is something else in the new files")
+    words = {"name": namespace.name, "law": law, "class_name": class_name, "house": house_table().rstrip()}
+    files = {Template(path).substitute(words): Template(text).substitute(words) for path, text in templates.items()}
+    paths = {folder / path: text for path, text in files.items()}
+    _write(paths)
+    commands = _COMMANDS.search(files["README.md"])
+    assert commands is not None
+    return _say(namespace, folder, list(paths), [f"cd {quote(str(folder))}", *commands[1].splitlines()])
+
+
+def _write(files: Mapping[Path, str]) -> None:
+    """Write new files, all of them or none.
+
+    :raises InputError: one is there already, or cannot be written.
+    """
+    made: list[Path] = []
+    try:
+        for path in files:
+            if path.is_symlink() or path.exists():
+                raise InputError(path, "", Words("a file that is there already"), "a new one (--out says where)")
+            above = next(folder for folder in path.parents if folder.exists())
+            if not above.is_dir():
+                raise InputError(above, "", Words("a file"), "a folder for the new files")
+        for path, text in files.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("x", encoding="utf-8", newline="\n") as file:
+                made.append(path)
+                file.write(text)
+    except OSError as error:
+        for written in made:
+            written.unlink()
+        why = Words((error.strerror or str(error)).lower())
+        raise InputError(path, "", why, "a file that can be written") from None
+
+
+def _say(namespace: argparse.Namespace, made: Path, files: list[Path], commands: list[str]) -> int:
+    if namespace.json:
+        print_json({"made": str(made), "files": [str(path) for path in files], "next": commands})
+        return 0
+    console = Output()
+    for path in files:
+        console.say(f"wrote {path}")
+    for number, line in enumerate(commands):
+        console.say(f"{'next:' if number == 0 else '     '} {line}")
+    return 0

@@ -1,0 +1,75 @@
+"""The text of ``railhil new scenario``: a file that builds upon another, with the usual keys as comments."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from string import Template
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from railhil.common.errors import InputError
+from railhil.scenarios.layers import Layers
+from railhil.scenarios.load import RUNS, find, load_any, names, short_names
+from railhil.scenarios.reference import Key
+from railhil.scenarios.schema import Name
+from railhil.scenarios.system import system_named
+
+_TEMPLATE = Path(__file__).with_name("templates") / "scenario.toml.in"
+#: What is longer (a table of rows) is looked up in the file that has it.
+_LETTERS_MAX = 80
+
+
+def scenario_file(name: str, base: str, folder: Path) -> str:
+    """The text of a new scenario file.
+
+    :param base: scenario that it builds upon, shipped name or file.
+    :param folder: where the new file will be: it names the other one from there.
+    :raises InputError: the name is none or taken, or the other scenario cannot be loaded.
+    """
+    try:
+        TypeAdapter(Name).validate_python(name)
+    except ValidationError:
+        allowed = "at most 80 small letters, digits, _ and -, a letter or a digit first"
+        raise InputError("command line", "NAME", name, allowed) from None
+    if name in {*names(), *short_names().values()}:
+        raise InputError("command line", "NAME", name, "a name that no shipped scenario has")
+    path, scenario = find(base), load_any(base)
+    shipped = path.parent == RUNS
+    reference = path.stem if shipped else Path(os.path.relpath(path.resolve(), folder.resolve())).as_posix()
+    head = Template(_TEMPLATE.read_text("utf-8"))
+    text = head.substitute(name=name, base=scenario.name, extends=json.dumps(reference, ensure_ascii=False))
+    kind = system_named(scenario.system).part("scenarios")(system_named(scenario.system))
+    return text + _keys(kind.usual_keys(), Layers(path).merged())
+
+
+def _keys(usual: list[Key], given: dict[str, Any]) -> str:
+    """The keys as comments, section by section."""
+    sections: dict[str, list[str]] = {}
+    for key in usual:
+        section, _, last = key.name.rpartition(".")
+        value = _value(given, key)
+        if value:
+            sections.setdefault(section, []).append(f"# {_explained(key)}\n#{last} = {value}\n")
+    return "".join(f"\n[{section}]\n{''.join(lines)}" for section, lines in sections.items())
+
+
+def _value(given: dict[str, Any], key: Key) -> str:
+    """What the other scenario says of a key, or its default, as TOML; empty for neither, and for a table."""
+    found: Any = given
+    for word in key.name.split("."):
+        found = found.get(word) if isinstance(found, dict) else None
+    found = key.initial if found is None else found
+    if found is None or isinstance(found, dict) or "[]" in key.name:
+        return ""
+    text = json.dumps(found, ensure_ascii=False)
+    return text if len(text) <= _LETTERS_MAX else ""
+
+
+def _explained(key: Key) -> str:
+    """What a key means, with unit, default and what is allowed."""
+    unit = "" if key.unit == "-" else f"in {key.unit}; "
+    default = "no default" if key.default in ("-", "required") else f"default {key.default}"
+    return f"{key.meaning or key.name} ({unit}{default}; {key.allowed})"
