@@ -37,7 +37,9 @@ class System:
     entry point group of its laws. ``law``: the one that runs when none is named. ``events``: its own milestones by
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
     figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules look at, as ``task``,
-    ``interface`` and ``batch`` (:func:`railhil.batch.run_batch`; without one a campaign goes through the nodes).
+    ``interface``, ``batch`` (:func:`railhil.batch.run_batch`; without one a campaign goes through the nodes) and
+    ``export`` (:class:`railhil.controller_node.export.control.Control`; without one a law is exported by
+    ``interface``).
     """
 
     name: str

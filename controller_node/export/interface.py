@@ -1,0 +1,162 @@
+"""The export of a law over several units: the readings and commands of its system's ``Interface``, by their names."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic
+from railhil.controller_node.ecan import Mailbox, mailbox_table
+from railhil.controller_node.export.control import (
+    FLAG_BEGIN,
+    FLAG_SENT,
+    Comments,
+    Control,
+    Generator,
+    Loop,
+    Macro,
+    Period,
+    Play,
+    Word,
+)
+from railhil.controller_node.export.names import Names, identifier
+from railhil.controller_node.program.model import Value
+from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
+from railhil.controller_node.vector.law import Interface, raw_range
+from railhil.controller_node.vector.node import ports_of, refuse_indexing
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+
+_PERIODS = 80
+_SENT_EVERY = 7
+#: Control periods of a run of the bench that stand in the log at most.
+_PLAYED_MAX = 2000
+_COMMENT_COLUMNS = 110
+
+
+class _Listener(VectorController):
+    """The law's controller, which writes down its control periods."""
+
+    def __init__(self, control: InterfaceControl) -> None:
+        law = control.law
+        super().__init__(control.system, control.scenario, law.controller, law.arithmetic, law.parameters)
+        self.periods: list[Period] = []
+        self._untold = (0,) * len(control.told)
+
+    def step(self, raws: Sequence[int]) -> Any:
+        self.periods.append(Period(0 if self.periods else FLAG_BEGIN, tuple(raws), self._untold))
+        return super().step(raws)
+
+    def sent(self, raws: Sequence[int]) -> None:
+        last = self.periods[-1]
+        self.periods[-1] = last._replace(flags=last.flags | FLAG_SENT, told=tuple(raws))
+        super().sent(raws)
+
+
+class InterfaceControl(Control):
+    """See :class:`railhil.controller_node.export.control.Control`; the system has a part ``interface``."""
+
+    def __init__(self, scenario: AnyScenario, law: LawSpec) -> None:
+        super().__init__(scenario, law)
+        self.system = system = system_named(scenario.system)
+        self._interface: Interface = system.part("interface")
+        refuse_indexing(system, law)
+        self.programs = vector_program(system, scenario, law.controller, law.parameters, wide=False)
+        interface = self._interface
+        readings, commands = Names(), Names()
+        given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
+        told = [(command.name, commands.new(command.name)) for command in interface.commands]
+        self.given = tuple(Word(name, parameter, parameter) for name, parameter in given)
+        self.told = tuple(Word(name, parameter, f"sent.{parameter}") for name, parameter in told)
+        self.record = (*self.given, *self.told)
+        self._leaves: dict[str, str] = {f"in[{i}]": reading.name for i, reading in enumerate(interface.readings)}
+        self._leaves |= {f"out.commands[{i}]": command.name for i, command in enumerate(interface.commands)}
+        self._leaves |= {f"out.notes[{i}]": note.name for i, note in enumerate(interface.notes)}
+        self._units: dict[str, str] = {f"in[{i}]": reading.unit for i, reading in enumerate(interface.readings)}
+
+    def comments(self, name: str) -> Comments:
+        interface = self._interface
+        use = (
+            f"Each control period: {name}_inputs, in the first one {name}_start, then {name}_step. The answer is the "
+            f"commands in out, each the raw integer of its signal. When others are sent, {name}_sent tells the law."
+        )
+        commands = [
+            f"{word.parameter}: {command.telegram.PORT} {command.field}, {command.bounds[0]} to {command.bounds[1]}, "
+            f"safe {command.safe}"
+            for word, command in zip(self.told, interface.commands, strict=True)
+        ]
+        readings = ", ".join(f"{reading.telegram.PORT} {reading.field}" for reading in interface.readings)
+        return Comments(
+            use=(*textwrap.wrap(use, _COMMENT_COLUMNS), *commands),
+            inputs=_lines(f"Raw integers of {readings}"),
+            sent="The commands really sent since the last control period, raw integers",
+            status="" if interface.status is None else interface.status.PORT,
+            what="commands",
+            other="other commands than the answer were",
+            record=_lines(f"{', '.join(word.column for word in self.record)}, raw integers of their signals"),
+        )
+
+    def member(self, leaf: str) -> str:
+        return self._leaves[leaf]
+
+    def input_unit(self, leaf: str, value: Value) -> str:
+        return self._units[leaf]
+
+    def macros(self) -> list[Macro]:
+        interface = self._interface
+        if interface.status is None:
+            return []
+        found = []
+        for number, note in enumerate(interface.notes):
+            low, high = raw_range(interface.status, note.field)
+            words = ", ".join(filter(None, (note.field, f"1/2^{note.q}", note.unit)))
+            held = (max(low, INT32_MIN), min(high, INT32_MAX))
+            found.append(Macro(identifier(note.name), f"out.notes[{number}]", note.law_q - note.q, held, words))
+        return found
+
+    def mailboxes(self) -> tuple[Mailbox, ...]:
+        contract = self.system.contract
+        return mailbox_table(contract, *ports_of(contract, self._interface))
+
+    def loop(self, number: Arithmetic[int]) -> Loop:
+        law = self.law
+        return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters)
+
+    def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
+        """A run of the bench, readings in jumps over their whole range, and their limits."""
+        if play is not None:
+            listener = _Listener(self)
+            play(listener)
+            yield listener.periods[:_PLAYED_MAX]
+        yield self._made(1, lambda generator, low, high: generator.between(low, high))
+        yield self._made(2, _end)
+
+    def _made(self, seed: int, choose: Callable[[Generator, int, int], int]) -> Iterator[Period]:
+        """Readings without any order, and other commands sent now and then."""
+        generator = Generator(seed)
+        ranges = [raw_range(reading.telegram, reading.field) for reading in self._interface.readings]
+        bounds = [command.bounds for command in self._interface.commands]
+        for k in range(_PERIODS):
+            given, told = (
+                tuple(choose(generator, low, high) for low, high in intervals) for intervals in (ranges, bounds)
+            )
+            flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 3 else 0)
+            yield Period(flags, given, told)
+
+    def node_files(self, name: str) -> Mapping[str, str]:
+        return {}
+
+    def node_rows(self, name: str) -> tuple[tuple[str, str], ...]:
+        return ()
+
+
+def _end(generator: Generator, low: int, high: int) -> int:
+    """One of the ends of an interval, or near 0."""
+    return (low, max(low, -1), 0, min(high, 1), high)[generator.between(0, 4)]
+
+
+def _lines(text: str) -> str:
+    """Text over as many lines of a C comment as it takes."""
+    return "\n * ".join(textwrap.wrap(text, _COMMENT_COLUMNS))
