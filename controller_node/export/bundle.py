@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.body import NAMED_Q
-from railhil.controller_node.export.control import Control, Play, Word
+from railhil.controller_node.export.control import Control, Play, Source, Word
 from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.mailboxes import mailbox_header
+from railhil.controller_node.export.node_header import node_header
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.reference import reference_log
-from railhil.controller_node.export.source import Source, SourceWriter, c_name
+from railhil.controller_node.export.source import SourceWriter, c_name
 from railhil.controller_node.export.templates import template
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -29,6 +30,12 @@ class Bundle:
 
     source: Source
     files: dict[str, str]
+
+
+#: The controller around the law, the same for every way of control: sources, headers.
+_SOURCES = ("railhil_clock.c", "railhil_control.c")
+_HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_control.h")
+_PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 
 
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
@@ -60,6 +67,17 @@ def _host_program(name: str, control: Control) -> str:
     )
 
 
+def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
+    places = control.places(source)
+    own = [*control.headers, *control.sources]
+    return {
+        f"{name}_node.h": node_header(name, control),
+        **{file: template(file, name) for file in (*_HEADERS, *_SOURCES)},
+        **{file: template(f"{control.folder}/{file}", name, **places) for file in own},
+        **{file: template(file, name) for file in _PROGRAM},
+    }
+
+
 def _names_of_iqmath() -> str:
     """The library's names for our functions, for every format that it has."""
     lines = []
@@ -76,10 +94,6 @@ def _names_of_iqmath() -> str:
     return "\n".join(lines)
 
 
-def _makefile(name: str, has_node: bool) -> str:
-    return re.sub(r"#\[node\n(.*?)#node\]\n", r"\1" if has_node else "", template("Makefile", name), flags=re.DOTALL)
-
-
 def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -> Bundle:
     """The files of a law on a scenario; the same bytes for the same law, parameters and scenario.
 
@@ -94,18 +108,22 @@ def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -
     except ValueError as error:
         allowed = "operations of the arithmetic, formats that agree, no branch on data"
         raise InputError("controller", law.controller, Words(str(error)), allowed) from error
-    node_files = control.node_files(name)
     return Bundle(
         source,
         {
             f"{name}.c": source.source,
             f"{name}.h": source.header,
             "railhil_iq.h": template("railhil_iq.h", name, NAMES=_names_of_iqmath()),
-            f"{name}_mailboxes.h": mailbox_header(name, control.mailboxes()),
-            **node_files,
+            f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
+            **_node_files(name, control, source),
             f"{name}_log.txt": reference_log(control, source.columns, play),
             "railhil_run.c": _host_program(name, control),
-            "Makefile": _makefile(name, bool(node_files)),
+            "Makefile": template(
+                "Makefile",
+                name,
+                NODE_C=" ".join((*control.sources, *_SOURCES)),
+                NODE_H=" ".join((*control.headers, *_HEADERS)),
+            ),
             "README.md": memory_note(control, source),
         },
     )

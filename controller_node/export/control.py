@@ -7,15 +7,16 @@ One subclass of :class:`Control` for each: a train's one notch (:mod:`.notch`), 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
-from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.ecan import Mailbox
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.program.model import LawProgram, Value
+from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
 
 #: Bits of a record's flags: a run begins; something else was sent than the law's answer.
 FLAG_BEGIN = 1
@@ -50,14 +51,44 @@ class Macro(NamedTuple):
     words: str = ""
 
 
+class Define(NamedTuple):
+    """One constant in C: name without prefix, literal, comment."""
+
+    name: str
+    literal: str
+    words: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A law in C.
+
+    ``header`` and ``source``: the two files. ``columns``: names of a log's result words, in order. ``macros``: names of
+    its notes' macros. ``constants``: the single constants. ``table_words`` and ``constant_words``: 16-bit words of
+    tables and single constants; ``ram_words``: of state, inputs, outputs and event counters. ``stack_words``: bound of
+    the stack of each function, by its name.
+    """
+
+    name: str
+    header: str
+    source: str
+    columns: tuple[str, ...]
+    macros: tuple[str, ...]
+    constants: tuple[Constant, ...]
+    table_words: dict[str, int]
+    constant_words: int
+    ram_words: int
+    stack_words: dict[str, int]
+
+
 @dataclass(frozen=True, slots=True)
 class Comments:
     """What the C says of one way of control.
 
     ``use``: lines of the header's head; ``inputs``, ``sent``: above the two prototypes; ``status``: telegram of the
     notes; ``what``: what is sent ("notch"); ``other``: when ``sent`` is called ("another notch than the answer was"
-    sent); ``record``: what follows the flags in a
-    record of the host program.
+    sent); ``record``: what follows the flags in a record of the host program; ``constants``, ``units``: what the
+    header of the node holds besides its bus; ``node``: what the files of the system's own do in it.
     """
 
     use: tuple[str, ...]
@@ -67,6 +98,9 @@ class Comments:
     what: str
     other: str
     record: str
+    constants: str
+    units: str
+    node: str
 
 
 class Loop(Protocol):
@@ -125,13 +159,6 @@ class Control(ABC):
         """The law's notes on the wire."""
 
     @abstractmethod
-    def mailboxes(self) -> tuple[Mailbox, ...]:
-        """The controller's mailbox table.
-
-        :raises ContractError: the ports do not fit into the chip.
-        """
-
-    @abstractmethod
     def loop(self, number: Arithmetic[int]) -> Loop:
         """The law itself, at the start of a run."""
 
@@ -142,16 +169,35 @@ class Control(ABC):
         :param play: makes a run of the bench; None: there is none to be had.
         """
 
-    @abstractmethod
-    def node_files(self, name: str) -> Mapping[str, str]:
-        """Files of the controller around the law, by name.
+    #: Folder of the C files that stand between the telegrams and the law.
+    folder: ClassVar[str]
+    #: Their names: sources, headers.
+    sources: ClassVar[tuple[str, ...]]
+    headers: ClassVar[tuple[str, ...]]
 
-        :param name: of the law in C.
+    @property
+    def contract(self) -> Contract:
+        """The wire contract of its system."""
+        return system_named(self.scenario.system).contract
+
+    @abstractmethod
+    def ports(self) -> tuple[list[Port], list[Port]]:
+        """Ports that the controller receives, the clock port first, and those that it answers.
+
+        :raises ValueError: another port is the clock than the C counts by.
         """
 
     @abstractmethod
-    def node_rows(self, name: str) -> tuple[tuple[str, str], ...]:
-        """Rows of the table in the README for them: file, what it is."""
+    def constants(self) -> list[Define]:
+        """Numbers of scenario and system for the header of the node."""
+
+    def tables(self) -> list[str]:
+        """Lines of that header after the table of ports."""
+        return []
+
+    @abstractmethod
+    def places(self, source: Source) -> dict[str, str]:
+        """What stands between two @ in its C files."""
 
 
 class Generator:

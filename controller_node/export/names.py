@@ -56,6 +56,11 @@ def literal(raw: int) -> str:
     return "INT32_MIN" if raw == INT32_MIN else f"INT32_C({raw})"
 
 
+def wide(value: int) -> str:
+    """A number as int64."""
+    return f"INT64_C({value})"
+
+
 def comment(text: str) -> str:
     """Text that may stand in a C comment: one line, printable ASCII, nothing that ends the comment."""
     plain = "".join(character if " " <= character <= "~" else "?" for character in " ".join(text.split()))

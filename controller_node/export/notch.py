@@ -2,39 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.controller_node import odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
-from railhil.controller_node.ecan import Mailbox
+from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export import notch_runs
-from railhil.controller_node.export.control import Comments, Control, Loop, Macro, Period, Play, Word
-from railhil.controller_node.export.node_header import node_header
-from railhil.controller_node.export.templates import template
+from railhil.controller_node.export.control import Comments, Control, Define, Loop, Macro, Period, Play, Source, Word
+from railhil.controller_node.export.names import wide
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.node import mailboxes
+from railhil.controller_node.node import ANSWERS, MAILBOXES
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.record import record
+from railhil.controller_node.speed_watch import Ladder
+from railhil.dbc import Port
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
 _BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
-#: The controller around the law, the same for every law but for names.
-_NODE_FILES = (
-    "railhil_mvb.h",
-    "railhil_guard.h",
-    "railhil_guard.c",
-    "railhil_position.c",
-    "railhil_control.h",
-    "railhil_control.c",
-    "railhil_socket.h",
-    "railhil_socket.c",
-    "railhil_node.c",
-)
+_ARITHMETIC = "iq"
+_AGES = "ages of the last accepted TRN_SPEED"
+_CYCLES_MAX = 0xFFFF
+_NS_PER_S = 1_000_000_000
 
 
 class _NotchLoop:
@@ -59,6 +55,9 @@ class NotchControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`."""
 
     scenario: Scenario
+    folder = "notch"
+    sources = ("railhil_position.c", "railhil_guard.c", "railhil_law.c")
+    headers = ("railhil_position.h", "railhil_guard.h", "railhil_law.h")
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
@@ -83,6 +82,9 @@ class NotchControl(Control):
             other="another notch than the answer was",
             record="k,\n * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law that is given\n"
             " * them: number, surveyed position and odometer at its passing (0.1 mm) of the last balise",
+            constants="its scenario and its watch",
+            units="codes in 1/256 notch",
+            node="which speeds count, reaction ladder, position, balises",
         )
 
     def member(self, leaf: str) -> str:
@@ -105,9 +107,6 @@ class NotchControl(Control):
 
         return [macro(signal, found[signal]) if signal in found else Macro(signal) for signal in SLOTS]
 
-    def mailboxes(self) -> tuple[Mailbox, ...]:
-        return mailboxes()
-
     def loop(self, number: Arithmetic[int]) -> Loop:
         return _NotchLoop(ControlLoop(self.scenario, self.law, number))
 
@@ -123,15 +122,43 @@ class NotchControl(Control):
         for periods in runs:
             yield (period._replace(given=period.given[: len(self.given)]) for period in periods)
 
-    def node_files(self, name: str) -> Mapping[str, str]:
-        balise = "".join(f", balise[{word}]" for word in range(len(self.given) - 3))
-        header = node_header(name, self.programs, self.scenario, self.law)
-        return {f"{name}_node.h": header, **{file: template(file, name, BALISE=balise) for file in _NODE_FILES}}
+    def ports(self) -> tuple[list[Port], list[Port]]:
+        contract = self.contract
+        if contract.clock_port.name != TrnSpeed.PORT:
+            raise ValueError(f"clock port {contract.clock_port.name}: the C counts time by {TrnSpeed.PORT}")
+        received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
+        return received, sent
 
-    def node_rows(self, name: str) -> tuple[tuple[str, str], ...]:
-        return (
-            ("`railhil_control.c`, `railhil_control.h`", "the controller on the bus: frames in, answers to polls out"),
-            ("`railhil_guard.c`, `.h`, `railhil_position.c`", "its time, reaction ladder, position, balises"),
-            (f"`railhil_mvb.h`, `{name}_node.h`", "telegrams on CAN frames; constants of wire and scenario"),
-            ("`railhil_node.c`, `railhil_socket.c`, `.h`", "host program: SocketCAN, or the bench's hub"),
-        )
+    def constants(self) -> list[Define]:
+        """Thresholds of the watch, and what the position is trusted with."""
+        scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+        ladder = Ladder.of(scenario)
+        cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
+        cycles = min(cost.cycles, _CYCLES_MAX)
+        needs_position = self.programs.track or self.law.over_distance
+        exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
+        speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
+        in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns
+        return [
+            Define("HOLD_MS", wide(ladder.hold_ms), f"{_AGES} above which a level is entered"),
+            Define("TRACTION_CUT_MS", wide(ladder.traction_cut_ms)),
+            Define("SERVICE_BRAKE_MS", wide(ladder.service_brake_ms)),
+            Define("EMERGENCY_MS", wide(ladder.emergency_ms)),
+            Define("SERVICE_CODE", wide(ladder.service_code), "full service brake"),
+            Define("FULL_CODE", wide(ladder.full_code), "greatest notch"),
+            Define("RAMP_CODE_PER_S", wide(ladder.ramp_code_per_s), "jerk limit of the service brake"),
+            Define("OVERSPEED_MARGIN_01MMPS", wide(ladder.overspeed_margin_01mmps), "above the limit of TRK_INFO"),
+            Define("NEEDS_POSITION", str(int(needs_position)), "1: the law brakes without a position"),
+            Define("POSITION_IN_TIME_NS", wide(in_time_ns), "period of TRN_POS"),
+            Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a reckoned position"),
+            Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant to the odometer"),
+            Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
+            Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
+            Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, 65535: or more"),
+        ]
+
+    def places(self, source: Source) -> dict[str, str]:
+        balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
+        return {"BALISE": balise if self.programs.track else ""}

@@ -6,9 +6,8 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.body import NAMED_Q
-from railhil.controller_node.export.control import Control
+from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.names import comment
-from railhil.controller_node.export.source import Source
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 
@@ -29,8 +28,7 @@ def memory_note(control: Control, source: Source) -> str:
     stack = max(source.stack_words.values())
     table_rows = [f"| table `{name}` | {words} |" for name, words in source.table_words.items()]
     period_ms = scenario.timing.control_period_ns / 1e6
-    as_program = f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`."
-    node_lines = [as_program] if control.node_rows(name) else []
+    own = ", ".join(f"`{file}`, `.h`" for file in control.sources)
     return "\n".join(
         [
             f"# Control law `{programs.law}` in C99",
@@ -44,10 +42,13 @@ def memory_note(control: Control, source: Source) -> str:
             "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it takes TI's `IQmathLib.h` instead |",
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
-            *(f"| {file} | {words} |" for file, words in control.node_rows(name)),
+            "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
+            f"| {own} | {control.comments(name).node} |",
+            f"| `railhil_mvb.h`, `{name}_node.h` | telegrams on CAN frames; constants of wire and scenario |",
+            "| `railhil_node.c`, `railhil_socket.c`, `.h` | host program: SocketCAN, or the bench's hub |",
             "| `railhil_run.c`, `Makefile` | host program for the log, and its build |",
             "",
-            *node_lines,
+            f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",
             "`make check` compiles and computes the log again, `make ubsan` does so under the undefined behaviour",
             "sanitizer, `make stack` prints the stack of each function on the host; `CC=clang` works too.",
             "",

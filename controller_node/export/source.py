@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.body import Body, Data, remark
-from railhil.controller_node.export.control import Control
+from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
 from railhil.controller_node.program.model import Program, Value
 
@@ -73,27 +71,6 @@ class Struct:
         return [*lines, f"}} {self.type};"]
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A law in C.
-
-    ``header`` and ``source``: the two files. ``columns``: names of a log's result words, in order. ``constants``: the
-    single constants. ``table_words`` and ``constant_words``: 16-bit words of tables and single constants;
-    ``ram_words``: of state, inputs, outputs and event counters. ``stack_words``: bound of the stack of each function,
-    by its name.
-    """
-
-    name: str
-    header: str
-    source: str
-    columns: tuple[str, ...]
-    constants: tuple[Constant, ...]
-    table_words: dict[str, int]
-    constant_words: int
-    ram_words: int
-    stack_words: dict[str, int]
-
-
 class SourceWriter:
     """Writes the two files of one law.
 
@@ -119,6 +96,9 @@ class SourceWriter:
         self._in = Struct(name, "in", "What the law is given each control period.", given, member, control.input_unit)
         self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), state_member, unit_of)
         self._out = Struct(name, "out", "What the law answers.", _group(outputs, "out"), member, unit_of)
+        self._macros = control.macros()
+        macro_names = Names(f"{name.upper()}_", taken=(f"{name.upper()}_{end}" for end in ("H", "PERIOD_NS")))
+        self._macro_names = [macro_names.new(macro.signal.upper()) for macro in self._macros]
         self._data = Data(name)
         self._stack: dict[str, int] = {}
 
@@ -134,6 +114,7 @@ class SourceWriter:
             self._header(),
             "\n".join([*self._preamble(), *self._constants(), *self._tables(), "", *functions, ""]),
             tuple(columns),
+            tuple(self._macro_names),
             tuple(constant for _, constant in self._data.constants.values()),
             tables,
             LONG_WORDS * len(self._data.constants),
@@ -199,13 +180,11 @@ class SourceWriter:
 
     def _note_macros(self) -> list[str]:
         """What the law tells of itself, as the status holds it: fraction bits cut off, limited to the signal."""
-        macros = self._control.macros()
-        if not macros:
+        if not self._macros:
             return []
         lines = [f"/* What the law tells of itself, as {self._comments.status} holds it. */"]
-        names = Names(f"{self._law.upper()}_", taken=(f"{self._law.upper()}_{end}" for end in ("H", "PERIOD_NS")))
-        for macro in macros:
-            name = f"{names.new(macro.signal.upper())}(out)"
+        for macro, macro_name in zip(self._macros, self._macro_names, strict=True):
+            name = f"{macro_name}(out)"
             if macro.leaf is None:
                 lines += [f"/* {macro.signal}: none */", f"#define {name} INT32_C(0)"]
                 continue

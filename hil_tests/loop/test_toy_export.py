@@ -5,16 +5,74 @@ No line of the tree knows of the system: what differs from railhil's own train i
 
 from __future__ import annotations
 
+import json
+import os
 import re
 import shutil
 import subprocess
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
 
+from hil_tests.support.foreign import PROGRAM_INTERFACE, SANITIZED, build, foreign_run
 from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
 
 pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
+
+
+#: Our node and the C on the same frames of a bus that loses, damages, doubles and delays some; one cart falls silent
+#: for a second, the clock port for another. Prints answers, run events, and what each has counted.
+_TWINS = """
+import json, random, sys
+from pathlib import Path
+from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
+from railhil.bus.local import LocalBus
+from railhil.controller_node.vector.node import VectorNode
+from railhil.plant_sim.node import PlantNode
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.session import Session
+scenario, seed = load_any(sys.argv[1]), int(sys.argv[3])
+spec = RunSpec(law=LawSpec("apart"), seed=seed, perturbed=bool(seed))
+node, c = VectorNode(scenario, spec.law), CNode(Path(sys.argv[2]), "apart", PORTABLE_INTERFACE)
+session = Session(scenario, lambda line: None, spec)
+number, polls, answers, late = random.Random(seed), 0, 0, []
+silent = {0x118: range(400, 600), 0x110: range(700, 900)}
+def wire(frame):
+    global polls, late
+    due, late = late, []
+    polls += frame.can_id == 0x080
+    if not seed or frame.can_id == 0x080 or frame.can_id >= 0x160:
+        return [*due, frame]
+    if polls in silent.get(frame.can_id, ()):
+        return due
+    kind = number.randrange(20)
+    if kind == 0:
+        return due
+    if kind == 1:
+        return [*due, frame, frame]
+    if kind == 2:
+        bits = int.from_bytes(frame.data) ^ 1 << number.randrange(64)
+        return [*due, frame._replace(data=bits.to_bytes(8))]
+    if kind == 3:
+        late = [frame]
+        return due
+    return [*due, frame]
+def both(frame):
+    global answers
+    found = []
+    for item in wire(frame):
+        ours, theirs = node.handle(item), c.handle(item)
+        assert ours == theirs, f"{item} at {answers} answers: {ours} {theirs}"
+        answers += bool(ours)
+        found += ours
+    return found
+PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+counters = {cause: count for cause, count in node.counters.items() if cause != "unknown_id"}
+print(json.dumps([answers, int(node.ended), c.ended, counters, c.counters]))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -36,17 +94,45 @@ def export(site: Path, folder: Path, *words: str) -> str:
     return done.stdout
 
 
-def changed(site: Path, folder: Path, file: str, *changes: tuple[str, str]) -> Path:
-    """The toy system with other text in a module of it."""
+def changed(site: Path, folder: Path, changes: Mapping[str, Sequence[tuple[str, str]]]) -> Path:
+    """The toy system with other text in files of it."""
     copy = folder / "site"
     shutil.copytree(site, copy)
-    path = copy / "two_carts" / file
-    text = path.read_text(encoding="utf-8")
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
+    for file, pairs in changes.items():
+        path = copy / "two_carts" / file
+        text = path.read_text(encoding="utf-8")
+        for old, new in pairs:
+            assert old in text
+            text = text.replace(old, new)
+        path.write_text(text, encoding="utf-8")
     return copy
+
+
+#: A law that keeps the commands that were sent, and tells of the first in its note.
+KEEPING = (
+    ("    position: tuple[Any, ...]\n", "    position: tuple[Any, ...]\n    sent: tuple[Any, ...]\n"),
+    (
+        "return State(tuple(self._ar.clip(reading, *self._far) for reading in readings))",
+        "position = tuple(self._ar.clip(reading, *self._far) for reading in readings)\n"
+        "        return State(position, position)\n\n"
+        "    def with_sent(self, state: State, commands: Sequence[T]) -> State:\n"
+        "        return State(state.position, tuple(commands))",
+    ),
+    ("return State(position), Answer", "return State(position, tuple(forces)), Answer"),
+    ("forces.append(ar.note(f", "forces.append(ar.quantise(force, FORCE_Q, 0))\n            ar.note(f"),
+    ('FORCE_Q, "0.01 N"))', 'FORCE_Q, "0.01 N")'),
+    ("Answer(tuple(forces), (ar.sub(position[1], position[0]),))", "Answer(tuple(forces), (state.sent[0],))"),
+)
+#: Its answers are in the format of what is sent.
+PLAIN_FORCES = (('"force_001n", FORCE_Q,', '"force_001n", 0,'),)
+#: Numbers that begin and end inside octets.
+CROOKED = (
+    ('"{p}Pos", at = "0.7:24"', '"{p}Pos", at = "0.4:21"'),
+    ('"{p}Force", at = "0.7:16"', '"{p}Force", at = "0.2:13"'),
+    ('"LawStretch", at = "0.7:24"', '"LawStretch", at = "0.6:21"'),
+    ('"LawFlags", at = "3.7:8"', '"LawFlags", at = "3.4:7"'),
+    ('"LawSteps", at = "4.7:16"', '"LawSteps", at = "4.4:16"'),
+)
 
 
 def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
@@ -147,22 +233,8 @@ def test_parameters_and_settings_change_the_constants(site: Path, exported: Path
 
 def test_the_law_is_told_every_command_that_was_sent(site: Path, tmp_path: Path) -> None:
     """A law that keeps what was sent: the words of the log after it, and the C."""
-    copy = changed(
-        site,
-        tmp_path,
-        "laws.py",
-        ("    position: tuple[Any, ...]\n", "    position: tuple[Any, ...]\n    sent: tuple[Any, ...]\n"),
-        (
-            "return State(tuple(self._ar.clip(reading, *self._far) for reading in readings))",
-            "position = tuple(self._ar.clip(reading, *self._far) for reading in readings)\n"
-            "        return State(position, position)\n\n"
-            "    def with_sent(self, state: State, commands: Sequence[T]) -> State:\n"
-            "        return State(state.position, tuple(commands))",
-        ),
-        ("return State(position), Answer", "return State(position, state.sent), Answer"),
-    )
     folder = tmp_path / "c"
-    export(copy, folder)
+    export(changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES}), folder)
     assert make(folder, "check").returncode == 0
     _, log = rows(folder)
     told = [row for row in log if row["flags"] & 2]
@@ -173,7 +245,7 @@ def test_the_law_is_told_every_command_that_was_sent(site: Path, tmp_path: Path)
 
 def test_a_law_that_could_wrap_is_refused(site: Path, tmp_path: Path) -> None:
     old, new = "ar.clip(reading, *self._far)", "ar.mpy(reading, self._far[0], 0)"
-    copy = changed(site, tmp_path, "laws.py", (old, new))
+    copy = changed(site, tmp_path, {"laws.py": [(old, new)]})
     done = railhil(copy, "export-c", "apart", str(SCENARIO), "--out", str(tmp_path / "c"))
     assert done.returncode == 2
     assert "allowed a law whose fixed point cannot wrap at 0.1 s on two_carts_2m" in done.stderr
@@ -183,19 +255,12 @@ def test_a_law_that_could_wrap_is_refused(site: Path, tmp_path: Path) -> None:
 
 def test_a_reading_that_no_int32_holds_is_refused(site: Path, tmp_path: Path) -> None:
     """Of ``run`` too: Python's whole numbers would hide what the chip does."""
-    copy = changed(
-        site,
-        tmp_path,
-        "wire.py",
-        (
-            "    readings=tuple(\n",
-            '    readings=(Reading("seconds", TimeSync, "seconds_s"),) + tuple(\n',
-        ),
-        (
-            "from railhil.controller_node.vector.law",
-            "from railhil.bus.telegrams import TimeSync\nfrom railhil.controller_node.vector.law",
-        ),
-    )
+    own = "from railhil.controller_node.vector.law"
+    changes = [
+        ("    readings=tuple(\n", '    readings=(Reading("seconds", TimeSync, "seconds_s"),) + tuple(\n'),
+        (own, f"from railhil.bus.telegrams import TimeSync\n{own}"),
+    ]
+    copy = changed(site, tmp_path, {"wire.py": changes})
     for words in (("export-c", "apart"), ("run",)):
         done = railhil(copy, *words, str(SCENARIO), "--out", str(tmp_path / "c"))
         assert done.returncode == 2
@@ -221,7 +286,67 @@ def test_bad_input_is_one_line(site: Path, words: tuple[str, ...], said: str, tm
 
 
 def test_a_system_without_interface_says_what_it_lacks(site: Path, tmp_path: Path) -> None:
-    copy = changed(site, tmp_path, "__init__.py", (', "interface": "two_carts.wire:INTERFACE"', ""))
+    copy = changed(site, tmp_path, {"__init__.py": [(', "interface": "two_carts.wire:INTERFACE"', "")]})
     done = railhil(copy, "export-c", "apart", str(SCENARIO), "--out", str(tmp_path / "c"))
     assert done.returncode == 2
     assert "system two_carts: interface: found no such part" in done.stderr
+
+
+# -- the controller around the law ------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def run_folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run of our own node in this process."""
+    folder = tmp_path_factory.mktemp("runs") / "ours"
+    done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(folder), "--quiet", "--no-report")
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def test_the_c_node_over_the_hub_gives_the_bytes_of_our_own(
+    site: Path, exported: Path, run_folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = tmp_path / "c"
+    shutil.copytree(exported, copy)
+    program = build(copy, ["apart.c", *PROGRAM_INTERFACE], "node", SANITIZED)
+    monkeypatch.setenv("PYTHONPATH", str(site))
+    run = foreign_run(program, tmp_path / "hub", tmp_path / "run", str(SCENARIO))
+    assert run.done.exit_code == 0, run.done.err
+    assert run.exit_code == 0, run.said
+    assert "121 control periods, run event 4\n" in run.said
+    ours, theirs = (json.loads((folder / "certificate.json").read_text()) for folder in (run_folder, tmp_path / "run"))
+    assert theirs["frames_sha256"] == ours["frames_sha256"]
+    assert theirs["foreign"]
+
+
+def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
+    """Both controllers on the same frames, every answer equal; what each of them has counted."""
+    words = [sys.executable, "-c", _TWINS, str(SCENARIO), str(folder), str(seed)]
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    done = subprocess.run(words, capture_output=True, text=True, timeout=120, env=environment)
+    assert done.returncode == 0, done.stderr
+    answers, ended, ended_c, counted, counted_c = json.loads(done.stdout)
+    assert answers > 1000
+    assert ended == ended_c == 4
+    assert counted == counted_c
+    return dict(counted)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 2, 3])
+def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_path: Path, seed: int) -> None:
+    copy = tmp_path / "c"
+    shutil.copytree(exported, copy)
+    counted = twins(site, copy, seed)
+    if seed:
+        assert {"wrong_check_sequence", "wrong_master_word", "missing_block", "stale"} <= set(counted)
+    else:
+        assert not counted
+
+
+def test_the_c_node_reads_and_writes_any_bits_and_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> None:
+    copy = changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES, "ports.toml": CROOKED})
+    folder = tmp_path / "c"
+    export(copy, folder)
+    for seed in (0, 5):
+        twins(copy, folder, seed)
