@@ -73,7 +73,7 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
     return {
         f"{name}_node.h": node_header(name, control),
         **{file: template(file, name) for file in (*_HEADERS, *_SOURCES)},
-        **{file: template(f"{control.folder}/{file}", name, **places) for file in own},
+        **{file: template(file, name, control.folder, **places) for file in own},
         **{file: template(file, name) for file in _PROGRAM},
     }
 

@@ -169,7 +169,7 @@ class Control(ABC):
         :param play: makes a run of the bench; None: there is none to be had.
         """
 
-    #: Folder of the C files that stand between the telegrams and the law.
+    #: Folder of the C files that stand between the telegrams and the law, package:folder.
     folder: ClassVar[str]
     #: Their names: sources, headers.
     sources: ClassVar[tuple[str, ...]]

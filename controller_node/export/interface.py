@@ -24,6 +24,7 @@ from railhil.controller_node.export.control import (
 )
 from railhil.controller_node.export.names import Names, identifier, literal, wide
 from railhil.controller_node.export.node_header import octets
+from railhil.controller_node.export.templates import SHARED
 from railhil.controller_node.program.model import Value
 from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
 from railhil.controller_node.vector.law import Interface, raw_range
@@ -64,7 +65,7 @@ class _Listener(VectorController):
 class InterfaceControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`; the system has a part ``interface``."""
 
-    folder = "interface"
+    folder = f"{SHARED}/interface"
     sources = ("railhil_law.c",)
     headers = ("railhil_law.h",)
 

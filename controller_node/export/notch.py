@@ -14,6 +14,7 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export import notch_runs
 from railhil.controller_node.export.control import Comments, Control, Define, Loop, Macro, Period, Play, Source, Word
 from railhil.controller_node.export.names import wide
+from railhil.controller_node.export.templates import SHARED
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
@@ -55,7 +56,7 @@ class NotchControl(Control):
     """See :class:`railhil.controller_node.export.control.Control`."""
 
     scenario: Scenario
-    folder = "notch"
+    folder = f"{SHARED}/notch"
     sources = ("railhil_position.c", "railhil_guard.c", "railhil_law.c")
     headers = ("railhil_position.h", "railhil_guard.h", "railhil_law.h")
 

@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from importlib.resources import files
 
+#: Folder of those that every way of control has, package:folder.
+SHARED = "railhil.controller_node.export:c"
 
-def template(file: str, law: str, **places: str) -> str:
-    """Text of a file in ``c/``.
+
+def template(file: str, law: str, folder: str = SHARED, **places: str) -> str:
+    """Text of a file.
 
     :param law: its name in C, in the place of ``@LAW@``, in capitals of ``@PREFIX@``.
+    :param folder: package:folder.
     :param places: what else stands between two @.
     """
-    text = files("railhil.controller_node.export").joinpath("c", file).read_text(encoding="ascii")
+    package, _, path = folder.partition(":")
+    text = files(package).joinpath(path, file).read_text(encoding="ascii")
     for name, words in {"LAW": law, "PREFIX": law.upper(), **places}.items():
         text = text.replace(f"@{name}@", words)
     return text
