@@ -19,6 +19,7 @@ ATO = System(
         "batch": "railhil.batch:run_batch",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",
+        "export": "railhil.controller_node.export.notch:NotchControl",
         "picture": "railhil.supervisor.report.picture:draw",
     },
 )

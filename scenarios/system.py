@@ -38,8 +38,10 @@ class System:
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
     figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules use, such as ``task``,
     ``interface``, ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without
-    them campaign and audit go through the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`) and ``picture``: draws
-    scenario and trace into a file (without one: :mod:`railhil.supervisor.report.signals_picture`).
+    them campaign and audit go through the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
+    (:class:`railhil.controller_node.export.control.Control`; without one a law is exported by ``interface``) and
+    ``picture``: draws scenario and trace into a file (without one:
+    :mod:`railhil.supervisor.report.signals_picture`).
     """
 
     name: str

@@ -6,7 +6,7 @@ IQmath functions are called by their names where the library has them (N = 1..30
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from railhil.controller_node.arithmetic.base import Constant
@@ -89,13 +89,14 @@ class Body:
     ``locals``: number of its local variables, for the bound of the stack.
 
     :param places: C expression of each input of the program, by its name.
+    :param parameters: names of the function's parameters.
     """
 
-    def __init__(self, program: Program, data: Data, places: Mapping[str, str]) -> None:
+    def __init__(self, program: Program, data: Data, places: Mapping[str, str], parameters: Iterable[str] = ()) -> None:
         self.lines: list[str] = []
         self.locals = 0
         self._data = data
-        self._names = Names()
+        self._names = Names(taken=parameters)
         self._quantities: dict[int, Quantity] = {}
         for quantity in program.quantities:
             self._quantities.setdefault(quantity.value.number, quantity)

@@ -6,36 +6,22 @@ import os
 import shutil
 import tempfile
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
+from railhil.controller_node.ecan import mailbox_table
 from railhil.controller_node.export.body import NAMED_Q
+from railhil.controller_node.export.control import Control, Play, Source, Word
+from railhil.controller_node.export.interface import InterfaceControl
 from railhil.controller_node.export.mailboxes import mailbox_header
 from railhil.controller_node.export.node_header import node_header
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.reference import reference_log
-from railhil.controller_node.export.source import Source, SourceWriter, c_name
-from railhil.controller_node.node import mailboxes
-from railhil.controller_node.program.model import BALISE_INPUTS, LawProgram
-from railhil.controller_node.program.record import record
-from railhil.scenarios.model import Scenario
+from railhil.controller_node.export.source import SourceWriter, c_name
+from railhil.controller_node.export.templates import template
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-
-#: Words of a record without a balise.
-_RECORD_WORDS = 5
-#: The controller around the law, the same for every law but for names.
-_NODE_FILES = (
-    "railhil_mvb.h",
-    "railhil_guard.h",
-    "railhil_guard.c",
-    "railhil_position.c",
-    "railhil_control.h",
-    "railhil_control.c",
-    "railhil_socket.h",
-    "railhil_socket.c",
-    "railhil_node.c",
-)
+from railhil.scenarios.system import system_named
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,22 +32,50 @@ class Bundle:
     files: dict[str, str]
 
 
-def _template(name: str, law: str) -> str:
-    text = files("railhil.controller_node.export").joinpath("c", name).read_text(encoding="ascii")
-    return text.replace("@LAW@", law)
+#: The controller around the law, the same for every way of control: sources, headers.
+_SOURCES = ("railhil_clock.c", "railhil_control.c")
+_HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_control.h")
+_PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 
 
-def _host_program(name: str, programs: LawProgram) -> str:
-    """The host program: a record holds the balise only for a law that is given it."""
-    balise = range(_RECORD_WORDS, _RECORD_WORDS + (len(BALISE_INPUTS) if programs.track else 0))
-    text = _template("railhil_run.c", name).replace("@RECORD_WORDS@", str(balise.stop))
-    return text.replace("@BALISE@", "".join(f", record[{word}]" for word in balise))
+def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
+    """A law as its system says that it is exported: by the part ``export``, else by the ``interface`` of its laws.
+
+    :raises InputError: the system has neither; as :class:`~railhil.controller_node.export.control.Control`.
+    """
+    system = system_named(scenario.system)
+    kind: type[Control] = system.part("export") if "export" in system.own else InterfaceControl
+    return kind(scenario, law)
 
 
-def _node_file(file: str, name: str, programs: LawProgram) -> str:
-    balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
-    text = _template(file, name).replace("@PREFIX@", name.upper())
-    return text.replace("@BALISE@", balise if programs.track else "")
+def _host_program(name: str, control: Control) -> str:
+    """The host program: a record holds what this law is given and told."""
+    comments = control.comments(name)
+
+    def words(of: tuple[Word, ...]) -> str:
+        return ", ".join(f"record[{1 + control.record.index(word)}]" for word in of)
+
+    return template(
+        "railhil_run.c",
+        name,
+        RECORD_WORDS=str(1 + len(control.record)),
+        GIVEN=words(control.given),
+        TOLD=words(control.told),
+        WHAT=comments.what,
+        OTHER=comments.other,
+        RECORD=comments.record,
+    )
+
+
+def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
+    places = control.places(source)
+    own = [*control.headers, *control.sources]
+    return {
+        f"{name}_node.h": node_header(name, control),
+        **{file: template(file, name) for file in (*_HEADERS, *_SOURCES)},
+        **{file: template(file, name, control.folder, **places) for file in own},
+        **{file: template(file, name) for file in _PROGRAM},
+    }
 
 
 def _names_of_iqmath() -> str:
@@ -80,16 +94,17 @@ def _names_of_iqmath() -> str:
     return "\n".join(lines)
 
 
-def make_bundle(scenario: Scenario, law: LawSpec) -> Bundle:
+def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -> Bundle:
     """The files of a law on a scenario; the same bytes for the same law, parameters and scenario.
 
     :param law: in fixed point, ``iq``.
+    :param play: makes a run of the bench with the controller that it is given, for a log that holds one.
     :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
     try:
-        programs = record(scenario, law)
+        control = control_of(scenario, law)
         name = c_name(law.controller)
-        source = SourceWriter(programs, scenario, law).write()
+        source = SourceWriter(control).write()
     except ValueError as error:
         allowed = "operations of the arithmetic, formats that agree, no branch on data"
         raise InputError("controller", law.controller, Words(str(error)), allowed) from error
@@ -98,14 +113,18 @@ def make_bundle(scenario: Scenario, law: LawSpec) -> Bundle:
         {
             f"{name}.c": source.source,
             f"{name}.h": source.header,
-            "railhil_iq.h": _template("railhil_iq.h", name).replace("@NAMES@", _names_of_iqmath()),
-            f"{name}_mailboxes.h": mailbox_header(name, mailboxes()),
-            f"{name}_node.h": node_header(name, programs, scenario, law),
-            **{file: _node_file(file, name, programs) for file in _NODE_FILES},
-            f"{name}_log.txt": reference_log(scenario, programs, law, source.columns),
-            "railhil_run.c": _host_program(name, programs),
-            "Makefile": _template("Makefile", name),
-            "README.md": memory_note(programs, scenario, law, source),
+            "railhil_iq.h": template("railhil_iq.h", name, NAMES=_names_of_iqmath()),
+            f"{name}_mailboxes.h": mailbox_header(name, mailbox_table(control.contract, *control.ports())),
+            **_node_files(name, control, source),
+            f"{name}_log.txt": reference_log(control, source.columns, play),
+            "railhil_run.c": _host_program(name, control),
+            "Makefile": template(
+                "Makefile",
+                name,
+                NODE_C=" ".join((*control.sources, *_SOURCES)),
+                NODE_H=" ".join((*control.headers, *_HEADERS)),
+            ),
+            "README.md": memory_note(control, source),
         },
     )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
 
@@ -15,10 +16,8 @@ _KEYWORDS = """
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     asm cregister far interrupt ioport near
 """
-#: Parameters of the exported functions, and functions that a C library has.
-_TAKEN = (
-    "in out state events k speed_01mmps position_01mm balise balise_01mm balise_odometer_01mm notch_code main abs labs"
-)
+#: Parameters of every exported function, and functions that a C library has.
+_TAKEN = "in out state events main abs labs"
 
 
 def identifier(text: str) -> str:
@@ -32,11 +31,12 @@ class Names:
     """Identifiers of one scope: each is given away once.
 
     :param prefix: stands before each of them.
+    :param taken: are given away already.
     """
 
-    def __init__(self, prefix: str = "") -> None:
+    def __init__(self, prefix: str = "", taken: Iterable[str] = ()) -> None:
         self._prefix = prefix
-        self._used = {*_KEYWORDS.split(), *_TAKEN.split()}
+        self._used = {*_KEYWORDS.split(), *_TAKEN.split(), *taken}
 
     def new(self, text: str) -> str:
         """An identifier made from a text, other than all before it in the first 31 characters."""
@@ -54,6 +54,11 @@ class Names:
 def literal(raw: int) -> str:
     """A number as int32: a bare literal is an ``int``, which has 16 bits on the target."""
     return "INT32_MIN" if raw == INT32_MIN else f"INT32_C({raw})"
+
+
+def wide(value: int) -> str:
+    """A number as int64."""
+    return f"INT64_C({value})"
 
 
 def comment(text: str) -> str:

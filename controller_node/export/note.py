@@ -6,12 +6,10 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export.body import NAMED_Q
+from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.names import comment
-from railhil.controller_node.export.source import Source
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.run_spec import LawSpec
 
 #: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, where the stack usually is (TI SPRS439).
 RAM_WORDS = 34 * 1024
@@ -21,15 +19,16 @@ STACK_WORDS = 1024
 _ROUNDING_NAMED = 1e-4
 
 
-def memory_note(programs: LawProgram, scenario: Scenario, law: LawSpec, source: Source) -> str:
+def memory_note(control: Control, source: Source) -> str:
     """The README as Markdown text."""
-    name = source.name
+    programs, scenario, law, name = control.programs, control.scenario, control.law, source.name
     cost = cost_of(programs, make("iq"), scenario.timing.control_period_ns)
     tables = sum(source.table_words.values())
     constants = source.constant_words + tables
     stack = max(source.stack_words.values())
     table_rows = [f"| table `{name}` | {words} |" for name, words in source.table_words.items()]
     period_ms = scenario.timing.control_period_ns / 1e6
+    own = ", ".join(f"`{file}`, `.h`" for file in control.sources)
     return "\n".join(
         [
             f"# Control law `{programs.law}` in C99",
@@ -43,8 +42,8 @@ def memory_note(programs: LawProgram, scenario: Scenario, law: LawSpec, source: 
             "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it takes TI's `IQmathLib.h` instead |",
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
-            "| `railhil_control.c`, `railhil_control.h` | the controller on the bus: frames in, answers to polls out |",
-            "| `railhil_guard.c`, `.h`, `railhil_position.c` | its time, reaction ladder, position, balises |",
+            "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
+            f"| {own} | {control.comments(name).node} |",
             f"| `railhil_mvb.h`, `{name}_node.h` | telegrams on CAN frames; constants of wire and scenario |",
             "| `railhil_node.c`, `railhil_socket.c`, `.h` | host program: SocketCAN, or the bench's hub |",
             "| `railhil_run.c`, `Makefile` | host program for the log, and its build |",

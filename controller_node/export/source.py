@@ -4,19 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
-from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.body import Body, Data, remark
+from railhil.controller_node.export.control import Control, Source
 from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, identifier, literal
-from railhil.controller_node.laws import load
-from railhil.controller_node.laws.note import SLOTS, slots
-from railhil.controller_node.program.model import LawProgram, Program, Value
-from railhil.scenarios.model import Scenario
-from railhil.scenarios.run_spec import LawSpec
+from railhil.controller_node.program.model import Program, Value
 
 _PER_LINE = 5
-_BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
 #: Words (16 bit) on the target: return address of a call, a pointer, an int32.
 _CALL_WORDS = 2
 _POINTER_WORDS = 2
@@ -42,15 +36,22 @@ class Struct:
     """A structure of int32 members, one for each leaf of a law's state, inputs or outputs.
 
     :param group: ``state``, ``in`` or ``out``, the first part of the leaves' names.
+    :param member_of: what the member of a leaf is named for.
     """
 
     def __init__(
-        self, law: str, group: str, what: str, leaves: Sequence[tuple[str, Value]], unit_of: Callable[[str, Value], str]
+        self,
+        law: str,
+        group: str,
+        what: str,
+        leaves: Sequence[tuple[str, Value]],
+        member_of: Callable[[str], str],
+        unit_of: Callable[[str, Value], str],
     ) -> None:
         names = Names()
         self.group, self.what = group, what
         self.type = f"{law}_{group}_t"
-        self.members = {name: names.new(name.removeprefix(f"{group}.")) for name, _ in leaves}
+        self.members = {name: names.new(member_of(name)) for name, _ in leaves}
         self._remarks = {name: remark(value.q, unit_of(name, value)) for name, value in leaves}
 
     def place(self, leaf: str) -> str:
@@ -70,39 +71,19 @@ class Struct:
         return [*lines, f"}} {self.type};"]
 
 
-@dataclass(frozen=True, slots=True)
-class Source:
-    """A law in C.
-
-    ``header`` and ``source``: the two files. ``columns``: names of a log's result words, in order. ``constants``: the
-    single constants. ``table_words`` and ``constant_words``: 16-bit words of tables and single constants;
-    ``ram_words``: of state, inputs, outputs and event counters. ``stack_words``: bound of the stack of each function,
-    by its name.
-    """
-
-    name: str
-    header: str
-    source: str
-    columns: tuple[str, ...]
-    constants: tuple[Constant, ...]
-    table_words: dict[str, int]
-    constant_words: int
-    ram_words: int
-    stack_words: dict[str, int]
-
-
 class SourceWriter:
     """Writes the two files of one law.
 
-    :param programs: the recorded law.
-    :param law: its set-points are named in the files.
     :raises ValueError: from :meth:`write` too, for what C or the library cannot do.
     """
 
-    def __init__(self, programs: LawProgram, scenario: Scenario, law: LawSpec) -> None:
+    def __init__(self, control: Control) -> None:
+        programs, scenario = control.programs, control.scenario
         self._law = name = c_name(programs.law)
         self._programs = programs
-        self._origin = comment(f"law {programs.law}, scenario {scenario.name}, {law.set_points}")
+        self._control = control
+        self._comments = control.comments(name)
+        self._origin = comment(f"law {programs.law}, scenario {scenario.name}, {control.law.set_points}")
         self._sha256 = scenario.sha256
         self._period_ns = scenario.timing.control_period_ns
         given, outputs = programs.inputs.outputs, programs.step.outputs
@@ -111,10 +92,13 @@ class SourceWriter:
         def unit_of(_: str, value: Value) -> str:
             return units.get(value.number, "") if value.constant is None else ""
 
-        self._in = Struct(name, "in", "What the law is given each control period.", given, _input_unit)
-        self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), unit_of)
-        self._out = Struct(name, "out", "What the law answers.", _group(outputs, "out"), unit_of)
-        self._notes = load(programs.law).notes
+        member, state_member = control.member, lambda leaf: leaf.removeprefix("state.")
+        self._in = Struct(name, "in", "What the law is given each control period.", given, member, control.input_unit)
+        self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), state_member, unit_of)
+        self._out = Struct(name, "out", "What the law answers.", _group(outputs, "out"), member, unit_of)
+        self._macros = control.macros()
+        macro_names = Names(f"{name.upper()}_", taken=(f"{name.upper()}_{end}" for end in ("H", "PERIOD_NS")))
+        self._macro_names = [macro_names.new(macro.signal.upper()) for macro in self._macros]
         self._data = Data(name)
         self._stack: dict[str, int] = {}
 
@@ -130,6 +114,7 @@ class SourceWriter:
             self._header(),
             "\n".join([*self._preamble(), *self._constants(), *self._tables(), "", *functions, ""]),
             tuple(columns),
+            tuple(self._macro_names),
             tuple(constant for _, constant in self._data.constants.values()),
             tables,
             LONG_WORDS * len(self._data.constants),
@@ -142,17 +127,17 @@ class SourceWriter:
         taken = f"const {self._in.type} *in"
         return {
             "inputs": [
-                *(f"int32_t {name}" for name, _ in self._programs.inputs.inputs),
+                *(f"int32_t {word.parameter}" for word in self._control.given),
                 f"{self._in.type} *in",
                 events,
             ],
             "start": [taken, f"{self._state.type} *state"],
             "step": [f"{self._state.type} *state", taken, f"{self._out.type} *out", events],
-            "sent": [f"{self._state.type} *state", "int32_t notch_code"],
+            "sent": [f"{self._state.type} *state", *(f"int32_t {word.parameter}" for word in self._control.told)],
         }
 
     def _header(self) -> str:
-        law, signatures = self._law, self._signatures()
+        law, signatures, comments = self._law, self._signatures(), self._comments
         guard = f"{law.upper()}_H"
         structs = [line for struct in (self._in, self._state, self._out) for line in (*struct.declaration(), "")]
 
@@ -165,8 +150,7 @@ class SourceWriter:
                 f" * Scenario SHA-256 {self._sha256}.",
                 " * Generated: change the law, not this file. Value = raw / 2^Q.",
                 " *",
-                f" * Each control period: {law}_inputs, in the first one {law}_start, then {law}_step. The answer is",
-                f" * out.notch in 1/256 notch. When another notch is sent, {law}_sent tells the law.",
+                *(f" * {line}".rstrip() for line in comments.use),
                 " */",
                 f"#ifndef {guard}",
                 f"#define {guard}",
@@ -176,8 +160,7 @@ class SourceWriter:
                 f"#define {law.upper()}_PERIOD_NS {literal(self._period_ns)} /* control period */",
                 "",
                 *structs,
-                "/* Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm)"
-                f"{_BALISE_WORDS if self._programs.track else ''}. */",
+                f"/* {comments.inputs}. */",
                 prototype("inputs"),
                 "",
                 "/* State before the first control period, given what that period is given. */",
@@ -186,7 +169,7 @@ class SourceWriter:
                 "/* One control period. */",
                 prototype("step"),
                 "",
-                "/* The notch (1/256) really sent since the last control period. */",
+                f"/* {comments.sent}. */",
                 prototype("sent"),
                 "",
                 *self._note_macros(),
@@ -196,21 +179,19 @@ class SourceWriter:
         )
 
     def _note_macros(self) -> list[str]:
-        """What the law tells of itself, as CTL_STAT holds it: fraction bits cut off, limited to its bits."""
-        lines = ["/* What the law tells of itself, as CTL_STAT holds it. */"]
-        found = slots(self._notes)
-        for signal in SLOTS:
-            name = f"{self._law.upper()}_{signal.upper()}(out)"
-            if signal not in found:
-                lines += [f"/* {signal}: none */", f"#define {name} INT32_C(0)"]
+        """What the law tells of itself, as the status holds it: fraction bits cut off, limited to the signal."""
+        if not self._macros:
+            return []
+        lines = [f"/* What the law tells of itself, as {self._comments.status} holds it. */"]
+        for macro, macro_name in zip(self._macros, self._macro_names, strict=True):
+            name = f"{macro_name}(out)"
+            if macro.leaf is None:
+                lines += [f"/* {macro.signal}: none */", f"#define {name} INT32_C(0)"]
                 continue
-            number = found[signal]
-            note = self._notes[number]
-            low, high = map(literal, note.limits)
-            member = self._out.members[f"out.notes[{number}]"]
-            value = f"iq_max({low}, iq_min({high}, iq_shr((out).{member}, {note.shift})))"
-            words = ", ".join(filter(None, (note.name, note.title, f"1/2^{note.wire_q}", note.unit, *note.bits)))
-            lines += [f"/* {signal}: {comment(words)} */", f"#define {name} {value}"]
+            low, high = map(literal, macro.limits)
+            member = self._out.members[macro.leaf]
+            value = f"iq_max({low}, iq_min({high}, iq_shr((out).{member}, {macro.shift})))"
+            lines += [f"/* {macro.signal}: {comment(macro.words)} */", f"#define {name} {value}"]
         return [*lines, ""]
 
     def _preamble(self) -> list[str]:
@@ -242,7 +223,7 @@ class SourceWriter:
         return lines
 
     def _inputs(self) -> list[str]:
-        places = {name: name for name, _ in self._programs.inputs.inputs}
+        places = {word.name: word.parameter for word in self._control.given}
         return self._function("inputs", self._programs.inputs, places, (self._in,))
 
     def _start(self) -> list[str]:
@@ -253,10 +234,13 @@ class SourceWriter:
         return self._function("step", self._programs.step, places, (self._state, self._out))
 
     def _sent(self) -> list[str]:
-        return self._function("sent", self._programs.sent, self._state.places | {"notch": "notch_code"}, (self._state,))
+        told = {word.name: word.parameter for word in self._control.told}
+        return self._function("sent", self._programs.sent, self._state.places | told, (self._state,))
 
     def _function(self, name: str, program: Program, places: dict[str, str], into: Sequence[Struct]) -> list[str]:
-        body = Body(program, self._data, places)
+        signature = self._signatures()[name]
+        parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
+        body = Body(program, self._data, places, parameters)
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
         sources = {leaf: body.expression(value) for leaf, value in program.outputs}
         # A member that moves to another one is copied before either is written.
@@ -268,9 +252,7 @@ class SourceWriter:
             if source != targets[leaf]
         ]
         lines = [*body.lines, *writes]
-        signature = self._signatures()[name]
         text = "\n".join(lines)
-        parameters = [parameter.replace("*", " ").split()[-1] for parameter in signature]
         if "events" not in parameters and _uses(text, "events"):
             raise ValueError(f"{name} of the law counts saturations or divisions by zero: clip limits without counting")
         unused = [f"(void){parameter};" for parameter in parameters if not _uses(text, parameter)]
@@ -278,13 +260,6 @@ class SourceWriter:
         self._stack[f"{self._law}_{name}"] = frame + _HELPER_WORDS
         opening = f"void {self._law}_{name}({', '.join(signature)})"
         return [opening, "{", *(f"    {line}" for line in (*lines, *unused)), "}"]
-
-
-def _input_unit(leaf: str, value: Value) -> str:
-    """Unit of a leaf of ``LawInputs``: speeds, and positions of the track inputs."""
-    if not leaf.startswith("in.track."):
-        return "km/h"
-    return "0.1 mm" if leaf.endswith("_01mm") else ""
 
 
 def _group(leaves: Sequence[tuple[str, Value]], group: str) -> list[tuple[str, Value]]:

@@ -8,7 +8,7 @@ from typing import Any, Generic
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counters, T
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic, Constant, Counters, T
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws import find
@@ -78,13 +78,19 @@ class VectorLoop(Generic[T]):
             for reading, raw in zip(self.interface.readings, raws, strict=True)
         )
 
-    def step(self, raws: Sequence[Any]) -> Answer[T]:
-        """One control period; the first one also makes the law's state."""
+    def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
+        """One control period, the first one also makes the law's state; returns its inputs and its answer."""
         inputs = self.inputs(raws)
         if self.state is None:
             self.state = self.law.start(inputs)
         self.state, answer = self.answered(self.state, inputs)
-        return answer
+        return inputs, answer
+
+    def sent(self, raws: Sequence[Any]) -> None:
+        """Tell the law the commands that were really sent, raw."""
+        commands = zip(self.interface.commands, raws, strict=True)
+        told = [self.arithmetic.from_raw(raw, command.q) for command, raw in commands]
+        self.state = self.law.with_sent(self.state, told)
 
     def answered(self, state: Any, inputs: tuple[T, ...]) -> tuple[Any, Answer[T]]:
         """The law's step, its commands rounded and kept inside their bounds."""
@@ -106,6 +112,16 @@ def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
     return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
 
 
+def _refuse_wide_readings(interface: Interface) -> None:
+    """A reading in fixed point is an int32, as on the chip."""
+    for reading in interface.readings:
+        low, high = raw_range(reading.telegram, reading.field)
+        if low < INT32_MIN or high > INT32_MAX:
+            found = Words(f"{reading.telegram.PORT}.{reading.field} with {low} to {high}")
+            allowed = f"{INT32_MIN} to {INT32_MAX} in fixed point"
+            raise InputError("interface", f"reading {reading.name}", found, allowed)
+
+
 class _Traced:
     """A vector loop as the recorder of programs takes a law."""
 
@@ -122,6 +138,8 @@ def vector_program(
     tracer = Tracer(wide)
     loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given)
     interface = loop.interface
+    if not wide:
+        _refuse_wide_readings(interface)
 
     def inputs() -> tuple[Value, ...]:
         return loop.inputs([tracer.input(reading.name, reading.q) for reading in interface.readings])
@@ -175,7 +193,7 @@ class VectorController:
         """One control period, from one raw integer for each reading."""
         number, interface = self._number, self._interface
         try:
-            answer = self._loop.step(raws)
+            _, answer = self._loop.step(raws)
         except Exception as fault:
             raise self._failed(fault, "step") from fault
         commands = zip(interface.commands, answer.commands, strict=True)
@@ -191,15 +209,13 @@ class VectorController:
     def sent(self, *raws: int) -> None:
         """Tell the law the commands that were really sent, one for each, when they are not those that :meth:`step`
         answered."""
-        number, loop = self._number, self._loop
-        if loop.state is None:
+        if self._loop.state is None:
             return
-        commands = zip(self._interface.commands, raws, strict=True)
         try:
-            loop.state = loop.law.with_sent(loop.state, [number.from_raw(raw, item.q) for item, raw in commands])
+            self._loop.sent(raws)
         except Exception as fault:
             raise self._failed(fault, "with_sent") from fault
-        self.telemetry.take(number)
+        self.telemetry.take(self._number)
 
     def _failed(self, error: Exception, function: str) -> InputError:
         named = self.telemetry.quantities[: len(self._number.noted or ())]

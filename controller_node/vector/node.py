@@ -15,9 +15,30 @@ from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
+from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.system import system_named
+from railhil.scenarios.system import System, system_named
+
+
+def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list[Port]]:
+    """Ports that a controller of this interface receives, the clock port first, and those that it answers."""
+    read = [*(item.telegram.PORT for item in interface.readings), TimeSync.PORT, RunEvent.PORT]
+    answered = [item.telegram.PORT for item in interface.commands]
+    if interface.status is not None:
+        answered.append(interface.status.PORT)
+    sides = ([contract.clock_port.name, *read], [*answered, CtlIdent.PORT])
+    received, sent = ([contract.port(name) for name in dict.fromkeys(side)] for side in sides)
+    return received, sent
+
+
+def refuse_indexing(system: System, law: LawSpec) -> None:
+    """Laws over several units take their set-points over time.
+
+    :raises InputError: otherwise.
+    """
+    if law.indexing != "time":
+        raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
 
 
 class VectorNode:
@@ -44,8 +65,7 @@ class VectorNode:
         contract = system.contract
         if law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, f"0 with system {system.name}")
-        if law.indexing != "time":
-            raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
+        refuse_indexing(system, law)
         self.law = law
         self.law_type: Any = find(law.controller, system.laws, VectorLaw)
         self.controller = controller or self.computes(scenario, law)
@@ -65,16 +85,15 @@ class VectorNode:
         self._steps = 0
         self._stale = 0
         self._life: dict[str, int] = {}
-        read = dict.fromkeys([*(item.telegram for item in self._interface.readings), TimeSync, RunEvent])
         sent = dict.fromkeys(item.telegram for item in self._interface.commands)
         answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
         if self._interface.status is not None:
             answers[self._interface.status.PORT] = partial(self._status, self._interface.status)
-        sinks = {port.name: port for port in (contract.clock_port, *(kind.port() for kind in read))}
+        received, _ = ports_of(contract, self._interface)
         self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
-            sinks.values(),
+            received,
             {**answers, CtlIdent.PORT: self._own_ident},
             fd=fd,
             contract=contract,

@@ -224,7 +224,6 @@ def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path)
 @pytest.mark.parametrize(
     "words",
     [
-        ("export-c", "apart", str(SCENARIO), "--out", "c"),
         ("tune", "apart", str(SCENARIO)),
     ],
     ids=lambda words: words[0],

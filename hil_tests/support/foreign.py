@@ -24,8 +24,11 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 #: The controller around the law; the program has its sockets and its loop besides.
-PORTABLE = ("railhil_guard.c", "railhil_position.c", "railhil_control.c")
+PORTABLE = ("railhil_clock.c", "railhil_position.c", "railhil_guard.c", "railhil_law.c", "railhil_control.c")
 PROGRAM = (*PORTABLE, "railhil_socket.c", "railhil_node.c")
+#: The same around a law of a system with an interface.
+PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_law.c", "railhil_control.c")
+PROGRAM_INTERFACE = (*PORTABLE_INTERFACE, "railhil_socket.c", "railhil_node.c")
 #: Undefined behaviour and memory errors end the program.
 SANITIZED = ("-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined",
              "-fno-sanitize-recover=all")  # fmt: skip
@@ -36,11 +39,11 @@ static railhil_control_t control;
 void begin(void) { railhil_init(&control); }
 unsigned take(uint32_t can_id, unsigned length, const unsigned char *data, railhil_frame_t *answer)
 { return railhil_receive(&control, can_id, length, data, answer); }
-unsigned counted(unsigned index) { return (unsigned)control.guard.counts[index]; }
+unsigned counted(unsigned index) { return (unsigned)control.counts[index]; }
 unsigned counters(void) { return RAILHIL_COUNTS; }
 int ended(void) { return control.ended; }
-int level(void) { return control.guard.watch.level; }
 """
+_LEVEL = "int level(void) { return control.law.guard.watch.level; }\n"
 
 
 def export_node(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> None:
@@ -72,14 +75,15 @@ class CNode:
     """The C controller in this process: takes frames as :meth:`ControllerNode.handle` does.
 
     :param folder: of the export; the library is compiled there once.
+    :param portable: files of the controller around the law.
     """
 
-    def __init__(self, folder: Path, law: str) -> None:
+    def __init__(self, folder: Path, law: str, portable: Sequence[str] = PORTABLE) -> None:
         path = folder / "library.so"
         if not path.exists():
-            (folder / "shim.c").write_text(_SHIM)
+            (folder / "shim.c").write_text(_SHIM + (_LEVEL if "railhil_guard.c" in portable else ""))
             flags = (*STRICT, "-O2", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error")
-            build(folder, [f"{law}.c", *PORTABLE, "shim.c"], path.name, flags)
+            build(folder, [f"{law}.c", *portable, "shim.c"], path.name, flags)
         self._c = ctypes.CDLL(str(path))
         self._c.railhil_count_name.restype = ctypes.c_char_p
         self._answer = (CFrame * 5)()
@@ -102,7 +106,7 @@ class CNode:
 
     @property
     def level(self) -> int:
-        """Level of the reaction ladder."""
+        """Level of the reaction ladder, of a train's controller."""
         return int(self._c.level())
 
     @property

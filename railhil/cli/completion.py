@@ -19,6 +19,7 @@ _ARGUMENTS = {
     "railhil.tuning": "railhil.tuning.command",
     "railhil.machines.vcan": "railhil.machines.vcan",
     "railhil.cli.completion": "railhil.cli.completion",
+    "railhil.cli.export_c": "railhil.cli.export_c",
     "railhil.plant_sim": "railhil.plant_sim.command",
     "railhil.controller_node": "railhil.controller_node.command",
 }

@@ -25,7 +25,7 @@ PROGRAMS = {
         "thousands of perturbed runs of several laws: statistics, worst runs, resume",
     ),
     "completion": ("railhil.cli.completion", "print a completion script for bash or zsh"),
-    "export-c": ("railhil.controller_node.export", "write a control law as C99 for the target"),
+    "export-c": ("railhil.cli.export_c", "write a control law as C99 for the target"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),
     "vcan": (
         "railhil.machines.vcan",

@@ -218,6 +218,9 @@ typedef enum { RAILHIL_FRESH, RAILHIL_GAP, RAILHIL_REPEATED, RAILHIL_OLD } railh
 
 enum { RAILHIL_LIFE_STEP_MAX = 7 };
 
+/* Check variable of a telegram that is right. */
+enum { RAILHIL_CHECK_CORRECT = 1 };
+
 static inline railhil_life_t railhil_life(int last, int life)
 {
     const unsigned step = (unsigned)(life - last) & 0xFu;

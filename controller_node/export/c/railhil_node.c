@@ -27,11 +27,11 @@ enum { FIRST_FRAME_S = 300, PATIENCE_S = 62, SILENCE_S = 3, WAIT_MAX_S = 3600 };
 static void say_how_it_went(const railhil_bus_t *bus, const railhil_control_t *control)
 {
     unsigned i;
-    const unsigned long steps = control->steps;
+    const unsigned long steps = control->law.steps;
     fprintf(stderr, "@LAW@_node: %s: %lu control periods, run event %d", bus->channel, steps, control->ended);
     for (i = RAILHIL_WRONG_LENGTH; i < RAILHIL_COUNTS; i++) {
-        if (control->guard.counts[i] != 0) {
-            fprintf(stderr, ", %lu %s", (unsigned long)control->guard.counts[i], railhil_count_name(i));
+        if (control->counts[i] != 0) {
+            fprintf(stderr, ", %lu %s", (unsigned long)control->counts[i], railhil_count_name(i));
         }
     }
     if (bus->dropped != 0) {

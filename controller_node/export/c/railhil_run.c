@@ -5,10 +5,8 @@
  *   @LAW@_run check    a log on stdin: every line computed again and compared; exit code 1 at the first difference
  *   @LAW@_run mailboxes   the eCAN mailbox table
  *
- * A record is one control period: flags (bit 0: a run begins here; bit 1: another notch than the answer was sent), k,
- * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law that is given
- * them: number, surveyed position and odometer at its passing (0.1 mm) of the last balise. A result is: the law's inputs, its state after the period
- * and after the notch sent, its outputs, the two event counters since the run began. A line of the log is a record and
+ * A record is one control period: flags (bit 0: a run begins here; bit 1: @OTHER@ sent), @RECORD@. A result is: the law's inputs, its state after the period
+ * and after the @WHAT@ sent, its outputs, the two event counters since the run began. A line of the log is a record and
  * its result, each word as 8 hexadecimal digits; lines that begin with # are comments.
  */
 #include <inttypes.h>
@@ -36,13 +34,13 @@ static void run(const int32_t *record, result_t *result)
     if (begins) {
         memset(result, 0, sizeof *result);
     }
-    @LAW@_inputs(record[1], record[2], record[3]@BALISE@, &result->in, &result->events);
+    @LAW@_inputs(@GIVEN@, &result->in, &result->events);
     if (begins) {
         @LAW@_start(&result->in, &result->state);
     }
     @LAW@_step(&result->state, &result->in, &result->out, &result->events);
     if ((record[0] & FLAG_SENT) != 0) {
-        @LAW@_sent(&result->state, record[4]);
+        @LAW@_sent(&result->state, @TOLD@);
     }
 }
 

@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 from collections.abc import Callable
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -116,23 +117,23 @@ int main(void)
         unsigned count;
         make(&frame, control.sinks);
         count = railhil_receive(&control, frame.can_id, frame.length, frame.data, answer);
-        if (count > 3 || control.guard.watch.level > RAILHIL_EMERGENCY || control.guard.watch.level < 0) {
+        if (count > 3 || control.law.guard.watch.level > RAILHIL_EMERGENCY || control.law.guard.watch.level < 0) {
             return 1;
         }
-        if (control.guard.watch.code > RAILHIL_FULL_CODE || control.guard.watch.code < -RAILHIL_FULL_CODE) {
+        if (control.law.guard.watch.code > RAILHIL_FULL_CODE || control.law.guard.watch.code < -RAILHIL_FULL_CODE) {
             return 2;
         }
-        if (control.guard.watch.level >= RAILHIL_TRACTION_CUT && frame.can_id == RAILHIL_POLL_ID && count == 1 &&
-            answer[0].can_id == railhil_ports[RAILHIL_NOTCH_CMD].address && control.guard.watch.code > 0) {
+        if (control.law.guard.watch.level >= RAILHIL_TRACTION_CUT && frame.can_id == RAILHIL_POLL_ID && count == 1 &&
+            answer[0].can_id == railhil_ports[RAILHIL_NOTCH_CMD].address && control.law.guard.watch.code > 0) {
             return 3;
         }
         if (control.ended != 0 && draw(50) == 0) {
             ends++;
-            steps += control.steps;
+            steps += control.law.steps;
             control.ended = 0;
             if (draw(4) == 0) {
                 for (i = 0; i < RAILHIL_COUNTS; i++) {
-                    counts[i] += control.guard.counts[i];
+                    counts[i] += control.counts[i];
                 }
                 railhil_init(&control);
             }
@@ -143,10 +144,10 @@ int main(void)
             }
         }
     }
-    steps += control.steps;
+    steps += control.law.steps;
     printf("%lu steps %lu ends %u", n, (unsigned long)steps, ends);
     for (i = 0; i < RAILHIL_COUNTS; i++) {
-        printf(" %s %lu", railhil_count_name(i), counts[i] + control.guard.counts[i]);
+        printf(" %s %lu", railhil_count_name(i), counts[i] + control.counts[i]);
     }
     printf("\\n");
     return 0;
@@ -339,9 +340,24 @@ def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
     assert {name for name, count in counts.items() if count == 0} <= {"assembly_timeout", "balise_late"}
 
 
+def test_files_include_each_other_one_way(folder: Path) -> None:
+    """No circle, and each header of ours stands on its own."""
+    found = {
+        path.name: set(re.findall(r'#include "(\w+\.h)"', path.read_text(encoding="ascii")))
+        for path in folder.glob("*.[ch]")
+    }
+    assert found["railhil_position.h"] == {"railhil_clock.h"}
+    assert "railhil_guard.h" not in found["railhil_position.c"]
+    # A source stands above its own header.
+    TopologicalSorter(found).prepare()
+    for name in ("mvb", "clock", "position", "guard", "law", "control"):
+        (folder / "alone.c").write_text(f'#include "railhil_{name}.h"\nint nothing;\n')
+        build(folder, ["alone.c"], "alone.o", (*STRICT, "-c"))
+
+
 def test_program_is_integer_code_without_memory(folder: Path) -> None:
     """No float, no heap, in any file; names differ in their first 31 characters."""
-    headers = [f"railhil_{name}.h" for name in ("mvb", "guard", "control", "socket")]
+    headers = [f"railhil_{name}.h" for name in ("mvb", "clock", "position", "guard", "law", "control", "socket")]
     names = [*PROGRAM, *headers, "ipfc_plus_node.h"]
     for name in names:
         text = re.sub(r"/\*.*?\*/", " ", (folder / name).read_text(encoding="ascii"), flags=re.DOTALL)

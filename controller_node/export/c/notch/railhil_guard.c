@@ -1,9 +1,8 @@
-/* Time, speeds that count, and the reaction ladder: see railhil_guard.h. */
+/* Speeds that count, and the reaction ladder: see railhil_guard.h. */
 #include "railhil_guard.h"
 
 #include "@LAW@_node.h"
 
-#define NS_PER_S INT64_C(1000000000)
 #define NS_PER_MS INT64_C(1000000)
 /* Beyond this a raw speed is no speed of a train (0.1 mm/s). */
 #define SPEED_MAX_01MMPS INT32_C(1500000)
@@ -15,98 +14,8 @@ typedef enum { NO_TELEGRAM, GOOD_TELEGRAM, BAD_TELEGRAM } seen_t;
 void railhil_guard_init(railhil_guard_t *guard)
 {
     memset(guard, 0, sizeof *guard);
-    guard->clock.life = guard->clock.expected = -1;
     guard->odometer.life = guard->watch.life = -1;
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
-}
-
-int64_t railhil_now_ns(const railhil_guard_t *guard)
-{
-    return guard->clock.tick * RAILHIL_BASE_TICK_NS;
-}
-
-static void open_tick(railhil_clock_t *clock, int64_t tick, int life)
-{
-    clock->running = 1;
-    clock->life = life;
-    clock->frame_tick = tick;
-    clock->expected = -1;
-    clock->polls = 0;
-    clock->tick = railhil_greater(clock->tick, tick);
-}
-
-void railhil_clock_frame(railhil_guard_t *guard, unsigned length, const unsigned char *data)
-{
-    railhil_clock_t *clock = &guard->clock;
-    const railhil_port_t *port = &railhil_ports[RAILHIL_TRN_SPEED];
-    int64_t step;
-    int64_t behind;
-    int life;
-    if (length != RAILHIL_BLOCK || railhil_check_sequence(data, port->bytes) != data[4] ||
-        !railhil_has_tail(data + 5, port->word)) {
-        return;
-    }
-    life = data[3] & 0xF;
-    if (!clock->running) {
-        open_tick(clock, 0, life);
-        return;
-    }
-    if (clock->life < 0) {
-        open_tick(clock, clock->tick + RAILHIL_CLOCK_TICKS, life);
-        return;
-    }
-    step = (life - clock->life) & 0xF;
-    if (step == 0) {
-        return;
-    }
-    /* Of the ticks with this life sign, the one nearest to where the polls say that time is. */
-    behind = railhil_floored(clock->tick - clock->frame_tick, RAILHIL_CLOCK_TICKS) - step;
-    step += 16 * railhil_floored(behind + RAILHIL_LIFE_STEP_MAX, 16);
-    if (step < 0) {
-        /* Old, or the whole bus was silent: the second such frame in a row tells. */
-        const int confirmed = life == clock->expected;
-        clock->expected = (life + 1) & 0xF;
-        if (!confirmed) {
-            return;
-        }
-        step += 16;
-    }
-    open_tick(clock, clock->frame_tick + step * RAILHIL_CLOCK_TICKS, life);
-}
-
-void railhil_clock_poll(railhil_guard_t *guard, int64_t period_ticks)
-{
-    railhil_clock_t *clock = &guard->clock;
-    if (!clock->running) {
-        return;
-    }
-    if (clock->polls == 0) {
-        clock->poll_tick = (clock->frame_tick + period_ticks - 1) / period_ticks * period_ticks;
-    }
-    clock->tick = railhil_greater(clock->tick, clock->poll_tick + clock->polls * period_ticks);
-    clock->polls++;
-}
-
-void railhil_time_sync(railhil_guard_t *guard, const unsigned char *process)
-{
-    railhil_clock_t *clock = &guard->clock;
-    const int64_t fraction_ns = (int64_t)railhil_get16(process + 4) * NS_PER_S / 65536;
-    const int64_t now_ns = (int64_t)railhil_get32(process) * NS_PER_S + fraction_ns;
-    const int64_t tick = (now_ns + RAILHIL_BASE_TICK_NS / 2) / RAILHIL_BASE_TICK_NS;
-    const int64_t off = tick - clock->tick;
-    const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
-    /* Clock frames that are missing since before the last poll go on where they were. */
-    const int known = clock->life >= 0 && clock->polls > 0 && off <= near_ticks && off >= -near_ticks;
-    if (off == 0 && clock->running) {
-        return;
-    }
-    clock->running = 1;
-    clock->tick = tick;
-    if (!known) {
-        clock->frame_tick = tick;
-        clock->life = clock->expected = -1;
-        clock->polls = 0;
-    }
 }
 
 static int may_leave(int level, int good_run, int standstill)
@@ -124,10 +33,9 @@ static int may_leave(int level, int good_run, int standstill)
 }
 
 /* One look: at every telegram, and before every notch. */
-static void look(railhil_guard_t *guard, seen_t seen)
+static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t now_ns = railhil_now_ns(guard);
     const int64_t age_ms = railhil_greater(now_ns - watch->accepted_ns, 0) / NS_PER_MS;
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
@@ -167,36 +75,35 @@ static void look(railhil_guard_t *guard, seen_t seen)
     }
 }
 
-void railhil_speed(railhil_guard_t *guard, const unsigned char *process)
+void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t now_ns = railhil_now_ns(guard);
     const int life = process[3] & 0xF;
     const railhil_life_t judged = railhil_life(watch->life, life);
     const uint32_t raw = (railhil_get16(process) << 8) | process[2];
     const int32_t speed_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
         /* No news: the age goes on growing. */
-        guard->counts[judged == RAILHIL_OLD ? RAILHIL_SPEED_OUT_OF_ORDER : RAILHIL_SPEED_DUPLICATE]++;
-        look(guard, NO_TELEGRAM);
+        counts[judged == RAILHIL_OLD ? RAILHIL_SPEED_OUT_OF_ORDER : RAILHIL_SPEED_DUPLICATE]++;
+        look(guard, now_ns, NO_TELEGRAM);
         return;
     }
     if (judged == RAILHIL_GAP) {
-        guard->counts[RAILHIL_SPEED_GAP]++;
+        counts[RAILHIL_SPEED_GAP]++;
     }
     watch->life = life;
     if (process[3] >> 6 != RAILHIL_CHECK_CORRECT) {
-        guard->counts[RAILHIL_SPEED_CHECK]++;
-        look(guard, BAD_TELEGRAM);
+        counts[RAILHIL_SPEED_CHECK]++;
+        look(guard, now_ns, BAD_TELEGRAM);
     } else if (speed_01mmps < 0 || speed_01mmps > SPEED_MAX_01MMPS) {
-        guard->counts[RAILHIL_SPEED_OUT_OF_RANGE]++;
-        look(guard, BAD_TELEGRAM);
+        counts[RAILHIL_SPEED_OUT_OF_RANGE]++;
+        look(guard, now_ns, BAD_TELEGRAM);
     } else {
         watch->speed_known = 1;
         watch->speed_01mmps = speed_01mmps;
         watch->accepted_ns = now_ns;
         railhil_odometer_speed(&guard->odometer, speed_01mmps, now_ns);
-        look(guard, GOOD_TELEGRAM);
+        look(guard, now_ns, GOOD_TELEGRAM);
     }
 }
 
@@ -208,16 +115,15 @@ void railhil_track(railhil_guard_t *guard, const unsigned char *process)
     }
 }
 
-int32_t railhil_watched_notch(railhil_guard_t *guard, int32_t law_code)
+int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t law_code)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t now_ns = railhil_now_ns(guard);
     const int64_t elapsed_ms = railhil_floored(now_ns - watch->sent_ns, NS_PER_MS);
     const int64_t ramp = railhil_floored(RAILHIL_RAMP_CODE_PER_S * elapsed_ms, 1000);
     const int64_t last = watch->code;
     int returning;
     int64_t code;
-    look(guard, NO_TELEGRAM);
+    look(guard, now_ns, NO_TELEGRAM);
     returning = watch->returning || watch->level >= RAILHIL_TRACTION_CUT;
     switch (watch->level) {
     case RAILHIL_EMERGENCY:

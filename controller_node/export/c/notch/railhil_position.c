@@ -1,9 +1,9 @@
-/* Position for the law, and balises: see railhil_guard.h.
+/* Position for the law, and balises: see railhil_position.h.
  *
  * The odometer stands beside a position that is reckoned from the accepted speeds and follows it with a time constant
  * of 1 s. A TRN_POS telegram counts when it fits: when it is nearer to the reckoned position than what both may be off.
  */
-#include "railhil_guard.h"
+#include "railhil_position.h"
 
 #include "@LAW@_node.h"
 
@@ -70,10 +70,8 @@ static int32_t limited_01mm(int64_t position_mm)
     return (int32_t)railhil_within(10 * position_mm, POSITION_MAX_01MM);
 }
 
-void railhil_position(railhil_guard_t *guard, const unsigned char *process)
+void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsigned char *process, uint32_t *counts)
 {
-    railhil_odometer_t *odometer = &guard->odometer;
-    const int64_t now_ns = railhil_now_ns(guard);
     const int life = process[7] & 0xF;
     const railhil_life_t judged = railhil_life(odometer->life, life);
     int32_t reading_01mm;
@@ -81,12 +79,12 @@ void railhil_position(railhil_guard_t *guard, const unsigned char *process)
     int64_t since_ns;
     int64_t share_ns;
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
-        guard->counts[judged == RAILHIL_OLD ? RAILHIL_POSITION_OUT_OF_ORDER : RAILHIL_POSITION_DUPLICATE]++;
+        counts[judged == RAILHIL_OLD ? RAILHIL_POSITION_OUT_OF_ORDER : RAILHIL_POSITION_DUPLICATE]++;
         return;
     }
     odometer->life = life;
     if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
-        guard->counts[RAILHIL_POSITION_CHECK]++;
+        counts[RAILHIL_POSITION_CHECK]++;
         odometer->run = 0;
         return;
     }
@@ -100,7 +98,7 @@ void railhil_position(railhil_guard_t *guard, const unsigned char *process)
     }
     off = reading_01mm * NS_PER_S - odometer->place;
     if (railhil_greater(off, -off) > tolerance(odometer)) {
-        guard->counts[RAILHIL_POSITION_JUMP]++;
+        counts[RAILHIL_POSITION_JUMP]++;
         odometer->run = 0;
         return;
     }
@@ -119,20 +117,19 @@ void railhil_position(railhil_guard_t *guard, const unsigned char *process)
     }
 }
 
-static int64_t reckoned_01mm(railhil_guard_t *guard)
+static int64_t reckoned_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 {
-    reckon(&guard->odometer, railhil_now_ns(guard));
-    return railhil_within(railhil_floored(guard->odometer.place, NS_PER_S), POSITION_MAX_01MM);
+    reckon(odometer, now_ns);
+    return railhil_within(railhil_floored(odometer->place, NS_PER_S), POSITION_MAX_01MM);
 }
 
-int32_t railhil_position_01mm(railhil_guard_t *guard)
+int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 {
-    const railhil_odometer_t *odometer = &guard->odometer;
     if (odometer->heard && odometer->run == RAILHIL_GOOD_POSITIONS &&
-        railhil_now_ns(guard) - odometer->fitted_ns <= RAILHIL_POSITION_IN_TIME_NS) {
+        now_ns - odometer->fitted_ns <= RAILHIL_POSITION_IN_TIME_NS) {
         return odometer->reading_01mm;
     }
-    return (int32_t)reckoned_01mm(guard);
+    return (int32_t)reckoned_01mm(odometer, now_ns);
 }
 
 int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
@@ -140,21 +137,21 @@ int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
     return RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS;
 }
 
-void railhil_balise(railhil_guard_t *guard, const unsigned char *process)
+void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int64_t now_ns,
+                    const unsigned char *process, uint32_t *counts)
 {
-    railhil_balise_t *balise = &guard->balise;
     const int32_t number = process[0];
     const int32_t number_before = balise->number;
-    const int64_t here_mm = railhil_floored(reckoned_01mm(guard), 10);
-    const int64_t within_mm = tolerance(&guard->odometer) / NS_PER_S / 10 + 1;
+    const int64_t here_mm = railhil_floored(reckoned_01mm(odometer, now_ns), 10);
+    const int64_t within_mm = tolerance(odometer) / NS_PER_S / 10 + 1;
     int64_t furthest_mm = WORD_MM - 1 - within_mm;
     int64_t behind_mm;
     if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
-        guard->counts[RAILHIL_BALISE_CHECK]++;
+        counts[RAILHIL_BALISE_CHECK]++;
         return;
     }
     if (number == 0) {
-        guard->counts[RAILHIL_BALISE_NUMBER]++;
+        counts[RAILHIL_BALISE_NUMBER]++;
         return;
     }
     /* It lies behind here, and not behind the place where the port was last heard. What lies under the train that has
@@ -171,7 +168,7 @@ void railhil_balise(railhil_guard_t *guard, const unsigned char *process)
     behind_mm = here_mm + within_mm - (int64_t)railhil_get16(process + 5);
     behind_mm -= railhil_floored(behind_mm, WORD_MM) * WORD_MM + within_mm;
     if (furthest_mm + within_mm >= WORD_MM || behind_mm > furthest_mm) {
-        guard->counts[RAILHIL_BALISE_LATE]++;
+        counts[RAILHIL_BALISE_LATE]++;
         return;
     }
     balise->last[0] = number;

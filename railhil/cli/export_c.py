@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -12,13 +15,14 @@ from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
 from railhil.common.exit_codes import guarded
-from railhil.controller_node.controller import Controller
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.laws import names
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
 
 _FILE_COLUMNS = 100
 
@@ -26,7 +30,8 @@ _FILE_COLUMNS = 100
 def arguments() -> argparse.ArgumentParser:
     """Command line of the export."""
     parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
-    parser.add_argument("law", metavar="LAW", help=f"control law: {', '.join(names())}")
+    own = f"control law: {', '.join(names())}; of another system, one of its own"
+    parser.add_argument("law", metavar="LAW", help=own)
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
     add_set_argument(parser)
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
@@ -36,15 +41,27 @@ def arguments() -> argparse.ArgumentParser:
     return parser
 
 
+def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
+    """A run of the bench in this process, for its control periods alone."""
+    # Only a log that holds such a run needs plant and supervisor.
+    from railhil.bench import local_run
+    from railhil.bus.errors import BusError
+    from railhil.plant_sim.any_plant import PlantError
+
+    # What the law was given up to there is a log as well.
+    with TemporaryDirectory() as folder, contextlib.suppress(BusError, PlantError):
+        local_run(scenario, Path(folder), RunSpec(law=law), controller=controller)
+
+
 def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    scenario = load(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
-    bundle = make_bundle(scenario, law)
+    bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
     # What may wrap does not start here, and is not for a chip either.
-    Controller(scenario, law)
+    system_named(scenario.system).part("controller")(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:

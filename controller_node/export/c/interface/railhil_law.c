@@ -1,0 +1,124 @@
+/* What the law is given and what is answered: see railhil_law.h. */
+#include "railhil_law.h"
+
+/* Overflow flags of the status. */
+enum { SATURATED = 2, DIVIDED_BY_ZERO = 4 };
+
+const char *railhil_law_outcome(unsigned index)
+{
+    (void)index;
+    return "stale";
+}
+
+void railhil_law_init(railhil_law_t *law)
+{
+    memset(law, 0, sizeof *law);
+    law->period = -1;
+}
+
+/* The raw integer of a signal. */
+static int32_t taken(const unsigned char *process, const railhil_signal_t *signal)
+{
+    uint32_t raw = 0;
+    unsigned i;
+    for (i = signal->first_bit; i < signal->first_bit + signal->bits; i++) {
+        raw = (raw << 1) | (((uint32_t)process[i / 8u] >> (7u - i % 8u)) & 1u);
+    }
+    if (signal->is_signed) {
+        const uint32_t sign = UINT32_C(1) << (signal->bits - 1u);
+        raw = (raw ^ sign) - sign;
+    }
+    return (int32_t)raw;
+}
+
+/* Writes the low bits of a number in the place of a signal; the sign fills one of more than 32 bits. */
+static void put(unsigned char *process, const railhil_signal_t *signal, int32_t value)
+{
+    const uint64_t raw = (uint64_t)(int64_t)value;
+    unsigned i;
+    for (i = 0; i < signal->bits; i++) {
+        const unsigned at = signal->first_bit + signal->bits - 1u - i;
+        const unsigned mask = 1u << (7u - at % 8u);
+        process[at / 8u] = (unsigned char)((raw >> i & 1u) != 0 ? process[at / 8u] | mask : process[at / 8u] & ~mask);
+    }
+}
+
+void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
+                      uint32_t *counts)
+{
+    int i;
+    (void)counts;
+    for (i = 0; i < RAILHIL_READING_COUNT; i++) {
+        if (railhil_readings[i].port == port) {
+            law->raws[i] = taken(process, &railhil_readings[i]);
+            law->taken_ns[i] = railhil_now_ns(clock);
+            law->known[i] = 1;
+        }
+    }
+}
+
+/* Runs the law when a control period has begun since its last step; tells whether its answer may be sent. */
+static int step(railhil_law_t *law, const railhil_clock_t *clock)
+{
+    const int64_t now_ns = railhil_now_ns(clock);
+    const int64_t period = now_ns / @PREFIX@_PERIOD_NS;
+    int i;
+    for (i = 0; i < RAILHIL_READING_COUNT; i++) {
+        if (!law->known[i] || now_ns - law->taken_ns[i] > RAILHIL_AGE_MAX_NS) {
+            return 0;
+        }
+    }
+    if (clock->running && period != law->period) {
+        @LAW@_inputs(@GIVEN@, &law->in, &law->events);
+        if (law->steps == 0) {
+            @LAW@_start(&law->in, &law->state);
+        }
+        @LAW@_step(&law->state, &law->in, &law->out, &law->events);
+        law->period = period;
+        law->steps++;
+    }
+    return law->steps != 0;
+}
+
+static void answer_commands(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
+                            uint32_t *counts)
+{
+    const int may_be_sent = step(law, clock);
+    const int32_t commands[RAILHIL_COMMAND_COUNT] = {@COMMANDS@};
+    int i;
+    if (!may_be_sent && law->steps != 0) {
+        counts[RAILHIL_STALE]++;
+        @LAW@_sent(&law->state, @SAFE@);
+    }
+    for (i = 0; i < RAILHIL_COMMAND_COUNT; i++) {
+        if (railhil_commands[i].port == port) {
+            put(process, &railhil_commands[i], may_be_sent ? commands[i] : railhil_safe[i]);
+        }
+    }
+}
+
+/* Notes and flags once the law has answered; the number of its steps in any case. */
+static void answer_status(const railhil_law_t *law, unsigned char *process)
+{
+    const int32_t flags =
+        (law->events.saturations != 0 ? SATURATED : 0) | (law->events.zero_divisions != 0 ? DIVIDED_BY_ZERO : 0);
+    const int32_t told[RAILHIL_TOLD_COUNT] = {@NOTES@flags, (int32_t)(law->steps & 0xFFFFu)};
+    int i;
+    for (i = law->steps != 0 ? 0 : RAILHIL_TOLD_COUNT - 1; i < RAILHIL_TOLD_COUNT; i++) {
+        put(process, &railhil_told[i], told[i]);
+    }
+}
+
+void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
+                        uint32_t *counts)
+{
+    const int answer = port - RAILHIL_SINK_COUNT;
+    memcpy(process, railhil_blanks[answer], railhil_ports[port].bytes);
+    if (port == RAILHIL_STATUS_PORT) {
+        answer_status(law, process);
+    } else {
+        answer_commands(law, clock, port, process, counts);
+    }
+    put(process, &railhil_lives[answer], (int32_t)law->lives[answer]);
+    law->lives[answer] = (law->lives[answer] + 1u) & 0xFu;
+}

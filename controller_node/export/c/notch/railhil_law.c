@@ -1,0 +1,134 @@
+/* What the law is given and what is answered: see railhil_law.h. */
+#include "railhil_law.h"
+
+enum { FLAG_FALSE = 1, FLAG_TRUE = 2, MODE_INITIALISING = 0, MODE_RUNNING = 1 };
+/* CTL_STAT shows no quantity of the law; CTL_STAT, OverflowFlags. */
+enum { NO_QUANTITY = 127, HEADROOM_UNUSED = 31, SATURATED = 2, DIVIDED_BY_ZERO = 4 };
+
+static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = {
+    "position_duplicate",
+    "position_out_of_order",
+    "position_check",
+    "position_jump",
+    "balise_check",
+    "balise_number",
+    "balise_late",
+    "duplicate",
+    "out_of_order",
+    "gap",
+    "check_variable",
+    "out_of_range",
+};
+
+const char *railhil_law_outcome(unsigned index)
+{
+    return outcome_names[index - RAILHIL_MVB_OUTCOMES];
+}
+
+void railhil_law_init(railhil_law_t *law)
+{
+    memset(law, 0, sizeof *law);
+    railhil_guard_init(&law->guard);
+    law->period = -1;
+}
+
+/* Runs the law when a control period has begun since its last step. */
+static void step(railhil_law_t *law, const railhil_clock_t *clock)
+{
+    const int64_t now_ns = railhil_now_ns(clock);
+    const int64_t period = now_ns / @PREFIX@_PERIOD_NS;
+    const int32_t k = period < INT32_MAX ? (int32_t)period : INT32_MAX;
+    const int32_t speed_01mmps = law->guard.watch.speed_01mmps;
+    const int32_t *balise = law->guard.balise.last;
+    int32_t position_01mm;
+    (void)balise; /* not every law is given it */
+    if (!clock->running || period == law->period || !law->guard.watch.speed_known) {
+        return;
+    }
+    if (law->period >= 0 && period > law->period + 1) {
+        law->overruns++;
+    }
+    position_01mm = railhil_position_01mm(&law->guard.odometer, now_ns);
+    @LAW@_inputs(k, speed_01mmps, position_01mm@BALISE@, &law->in, &law->events);
+    if (law->steps == 0) {
+        @LAW@_start(&law->in, &law->state);
+    }
+    @LAW@_step(&law->state, &law->in, &law->out, &law->events);
+    law->told_code = law->out.notch;
+    law->period = period;
+    law->steps++;
+}
+
+static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
+{
+    unsigned emergency = FLAG_FALSE;
+    step(law, clock);
+    law->notch_life = (law->notch_life + 1u) & 0xFu;
+    process[2] = MODE_INITIALISING;
+    if (law->steps != 0) {
+        const int32_t code = railhil_watched_notch(&law->guard, railhil_now_ns(clock), law->out.notch);
+        if (code != law->told_code) {
+            law->told_code = code;
+            @LAW@_sent(&law->state, code);
+        }
+        railhil_put16(process, (uint32_t)code);
+        process[2] = (unsigned char)(MODE_RUNNING + law->guard.watch.level);
+        emergency = law->guard.watch.level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
+    }
+    process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
+}
+
+static void answer_status(railhil_law_t *law, unsigned char *process)
+{
+    const uint32_t overruns = law->overruns < 255u ? law->overruns : 255u;
+    law->status_life = (law->status_life + 1u) & 0xFu;
+    process[12] = NO_QUANTITY << 1;
+    process[13] = HEADROOM_UNUSED << 3;
+    process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_FALSE << 4) | law->status_life);
+    if (law->steps != 0) {
+        const uint32_t note1 = (uint32_t)@PREFIX@_NOTE1(law->out) & 0xFu;
+        process[0] = (unsigned char)(note1 << 4 | (unsigned)law->guard.watch.level);
+        process[1] = (unsigned char)((law->events.saturations != 0 ? SATURATED : 0) |
+                                     (law->events.zero_divisions != 0 ? DIVIDED_BY_ZERO : 0));
+        railhil_put16(process + 2, (uint32_t)@PREFIX@_NOTE2(law->out));
+        railhil_put16(process + 4, (uint32_t)@PREFIX@_NOTE3(law->out));
+        railhil_put16(process + 6, law->steps);
+        railhil_put16(process + 8, RAILHIL_STEP_CYCLES);
+        process[14] = (unsigned char)overruns;
+        process[15] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (FLAG_TRUE << 4) | law->status_life);
+    }
+}
+
+void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
+                        uint32_t *counts)
+{
+    (void)counts;
+    if (port == RAILHIL_NOTCH_CMD) {
+        answer_notch(law, clock, process);
+    } else {
+        answer_status(law, process);
+    }
+}
+
+void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
+                      uint32_t *counts)
+{
+    railhil_guard_t *guard = &law->guard;
+    const int64_t now_ns = railhil_now_ns(clock);
+    switch (port) {
+    case RAILHIL_TRN_SPEED:
+        railhil_speed(guard, now_ns, process, counts);
+        break;
+    case RAILHIL_TRN_POS:
+        railhil_position(&guard->odometer, now_ns, process, counts);
+        break;
+    case RAILHIL_BALISE:
+        railhil_balise(&guard->balise, &guard->odometer, now_ns, process, counts);
+        break;
+    case RAILHIL_TRK_INFO:
+        railhil_track(guard, process);
+        break;
+    default: /* PLT_STAT: checked and counted like the others, of no use to a law */
+        break;
+    }
+}

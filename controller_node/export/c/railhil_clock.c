@@ -1,0 +1,98 @@
+/* Simulation time: see railhil_clock.h. */
+#include "railhil_clock.h"
+
+#include "@LAW@_node.h"
+
+#define NS_PER_S INT64_C(1000000000)
+
+void railhil_clock_init(railhil_clock_t *clock)
+{
+    memset(clock, 0, sizeof *clock);
+    clock->life = clock->expected = -1;
+}
+
+int64_t railhil_now_ns(const railhil_clock_t *clock)
+{
+    return clock->tick * RAILHIL_BASE_TICK_NS;
+}
+
+static void open_tick(railhil_clock_t *clock, int64_t tick, int life)
+{
+    clock->running = 1;
+    clock->life = life;
+    clock->frame_tick = tick;
+    clock->expected = -1;
+    clock->polls = 0;
+    clock->tick = railhil_greater(clock->tick, tick);
+}
+
+void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned char *data)
+{
+    const railhil_port_t *port = &railhil_ports[RAILHIL_CLOCK_PORT];
+    int64_t step;
+    int64_t behind;
+    int life;
+    if (length != RAILHIL_BLOCK || railhil_check_sequence(data, port->bytes) != data[4] ||
+        !railhil_has_tail(data + 5, port->word)) {
+        return;
+    }
+    life = data[3] & 0xF;
+    if (!clock->running) {
+        open_tick(clock, 0, life);
+        return;
+    }
+    if (clock->life < 0) {
+        open_tick(clock, clock->tick + RAILHIL_CLOCK_TICKS, life);
+        return;
+    }
+    step = (life - clock->life) & 0xF;
+    if (step == 0) {
+        return;
+    }
+    /* Of the ticks with this life sign, the one nearest to where the polls say that time is. */
+    behind = railhil_floored(clock->tick - clock->frame_tick, RAILHIL_CLOCK_TICKS) - step;
+    step += 16 * railhil_floored(behind + RAILHIL_LIFE_STEP_MAX, 16);
+    if (step < 0) {
+        /* Old, or the whole bus was silent: the second such frame in a row tells. */
+        const int confirmed = life == clock->expected;
+        clock->expected = (life + 1) & 0xF;
+        if (!confirmed) {
+            return;
+        }
+        step += 16;
+    }
+    open_tick(clock, clock->frame_tick + step * RAILHIL_CLOCK_TICKS, life);
+}
+
+void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks)
+{
+    if (!clock->running) {
+        return;
+    }
+    if (clock->polls == 0) {
+        clock->poll_tick = (clock->frame_tick + period_ticks - 1) / period_ticks * period_ticks;
+    }
+    clock->tick = railhil_greater(clock->tick, clock->poll_tick + clock->polls * period_ticks);
+    clock->polls++;
+}
+
+void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process)
+{
+    const int64_t fraction_ns = (int64_t)railhil_get16(process + 4) * NS_PER_S / 65536;
+    const int64_t now_ns = (int64_t)railhil_get32(process) * NS_PER_S + fraction_ns;
+    const int64_t tick = (now_ns + RAILHIL_BASE_TICK_NS / 2) / RAILHIL_BASE_TICK_NS;
+    const int64_t off = tick - clock->tick;
+    const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
+    /* Clock frames that are missing since before the last poll go on where they were. */
+    const int known = clock->life >= 0 && clock->polls > 0 && off <= near_ticks && off >= -near_ticks;
+    if (off == 0 && clock->running) {
+        return;
+    }
+    clock->running = 1;
+    clock->tick = tick;
+    if (!known) {
+        clock->frame_tick = tick;
+        clock->life = clock->expected = -1;
+        clock->polls = 0;
+    }
+}

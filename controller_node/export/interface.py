@@ -1,0 +1,237 @@
+"""The export of a law over several units: the readings and commands of its system's ``Interface``, by their names."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any
+
+from railhil.bus.layout import Telegram
+from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic
+from railhil.controller_node.export.control import (
+    FLAG_BEGIN,
+    FLAG_SENT,
+    Comments,
+    Control,
+    Define,
+    Generator,
+    Loop,
+    Macro,
+    Period,
+    Play,
+    Source,
+    Word,
+)
+from railhil.controller_node.export.names import Names, identifier, literal, wide
+from railhil.controller_node.export.node_header import octets
+from railhil.controller_node.export.templates import SHARED
+from railhil.controller_node.program.model import Value
+from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
+from railhil.controller_node.vector.law import Interface, raw_range
+from railhil.controller_node.vector.node import ports_of, refuse_indexing
+from railhil.dbc import Port
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+
+_PERIODS = 80
+_SENT_EVERY = 7
+#: Control periods of a run of the bench that stand in the log at most.
+_PLAYED_MAX = 2000
+_COMMENT_COLUMNS = 110
+#: Process data of the longest telegram.
+_OCTETS_MAX = 32
+
+
+class _Listener(VectorController):
+    """The law's controller, which writes down its control periods."""
+
+    def __init__(self, control: InterfaceControl) -> None:
+        super().__init__(control.scenario, control.law)
+        self.periods: list[Period] = []
+        self._untold = (0,) * len(control.told)
+
+    def step(self, raws: Sequence[int]) -> Any:
+        self.periods.append(Period(0 if self.periods else FLAG_BEGIN, tuple(raws), self._untold))
+        return super().step(raws)
+
+    def sent(self, *raws: int) -> None:
+        last = self.periods[-1]
+        self.periods[-1] = last._replace(flags=last.flags | FLAG_SENT, told=raws)
+        super().sent(*raws)
+
+
+class InterfaceControl(Control):
+    """See :class:`railhil.controller_node.export.control.Control`; the system has a part ``interface``."""
+
+    folder = f"{SHARED}/interface"
+    sources = ("railhil_law.c",)
+    headers = ("railhil_law.h",)
+
+    def __init__(self, scenario: AnyScenario, law: LawSpec) -> None:
+        super().__init__(scenario, law)
+        self.system = system = system_named(scenario.system)
+        self._interface: Interface = system.part("interface")
+        refuse_indexing(system, law)
+        self.programs = vector_program(system, scenario, law.controller, law.parameters, wide=False)
+        interface = self._interface
+        readings, commands = Names(), Names()
+        given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
+        told = [(command.name, commands.new(command.name)) for command in interface.commands]
+        self.given = tuple(Word(name, parameter, parameter) for name, parameter in given)
+        self.told = tuple(Word(name, parameter, f"sent.{parameter}") for name, parameter in told)
+        self.record = (*self.given, *self.told)
+        self._leaves: dict[str, str] = {f"in[{i}]": reading.name for i, reading in enumerate(interface.readings)}
+        self._leaves |= {f"out.commands[{i}]": command.name for i, command in enumerate(interface.commands)}
+        self._leaves |= {f"out.notes[{i}]": note.name for i, note in enumerate(interface.notes)}
+        self._units: dict[str, str] = {f"in[{i}]": reading.unit for i, reading in enumerate(interface.readings)}
+
+    def comments(self, name: str) -> Comments:
+        interface = self._interface
+        use = (
+            f"Each control period: {name}_inputs, in the first one {name}_start, then {name}_step. The answer is the "
+            f"commands in out, each the raw integer of its signal. When others are sent, {name}_sent tells the law."
+        )
+        commands = [
+            f"{word.parameter}: {command.telegram.PORT} {command.field}, {command.bounds[0]} to {command.bounds[1]}, "
+            f"safe {command.safe}"
+            for word, command in zip(self.told, interface.commands, strict=True)
+        ]
+        readings = ", ".join(f"{reading.telegram.PORT} {reading.field}" for reading in interface.readings)
+        return Comments(
+            use=(*textwrap.wrap(use, _COMMENT_COLUMNS), *commands),
+            inputs=_lines(f"Raw integers of {readings}"),
+            sent="The commands really sent since the last control period, raw integers",
+            status="" if interface.status is None else interface.status.PORT,
+            what="commands",
+            other="other commands than the answer were",
+            constants="its scenario and its law",
+            units="commands in raw integers",
+            node="readings and their ages, commands, notes",
+            record=_lines(f"{', '.join(word.column for word in self.record)}, raw integers of their signals"),
+        )
+
+    def member(self, leaf: str) -> str:
+        return self._leaves[leaf]
+
+    def input_unit(self, leaf: str, value: Value) -> str:
+        return self._units[leaf]
+
+    def macros(self) -> list[Macro]:
+        interface = self._interface
+        if interface.status is None:
+            return []
+        found = []
+        for number, note in enumerate(interface.notes):
+            low, high = raw_range(interface.status, note.field)
+            words = ", ".join(filter(None, (note.field, f"1/2^{note.q}", note.unit)))
+            held = (max(low, INT32_MIN), min(high, INT32_MAX))
+            found.append(Macro(identifier(note.name), f"out.notes[{number}]", note.law_q - note.q, held, words))
+        return found
+
+    def loop(self, number: Arithmetic[int]) -> Loop:
+        law = self.law
+        return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters)
+
+    def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
+        """A run of the bench, readings in jumps over their whole range, and their limits."""
+        if play is not None:
+            listener = _Listener(self)
+            play(listener)
+            yield listener.periods[:_PLAYED_MAX]
+        yield self._made(1, lambda generator, low, high: generator.between(low, high))
+        yield self._made(2, _end)
+
+    def _made(self, seed: int, choose: Callable[[Generator, int, int], int]) -> Iterator[Period]:
+        """Readings without any order, and other commands sent now and then."""
+        generator = Generator(seed)
+        ranges = [raw_range(reading.telegram, reading.field) for reading in self._interface.readings]
+        bounds = [command.bounds for command in self._interface.commands]
+        for k in range(_PERIODS):
+            given, told = (
+                tuple(choose(generator, low, high) for low, high in intervals) for intervals in (ranges, bounds)
+            )
+            flags = (FLAG_BEGIN if k == 0 else 0) | (FLAG_SENT if k % _SENT_EVERY == 3 else 0)
+            yield Period(flags, given, told)
+
+    def ports(self) -> tuple[list[Port], list[Port]]:
+        return ports_of(self.contract, self._interface)
+
+    def constants(self) -> list[Define]:
+        interface = self._interface
+        _, sent = self.ports()
+        status = "-1" if interface.status is None else f"RAILHIL_{interface.status.PORT}"
+        return [
+            Define("AGE_MAX_NS", wide(interface.age_max_ms * 1_000_000), "of a reading; beyond it commands are safe"),
+            Define("READING_COUNT", str(len(interface.readings))),
+            Define("COMMAND_COUNT", str(len(interface.commands))),
+            Define("TOLD_COUNT", str(len(self.macros()) + 2), "notes, overflow flags, number of steps"),
+            Define("ANSWER_COUNT", str(len(sent) - 1), "ports with commands or the status"),
+            Define("STATUS_PORT", status, "port of the status, -1: none"),
+        ]
+
+    def tables(self) -> list[str]:
+        """Where every number stands in the process data, and what stands there besides."""
+        interface, status = self._interface, self._interface.status
+        _, sent = self.ports()
+        kinds = {kind.PORT: kind for kind in (*(item.telegram for item in interface.commands), status) if kind}
+        answers = [kinds[port.name] for port in sent if port.name in kinds]
+        told = [_place(status, note.field) for note in interface.notes if status]
+        told += [_place(status, field) for field in ("overflow_flags", "step_count")]
+        safe = ", ".join(literal(command.safe) for command in interface.commands)
+        blanks = [line for kind in answers for line in ("    {", *octets(kind().encode()), "    },")]
+        return [
+            "/* A number in the process data of a port: first bit (0: the uppermost of the first octet), bits (0: the",
+            " * telegram does not hold it). */",
+            "typedef struct {",
+            "    int port;",
+            "    unsigned first_bit;",
+            "    unsigned bits;",
+            "    int is_signed;",
+            "} railhil_signal_t;",
+            "",
+            *_table("readings", "READING_COUNT", [_place(item.telegram, item.field) for item in interface.readings]),
+            *_table("commands", "COMMAND_COUNT", [_place(item.telegram, item.field) for item in interface.commands]),
+            "/* What is sent while a reading is missing or too old. */",
+            f"static const int32_t railhil_safe[RAILHIL_COMMAND_COUNT] = {{{safe}}};",
+            "",
+            *_table("told", "TOLD_COUNT", told),
+            "/* By answer: its life sign, and its process data before anything is written into them. */",
+            *_table("lives", "ANSWER_COUNT", [_place(kind, "life") for kind in answers]),
+            f"static const unsigned char railhil_blanks[RAILHIL_ANSWER_COUNT][{_OCTETS_MAX}] = {{",
+            *blanks,
+            "};",
+            "",
+        ]
+
+    def places(self, source: Source) -> dict[str, str]:
+        out = [column for column in source.columns if column.startswith("out.")]
+        return {
+            "GIVEN": ", ".join(f"law->raws[{i}]" for i in range(len(self.given))),
+            "COMMANDS": ", ".join(f"law->{column}" for column in out[: len(self.told)]),
+            "SAFE": ", ".join(f"railhil_safe[{i}]" for i in range(len(self.told))),
+            "NOTES": "".join(f"{macro}(law->out), " for macro in source.macros),
+        }
+
+
+def _place(kind: type[Telegram] | None, field: str) -> str:
+    """Where a field of a telegram stands, as an initialiser in C."""
+    signal = dict(kind.signals()).get(field) if kind else None
+    if kind is None or signal is None:
+        return "{-1, 0, 0, 0}"
+    return f"{{RAILHIL_{kind.PORT}, {signal.first_bit}, {signal.length}, {int(signal.signed)}}}"
+
+
+def _table(name: str, size: str, rows: Sequence[str]) -> list[str]:
+    opening = f"static const railhil_signal_t railhil_{name}[RAILHIL_{size}] = {{"
+    return [opening, *(f"    {row}," for row in rows), "};", ""]
+
+
+def _end(generator: Generator, low: int, high: int) -> int:
+    """One of the ends of an interval, or near 0."""
+    return (low, max(low, -1), 0, min(high, 1), high)[generator.between(0, 4)]
+
+
+def _lines(text: str) -> str:
+    """Text over as many lines of a C comment as it takes."""
+    return "\n * ".join(textwrap.wrap(text, _COMMENT_COLUMNS))

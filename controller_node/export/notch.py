@@ -1,0 +1,165 @@
+"""The export of a train's law: readings of one train in, one notch out (part ``export`` of the system ``ato``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+from railhil.bus.schedule import Schedule
+from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.controller_node import odometer
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.cost import cost_of
+from railhil.controller_node.export import notch_runs
+from railhil.controller_node.export.control import Comments, Control, Define, Loop, Macro, Period, Play, Source, Word
+from railhil.controller_node.export.names import wide
+from railhil.controller_node.export.templates import SHARED
+from railhil.controller_node.laws import load
+from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
+from railhil.controller_node.laws.note import SLOTS, slots
+from railhil.controller_node.loop import NO_BALISE, ControlLoop
+from railhil.controller_node.node import ANSWERS, MAILBOXES
+from railhil.controller_node.program.model import BALISE_INPUTS, Value
+from railhil.controller_node.program.record import record
+from railhil.controller_node.speed_watch import Ladder
+from railhil.dbc import Port
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec
+
+_BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
+_ARITHMETIC = "iq"
+_AGES = "ages of the last accepted TRN_SPEED"
+_CYCLES_MAX = 0xFFFF
+_NS_PER_S = 1_000_000_000
+
+
+class _NotchLoop:
+    """See :class:`railhil.controller_node.export.control.Loop`."""
+
+    def __init__(self, loop: ControlLoop[int]) -> None:
+        self._loop = loop
+
+    @property
+    def state(self) -> Any:
+        return self._loop.state
+
+    def step(self, given: Sequence[int]) -> tuple[Any, Any]:
+        k, speed_01mmps, position_01mm, *balise = given
+        return self._loop.step(k, speed_01mmps, position_01mm, BaliseReading(*balise) if balise else NO_BALISE)
+
+    def sent(self, told: Sequence[int]) -> None:
+        self._loop.sent(self._loop.arithmetic.from_raw(told[0], NOTCH_Q))
+
+
+class NotchControl(Control):
+    """See :class:`railhil.controller_node.export.control.Control`."""
+
+    scenario: Scenario
+    folder = f"{SHARED}/notch"
+    sources = ("railhil_position.c", "railhil_guard.c", "railhil_law.c")
+    headers = ("railhil_position.h", "railhil_guard.h", "railhil_law.h")
+
+    def __init__(self, scenario: Scenario, law: LawSpec) -> None:
+        super().__init__(scenario, law)
+        self.programs = record(scenario, law)
+        first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
+        balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
+        self.given, self.told = (*first, *balise), (Word("notch", "notch_code", "sent"),)
+        self.record = (*first, *self.told, *balise)
+
+    def comments(self, name: str) -> Comments:
+        balise_words = _BALISE_WORDS if self.programs.track else ""
+        return Comments(
+            use=(
+                f"Each control period: {name}_inputs, in the first one {name}_start, then {name}_step. The answer is",
+                f"out.notch in 1/256 notch. When another notch is sent, {name}_sent tells the law.",
+            ),
+            inputs="Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm)"
+            + balise_words,
+            sent="The notch (1/256) really sent since the last control period",
+            status="CTL_STAT",
+            what="notch",
+            other="another notch than the answer was",
+            record="k,\n * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law that is given\n"
+            " * them: number, surveyed position and odometer at its passing (0.1 mm) of the last balise",
+            constants="its scenario and its watch",
+            units="codes in 1/256 notch",
+            node="which speeds count, reaction ladder, position, balises",
+        )
+
+    def member(self, leaf: str) -> str:
+        return leaf.partition(".")[2]
+
+    def input_unit(self, leaf: str, value: Value) -> str:
+        """Speeds, and positions of the track inputs."""
+        if not leaf.startswith("in.track."):
+            return "km/h"
+        return "0.1 mm" if leaf.endswith("_01mm") else ""
+
+    def macros(self) -> list[Macro]:
+        notes = load(self.programs.law).notes
+        found = slots(notes)
+
+        def macro(signal: str, number: int) -> Macro:
+            note = notes[number]
+            words = ", ".join(filter(None, (note.name, note.title, f"1/2^{note.wire_q}", note.unit, *note.bits)))
+            return Macro(signal, f"out.notes[{number}]", note.shift, note.limits, words)
+
+        return [macro(signal, found[signal]) if signal in found else Macro(signal) for signal in SLOTS]
+
+    def loop(self, number: Arithmetic[int]) -> Loop:
+        return _NotchLoop(ControlLoop(self.scenario, self.law, number))
+
+    def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
+        """None of the bench: the set-points say what a run is like."""
+        scenario, law = self.scenario, self.law
+        runs = (
+            notch_runs.following(scenario, ControlLoop(scenario, law, make("iq"))),
+            notch_runs.settled(scenario, ControlLoop(scenario, law, make("iq"))),
+            notch_runs.jumping(),
+            notch_runs.limits(),
+        )
+        for periods in runs:
+            yield (period._replace(given=period.given[: len(self.given)]) for period in periods)
+
+    def ports(self) -> tuple[list[Port], list[Port]]:
+        contract = self.contract
+        if contract.clock_port.name != TrnSpeed.PORT:
+            raise ValueError(f"clock port {contract.clock_port.name}: the C counts time by {TrnSpeed.PORT}")
+        received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
+        return received, sent
+
+    def constants(self) -> list[Define]:
+        """Thresholds of the watch, and what the position is trusted with."""
+        scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
+        schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
+        ladder = Ladder.of(scenario)
+        cost = cost_of(self.programs, make(_ARITHMETIC), timing.control_period_ns)
+        cycles = min(cost.cycles, _CYCLES_MAX)
+        needs_position = self.programs.track or self.law.over_distance
+        exact = round((odometer.TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
+        speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
+        in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns
+        return [
+            Define("HOLD_MS", wide(ladder.hold_ms), f"{_AGES} above which a level is entered"),
+            Define("TRACTION_CUT_MS", wide(ladder.traction_cut_ms)),
+            Define("SERVICE_BRAKE_MS", wide(ladder.service_brake_ms)),
+            Define("EMERGENCY_MS", wide(ladder.emergency_ms)),
+            Define("SERVICE_CODE", wide(ladder.service_code), "full service brake"),
+            Define("FULL_CODE", wide(ladder.full_code), "greatest notch"),
+            Define("RAMP_CODE_PER_S", wide(ladder.ramp_code_per_s), "jerk limit of the service brake"),
+            Define("OVERSPEED_MARGIN_01MMPS", wide(ladder.overspeed_margin_01mmps), "above the limit of TRK_INFO"),
+            Define("NEEDS_POSITION", str(int(needs_position)), "1: the law brakes without a position"),
+            Define("POSITION_IN_TIME_NS", wide(in_time_ns), "period of TRN_POS"),
+            Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a reckoned position"),
+            Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant to the odometer"),
+            Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
+            Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
+            Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, 65535: or more"),
+        ]
+
+    def places(self, source: Source) -> dict[str, str]:
+        balise = "".join(f", balise[{word}]" for word in range(len(BALISE_INPUTS)))
+        return {"BALISE": balise if self.programs.track else ""}
