@@ -114,17 +114,18 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
     return BusChoice(config, reason, arguments=arguments_from_config(config))
 
 
-def no_bus(namespace: argparse.Namespace) -> BusChoice:
+def no_bus(namespace: argparse.Namespace, pace: str) -> BusChoice:
     """What a run without a bus has in its place.
 
+    :param pace: of the run.
     :raises InputError: the command line names a bus too, or keeps the pace of the wall clock.
     """
     if given := config_from_namespace(namespace):
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
         raise InputError("command line", "--bus local", found, "no other option of a bus beside it")
-    if namespace.pace != "lockstep":
-        raise InputError("command line", "--bus local", namespace.pace, "--pace lockstep beside it")
-    return BusChoice({"interface": LOCAL}, "all nodes in this process, as given on the command line")
+    if pace != "lockstep":
+        raise InputError("command line", "--bus local", pace, "--pace lockstep beside it")
+    return BusChoice({"interface": LOCAL}, "all nodes in this process, as asked for")
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:

@@ -64,7 +64,8 @@ class OneLineParser(argparse.ArgumentParser):
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Parsed command line. python-can prints a ``--timing`` that it has understood: that goes to standard error,
-    where it does not spoil ``--json``. Options of a realtime run are refused in another."""
+    where it does not spoil ``--json``. Options of a realtime run are refused in another, where the command line alone
+    says the pace."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said):
@@ -75,7 +76,7 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
     print(said.getvalue(), end="", file=sys.stderr)
     if getattr(namespace, "pace", "realtime") != "realtime":
         for option, is_given in (
-            ("--rate", namespace.rate is not None),
+            ("--rate", getattr(namespace, "rate", None) is not None),
             ("--no-rt", getattr(namespace, "no_rt", False)),
         ):
             if is_given:

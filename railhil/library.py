@@ -18,15 +18,17 @@ import numpy as np
 from rich.console import Console
 
 from railhil.bus.telegrams import Event, RunEvent
-from railhil.cli.bus_run import NeverBegan, as_recorded, check_law, chosen_bus, recorded
+from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
-from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
+from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import setting
+from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
@@ -197,10 +199,10 @@ def run(
         spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
     # Whatever it came from, it is what a file could say.
     spec = replace(RunSpec.from_json(spec.as_json(), Path("railhil.run")), law=spec.law)
-    check_law(spec.law.controller, "controller")
     loaded = spec.load()
+    system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
     how = StartUp()
-    with chosen_bus(argparse.Namespace(bus=spec.bus, pace=spec.pace)) as choice:
+    with chosen_bus(argparse.Namespace(), spec) as choice:
         folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
         given = spec.law.parameters
         if given is not None and given.source == Path(PARAMETERS):

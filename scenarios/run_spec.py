@@ -1,32 +1,29 @@
 """What a run is: scenario, law, seed and pace, said once and handed on whole.
 
-It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, or from what an earlier run has left
-(:meth:`RunSpec.from_json`: a certificate, of any version). Every file that says what was run has the keys of
-:meth:`RunSpec.as_json`, or some of them.
+It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, from a file (:meth:`RunSpec.from_file`:
+TOML, or the certificate of an earlier run), or from several of these and the environment, one above the other
+(:meth:`RunSpec.from_layers`). Every file that says what is or was run has the keys of :meth:`RunSpec.as_json`, or some
+of them.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
-
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
-from railhil.common.command_line import APPEAR_MAX_S, RATE, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.command_line import RATE
+from railhil.common.errors import Faults
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
 from railhil.scenarios.settings import set_words
 from railhil.scenarios.validation import validated
-
-#: Scenario and law of a run that names none.
-USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,7 +146,7 @@ class RunSpec:
         :param file: named in a complaint; parameters count as read from it.
         :raises InputError: a value that no run has.
         """
-        found = validated(_Document, dict(document), lambda keys: file)
+        found = validated(RunDocument, dict(document), lambda keys: file)
         given = found.parameters
         parameters = None
         if given is not None:
@@ -166,6 +163,26 @@ class RunSpec:
             patience_s=found.patience_s,
             bus=found.bus,
         )
+
+    @classmethod
+    def from_layers(cls, layers: Sequence[Layer], faults: Faults) -> RunSpec:
+        """The run of several sources, the later one above the earlier.
+
+        :param faults: what was wrong with the sources as they were read.
+        :raises InputError: all that is wrong, together.
+        """
+        document, parameters = merged(layers, faults)
+        spec = cls.from_json(document, Path("railhil run"))
+        return replace(spec, law=replace(spec.law, parameters=parameters))
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> RunSpec:
+        """The run that a TOML file says with the keys of :meth:`as_json`, or a ``certificate.json``.
+
+        :raises InputError: the file cannot be read, or says what no run is: all of it together.
+        """
+        faults = Faults()
+        return cls.from_layers([file_layer(Path(path), faults)], faults)
 
     @property
     def is_realtime(self) -> bool:
@@ -224,22 +241,3 @@ class RunSpec:
             "patience_s": self.patience_s,
             "bus": self.bus,
         }
-
-
-class _Document(BaseModel):
-    """:class:`RunSpec` as JSON, with the bounds of the command line."""
-
-    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
-    scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
-    settings: list[str] = []
-    controller: str = Field(default=USUAL_LAW, min_length=1)
-    arithmetic: Literal[ARITHMETICS] = "iq"  # type: ignore[valid-type]
-    indexing: Literal[INDEXINGS] = "time"  # type: ignore[valid-type]
-    parameters: dict[str, Any] | None = None
-    task_period_ms: int = Field(default=0, ge=0, le=TASK_PERIOD_MAX_MS)
-    seed: int = Field(default=0, ge=0, le=SEED_MAX)
-    perturbed: bool = False
-    pace: Literal[PACES] = "lockstep"  # type: ignore[valid-type]
-    rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
-    patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
-    bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]

@@ -13,10 +13,10 @@ import can
 from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-from railhil.bus.select import LOCAL, BusChoice, choose_bus, no_bus
+from railhil.bus.select import BusChoice, choose_bus, no_bus
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
-from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import USAGE
 from railhil.common.extras import install_command
 from railhil.common.output import Output
@@ -85,17 +85,6 @@ def run_system(namespace: argparse.Namespace) -> System:
     return system_named(load_any(namespace.scenario, namespace.set).system)
 
 
-def check_law(name: str, key: str, system: System | None = None) -> None:
-    """Refuse a name that no law has.
-
-    :param key: the option that gave it.
-    :raises InputError: there is no such law.
-    """
-    known = law_names(system)
-    if name not in known:
-        raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
-
-
 def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
     """What the command line says about the run of one law.
 
@@ -124,13 +113,14 @@ def require_interface(choice: BusChoice) -> None:
 
 
 @contextmanager
-def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[BusChoice]:
-    """The bus of one run; a hub of the run's own has its socket in a folder that is gone afterwards.
+def chosen_bus(namespace: argparse.Namespace, spec: RunSpec, attach: bool = False) -> Iterator[BusChoice]:
+    """The bus of one run, by python-can's options if there are any; a hub of the run's own has its socket in a folder
+    that is gone afterwards.
 
     :raises InputError: what is chosen cannot carry a run.
     """
-    if namespace.bus == LOCAL:
-        yield no_bus(namespace)
+    if spec.is_local:
+        yield no_bus(namespace, spec.pace)
         return
     with private_socket() as private:
         choice = choose_bus(namespace, None if attach else private)
