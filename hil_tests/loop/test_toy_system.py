@@ -127,11 +127,15 @@ def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None
     header = (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "time_s,true_position1_m,true_position2_m,position1_m,force1_n,force2_n,stretch_m"
     cases = [case.get("name") for case in ET.parse(recorded / "junit.xml").getroot().iter("testcase")]
-    assert cases == ["bench_valid", "end_error"]
+    assert cases == ["bench_valid", "end_error", "stop of cart 1", "stop of cart 2"]
     assert "UNIT2_CMD" in (recorded / "railhil.dbc").read_text(encoding="utf-8")
     scores = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
     assert set(scores["scores"]) == {"error_m", "stretch_m"}
     assert scores["telemetry"]["wraps"] == 0
+    assert [(stop["name"], stop["verdict"]) for stop in scores["stops"]] == [
+        ("of cart 1", "PASS"),
+        ("of cart 2", "PASS"),
+    ]
 
 
 def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded: Path) -> None:

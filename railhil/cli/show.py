@@ -39,10 +39,14 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
 
 
 def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
-    """Title and table of runs that came to their end; nothing when none did."""
+    """Title and table of runs that came to their end, nothing when none did; then the stops of runs with several."""
     if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
+    for label, score in found:
+        for stop in score.listed_stops:
+            error = "" if stop.error_m is None else f" {stop.error_m:+.4f} m"
+            console.say(f"{label}: stop {stop.planned.name}{error} {stop.verdict}")
 
 
 def print_watch(console: Output, scenario: AnyScenario) -> None:

@@ -209,7 +209,7 @@ def _notes(result: RunResult) -> list[dict[str, Any]] | None:
 
 
 def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
-    """JUnit report with one case per limit of the scenario.
+    """JUnit report with one case per limit of the scenario, and one per stop of a run with several.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
@@ -222,6 +222,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
             for criterion in limited(judging.criteria)
         ]
         cases += judging.checks(scenario, found)
+        cases += [(f"stop {stop.planned.name}", stop.missed) for stop in found.listed_stops]
     suite = ET.Element(
         "testsuite",
         name=_xml(f"{scenario.name}.{spec.law.controller}"),
@@ -245,7 +246,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
     if not result.trusted:
         ET.SubElement(bench, "error", message=_xml(result.line))
     for name, text in cases:
-        case = ET.SubElement(suite, "testcase", classname=classname, name=name, time="0.000")
+        case = ET.SubElement(suite, "testcase", classname=classname, name=_xml(name), time="0.000")
         if text:
             ET.SubElement(case, "failure", message=_xml(text))
     return ET.ElementTree(suite)
