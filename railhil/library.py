@@ -182,12 +182,14 @@ def run(
     pace: str = "lockstep",
     rate: float = RATE,
     bus: str = "local",
+    memory: str | Path | None = None,
     out: str | Path | None = None,
 ) -> Outcome:
     """Make one run, record and score it.
 
     :param scenario: shipped name, path of a TOML file, or all of a run: then only ``out`` is looked at.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` takes.
+    :param memory: file with the law's memory from run to run: begun with, and kept there after a good run.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
@@ -197,8 +199,10 @@ def run(
     else:
         law = LawSpec(controller, arithmetic, indexing, _parameters(parameters, controller))
         spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
+        spec = replace(spec, memory_file=None if memory is None else str(Path(memory).resolve()))
     # Whatever it came from, it is what a file could say.
-    spec = replace(RunSpec.from_json(spec.as_json(), Path("railhil.run")), law=spec.law)
+    checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
+    spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
     loaded = spec.load()
     system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
     how = StartUp()

@@ -19,6 +19,7 @@ from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, SEED_M
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.memory import Memory, load_memory, memory_from_json
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.settings import setting
 from railhil.scenarios.system import system_named
@@ -42,6 +43,8 @@ OPTIONS: Mapping[str, str] = {
     "rate": "--rate",
     "patience_s": "--patience",
     "bus": "--bus",
+    "memory_file": "--memory",
+    "memory": "--memory-from",
 }
 #: Key of a run -> the variable of the environment that says it: as the option, so that compose's names are these
 #: without the prefix. Settings are many, and have none.
@@ -50,6 +53,9 @@ ENVIRONMENT: Mapping[str, str] = {
     for key, option in OPTIONS.items()
     if key != "settings"
 }
+#: Keys that name files but where a certificate holds what was in them, and the one that always does.
+_MEMORY = ("memory", "memory_file")
+_FILES = ("parameters", "memory", "memory_file")
 _ALLOWED = "a run in TOML, or certificate.json of a run folder"
 
 
@@ -70,13 +76,16 @@ class RunDocument(BaseModel):
     rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
     patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
     bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
+    memory_file: str | None = Field(default=None, min_length=1)
+    memory: dict[str, Any] | None = None
 
 
 class _Named(RunDocument):
-    """A run in words that a person writes: parameters are the name of their file."""
+    """A run in words that a person writes: parameters and memory are the names of their files."""
 
     model_config = ConfigDict(extra="forbid")
     parameters: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
+    memory: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
 
 
 @dataclass(frozen=True)
@@ -84,7 +93,7 @@ class Layer:
     """What one source says of a run.
 
     :param source: the file, or in words what it is.
-    :param values: by the keys of a run. ``parameters``: the path of their file, or what a certificate says of them.
+    :param values: by the keys of a run. ``parameters``, ``memory``: the path of their file, or what a certificate says.
     :param names: what the source calls a key, when not so.
     :param folder: names of files are relative to it.
     """
@@ -113,9 +122,9 @@ def file_layer(path: Path, faults: Faults) -> Layer:
         faults.found += wrong.values()
         values = {key: value for key, value in values.items() if key not in wrong}
     known = {key: value for key, value in values.items() if key in RunDocument.model_fields and value is not None}
-    if not stored and "parameters" in known:
-        known["parameters"] = path.parent / known["parameters"]
-    if stored and known.get("pace", "lockstep") == "lockstep":
+    if not stored:
+        known |= {key: path.parent / known[key] for key in _FILES if key in known}
+    elif known.get("pace", "lockstep") == "lockstep":
         # A certificate of version 0.1.0 says one all the same.
         known.pop("rate", None)
     return Layer(path, known, folder=path.parent)
@@ -131,13 +140,13 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
     except ValidationError as error:
         for key, one in findings(error, _Named, source).items():
             faults.found.append(InputError(source, ENVIRONMENT[key], said[key], one.allowed, one.hint))
-    if "parameters" in values:
-        values["parameters"] = Path(values["parameters"])
+    values |= {key: Path(values[key]) for key in _FILES if key in values}
     return Layer(source, values, ENVIRONMENT)
 
 
-def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None]:
-    """The document of a run that several sources say, the later one above the earlier, and the law's parameters.
+def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None, Memory | None]:
+    """The document of a run that several sources say, the later one above the earlier, and the law's parameters and
+    memory.
 
     Settings add up; whoever names no law has the usual one of the scenario's system.
 
@@ -147,6 +156,12 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
     said: dict[str, Layer] = {}
     settings: list[str] = []
     for layer in layers:
+        if {*_MEMORY} <= {*layer.values}:
+            names = [layer.names.get(key, key) for key in _MEMORY]
+            faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), "one of the two"))
+        if any(key in layer.values for key in _MEMORY):
+            # Either says with what the run begins.
+            document = {key: value for key, value in document.items() if key not in _MEMORY}
         document |= layer.values
         said |= dict.fromkeys(layer.values, layer)
         for text in layer.values.get("settings", ()):
@@ -161,11 +176,15 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         document.setdefault("controller", system.law)
         if by := said.get("controller"):
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))
-    parameters = None
+    if "memory_file" in document:
+        document["memory_file"] = str(Path(document["memory_file"]).resolve())
+    parameters = memory = None
     with faults.kept():
         parameters = _parameters(document, said.get("parameters"))
+    with faults.kept():
+        memory = _memory(document, said.get("memory"))
     faults.raise_all()
-    return document, parameters
+    return document, parameters, memory
 
 
 def _scenario(name: str, by: Layer | None) -> str:
@@ -185,6 +204,15 @@ def _parameters(document: dict[str, Any], by: Layer | None) -> ParameterSet | No
     if isinstance(given, Path):
         return load_parameters(given.resolve())
     return parameters_from_json({"law": document.get("controller", USUAL_LAW), **given}, Path(by.source).resolve())
+
+
+def _memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
+    given = document.pop("memory", None)
+    if given is None or by is None:
+        return None
+    if isinstance(given, Path):
+        return load_memory(given.resolve())
+    return memory_from_json(given, Path(by.source).resolve())
 
 
 def _table(path: Path, stored: bool) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from railhil.common.command_line import RATE
 from railhil.common.errors import Faults
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
@@ -35,6 +36,7 @@ class LawSpec:
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law, from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
+    :param memory: what the law has kept of its last runs; None: it is given none.
     """
 
     controller: str = USUAL_LAW
@@ -42,16 +44,25 @@ class LawSpec:
     indexing: str = "time"
     parameters: ParameterSet | None = None
     task_period_ms: int = 0
+    memory: Memory | None = None
 
     @classmethod
-    def from_namespace(cls, namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> LawSpec:
+    def from_namespace(
+        cls,
+        namespace: argparse.Namespace,
+        controller: str,
+        parameters: ParameterSet | None,
+        memory: Memory | None = None,
+    ) -> LawSpec:
         """What the options of :func:`railhil.common.command_line.add_law_arguments` say of a law."""
-        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms)
+        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:
-        """The law, with the digest of its parameters when they come from a file: its name in the handshake."""
-        return self.controller if self.parameters is None else self.parameters.controller
+        """The law, with the digests of its parameters and its memory when they come from files: its name in the
+        handshake."""
+        label = self.controller if self.parameters is None else self.parameters.controller
+        return label if self.memory is None else f"{label}@{self.memory.digest}"
 
     @property
     def over_distance(self) -> bool:
@@ -68,6 +79,7 @@ class LawSpec:
         """As words of a command line, the task period left out when there is none."""
         words = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
         words += ["--parameters", str(self.parameters.source)] if self.parameters is not None else []
+        words += ["--memory-from", str(self.memory.source)] if self.memory is not None else []
         return words + (["--task-period-ms", str(self.task_period_ms)] if self.task_period_ms else [])
 
     @property
@@ -93,6 +105,7 @@ class LawSpec:
             "indexing": self.indexing,
             "parameters": None if self.parameters is None else self.parameters.as_json(),
             "task_period_ms": self.task_period_ms,
+            "memory": None if self.memory is None else self.memory.as_json(),
         }
 
 
@@ -106,6 +119,8 @@ class RunSpec:
     :param pace: ``lockstep`` or ``realtime``; ``rate``: then simulated seconds per second.
     :param patience_s: lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: as :mod:`railhil.bus.select` finds it.
+    :param memory_file: file with the law's memory: the run begins with it, and what the law wants kept goes there when
+        the run was good. A run that is made again keeps nothing: its words and certificate say only what it began with.
     """
 
     scenario: str = USUAL_SCENARIO
@@ -117,6 +132,7 @@ class RunSpec:
     rate: float = RATE
     patience_s: float = PATIENCE_S
     bus: str = "auto"
+    memory_file: str | None = None
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -151,7 +167,8 @@ class RunSpec:
         parameters = None
         if given is not None:
             parameters = parameters_from_json({"law": found.controller, **given}, file)
-        law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms)
+        memory = None if found.memory is None else memory_from_json(found.memory, file)
+        law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms, memory)
         return cls(
             scenario=found.scenario,
             settings=tuple(found.settings),
@@ -162,6 +179,7 @@ class RunSpec:
             rate=found.rate or RATE,
             patience_s=found.patience_s,
             bus=found.bus,
+            memory_file=found.memory_file,
         )
 
     @classmethod
@@ -171,9 +189,9 @@ class RunSpec:
         :param faults: what was wrong with the sources as they were read.
         :raises InputError: all that is wrong, together.
         """
-        document, parameters = merged(layers, faults)
+        document, parameters, memory = merged(layers, faults)
         spec = cls.from_json(document, Path("railhil run"))
-        return replace(spec, law=replace(spec.law, parameters=parameters))
+        return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
 
     @classmethod
     def from_file(cls, path: str | Path) -> RunSpec:

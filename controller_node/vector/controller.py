@@ -12,6 +12,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, Counte
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.fault import law_fault, place
+from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.program.model import LawProgram, Value
 from railhil.controller_node.program.ranges import refuse_wraps
@@ -19,6 +20,7 @@ from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
+from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.system import System
@@ -40,20 +42,28 @@ class VectorLoop(Generic[T]):
     """Law and state on one arithmetic.
 
     :raises InputError: there is no such law for this system, it cannot be made for this scenario, or the parameters
-        are not its own.
+        or the memory are not its own.
     """
 
     def __init__(
-        self, system: System, scenario: AnyScenario, law: str, arithmetic: Arithmetic[T], given: ParameterSet | None
+        self,
+        system: System,
+        scenario: AnyScenario,
+        law: str,
+        arithmetic: Arithmetic[T],
+        given: ParameterSet | None,
+        memory: Memory | None,
     ) -> None:
         self.arithmetic = arithmetic
+        self._scenario = scenario
         #: Under which the law was asked for.
         self.name = law
         self.interface: Interface = system.part("interface")
         kind = find(law, system.laws, VectorLaw)
         parameters = law_parameters(law, kind, given)
         try:
-            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters)
+            remembered = memory_arguments(law, kind, scenario, memory)
+            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters, *remembered)
         except InputError:
             raise
         except Exception as error:
@@ -99,6 +109,10 @@ class VectorLoop(Generic[T]):
         )
         return after, Answer(commands, notes)
 
+    def kept(self) -> dict[str, Any] | None:
+        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
+        return kept(self.name, self.law, self._scenario, self.state)
+
 
 def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
     return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
@@ -114,11 +128,11 @@ class _Traced:
 
 
 def vector_program(
-    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, wide: bool
+    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, memory: Memory | None, wide: bool
 ) -> LawProgram:
     """Programs of a law over several units, see :func:`railhil.controller_node.program.record.record`."""
     tracer = Tracer(wide)
-    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given)
+    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given, memory)
     interface = loop.interface
 
     def inputs() -> tuple[Value, ...]:
@@ -138,12 +152,18 @@ class VectorController:
     """
 
     def __init__(
-        self, system: System, scenario: AnyScenario, law: str, arithmetic: str, given: ParameterSet | None = None
+        self,
+        system: System,
+        scenario: AnyScenario,
+        law: str,
+        arithmetic: str,
+        given: ParameterSet | None = None,
+        memory: Memory | None = None,
     ) -> None:
         self._number = number = make(arithmetic)
-        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, law, number, given)
+        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, law, number, given, memory)
         self._interface = interface = self._loop.interface
-        program = vector_program(system, scenario, law, given, number.wide)
+        program = vector_program(system, scenario, law, given, memory, number.wide)
         if not number.wide:
             wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
             period_s = scenario.timing.control_period_ns / 1e9
@@ -157,6 +177,10 @@ class VectorController:
     def counters(self) -> Counters:
         """Wraps, saturations and divisions by zero since the controller was made."""
         return self._number.counters
+
+    def kept(self) -> dict[str, Any] | None:
+        """As :meth:`railhil.controller_node.controller.Controller.kept`."""
+        return self._loop.kept()
 
     def step(self, raws: Sequence[int]) -> VectorOutput:
         """One control period, from one raw integer for each reading."""

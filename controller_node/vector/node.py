@@ -46,7 +46,7 @@ class VectorNode:
         self.law = law
         self.law_type: Any = find(law.controller, system.laws, VectorLaw)
         self.controller = controller or VectorController(
-            system, scenario, law.controller, law.arithmetic, law.parameters
+            system, scenario, law.controller, law.arithmetic, law.parameters, law.memory
         )
         self.ended: Event | None = None
         self.lost_messages = 0

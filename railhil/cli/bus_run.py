@@ -30,6 +30,7 @@ from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
+from railhil.supervisor.memory import keep_memory, memory_after, with_memory
 from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
@@ -145,12 +146,15 @@ def recorded(
     """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
     :param made: whether the folder was made for the run; it then goes when the run never began.
+    :returns: the run, of which ``spec`` is with the memory that it began with, and what came out.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
+    :raises RecordFailed: folder or memory cannot be written.
     """
     with ExitStack() as held:
         try:
             on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
             write_inputs(folder, scenario, spec.law.parameters)
+            spec = with_memory(spec, folder)
             run = _bench(scenario, spec, start_up, choice, folder, on_progress)
             held.enter_context(run.stop)
         except OSError as error:
@@ -164,8 +168,11 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
+        result.memory = memory_after(spec, folder, result)
         given = [] if choice.needs_hub else choice.arguments
         write_folder(folder, scenario, spec, start_up, result, run.trace, given)
+        if spec.memory_file is not None and result.memory is not None:
+            keep_memory(spec, result.memory)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result

@@ -26,6 +26,7 @@ from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, fi
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.folder import run_folder, score_json
+from railhil.supervisor.memory import memory_line
 from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
@@ -42,6 +43,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; of another system: one of its own"
     )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    parser.add_argument("--memory", metavar="FILE", help="the law's memory from run to run: begun with and kept there")
+    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, keep nothing there")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
@@ -82,6 +85,9 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
     if (namespace.attach or namespace.no_controller) and spec.law.task_period_ms:
         raise InputError("command line", "--task-period-ms", spec.law.task_period_ms, f"0 with {given[0]}")
+    if (namespace.attach or namespace.no_controller) and (spec.memory_file or spec.law.memory):
+        found = Words("a memory of the law")
+        raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
     if namespace.no_rt and not spec.is_realtime:
@@ -123,12 +129,14 @@ def work(namespace: argparse.Namespace) -> int:
         run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
+    if line := memory_line(run.spec, result):
+        console.say(line)
     if namespace.spec is not None and (line := made_again(namespace.spec, spec, result)):
         console.say(line)
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             console.say(report)
-        print_json(score_json(scenario, result, spec))
+        print_json(score_json(scenario, result, run.spec))
     else:
         print_result(console, found, result, folder, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

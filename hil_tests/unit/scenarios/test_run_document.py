@@ -13,6 +13,7 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
+from railhil.scenarios.memory import no_memory, write_memory
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -83,13 +84,36 @@ def test_command_line_over_environment_over_file_over_defaults(tmp_path: Path) -
 
 
 def test_every_variable_says_its_key() -> None:
-    assert {*_VARIABLES} == {*ENVIRONMENT.values()} - {"RAILHIL_PARAMETERS"}
+    assert {*_VARIABLES} == {*ENVIRONMENT.values()} - {
+        "RAILHIL_PARAMETERS",
+        "RAILHIL_MEMORY",
+        "RAILHIL_MEMORY_FROM",
+    }
     found = asked(**_VARIABLES).as_json()
     assert {name: str(found[key]).lower() for key, name in ENVIRONMENT.items() if name in _VARIABLES} == _VARIABLES | {
         "RAILHIL_SCENARIO": found["scenario"],
         "RAILHIL_PATIENCE": "5.0",
     }
     assert asked("lvshun_tieshan", "--pace", "lockstep", **_VARIABLES).rate == RunSpec().rate
+
+
+def test_the_memory_of_a_law_is_said_by_one_of_two_keys(tmp_path: Path) -> None:
+    memory = no_memory("ipfc", tmp_path / "old.json")
+    write_memory(memory, memory.source)
+    path = written(tmp_path / "run.toml", 'memory_file = "new.json"\n')
+    assert RunSpec.from_file(path).memory_file == str(tmp_path / "new.json")
+    begun = asked("--spec", path, "--memory-from", memory.source)
+    assert (begun.memory_file, begun.law.memory) == (None, memory)
+    assert begun.law.label == f"ipfc@{memory.digest}"
+    assert begun.law.words[-2:] == ["--memory-from", str(memory.source)]
+    assert asked(RAILHIL_MEMORY_FROM=str(memory.source)) == begun
+    kept = asked("--memory", "x.json", RAILHIL_MEMORY_FROM=str(memory.source))
+    assert (kept.memory_file, kept.law.memory) == (str(Path("x.json").resolve()), None)
+    document = begun.as_json()
+    assert RunSpec.from_json(document, memory.source) == begun
+    document["memory"]["values"] = {"offset_m": 1.0}
+    with pytest.raises(InputError, match=r"old\.json: memory\.sha256: found .*values that nobody changed"):
+        RunSpec.from_json(document, memory.source)
 
 
 def test_a_certificate_makes_its_run_again(tmp_path: Path) -> None:
