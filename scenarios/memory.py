@@ -169,3 +169,8 @@ def write_memory(memory: Memory, path: Path) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def runs_said(runs: int) -> str:
+    """``3 runs``."""
+    return "1 run" if runs == 1 else f"{runs} runs"

@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import psutil
 import pytest
 
 import railhil as library
@@ -16,7 +17,7 @@ from hil_tests.support.plug import plug_in
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.support.remembering import Learning
 from railhil.cli import bus_run
-from railhil.common.exit_codes import FAIL, PASS, TOOL_ERROR, USAGE
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.scenarios.load import load
 from railhil.scenarios.memory import load_memory, no_memory, write_memory
@@ -110,7 +111,7 @@ def test_score_and_report_say_that_a_run_had_a_memory(short: Path, tmp_path: Pat
     digest, left = document["memory"]["sha256"][:8], document["memory_after_sha256"][:8]
     assert f"memory: began with that of 1 run ({digest}); kept that of 2 runs ({left}) in {memory}" in done.out
     said = railhil("score", tmp_path / "2")
-    assert f"memory: began with that of 1 earlier runs, key {document['memory']['key']}, sha256 {digest}" in said.out
+    assert f"memory: began with that of 1 run, key {document['memory']['key']}, sha256 {digest}" in said.out
     assert railhil("score", tmp_path / "2", "--json").json["memory"] == document["memory"]
     assert railhil("report", tmp_path / "2").exit_code in (PASS, FAIL)
     assert f"learning@{digest}" in (tmp_path / "2" / "report.html").read_text().replace("<wbr>", "")
@@ -212,6 +213,23 @@ def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> 
     assert (folder / "memory_before.json").is_file()
     assert path.read_bytes() == before
     assert "nothing kept, the run is INVALID" in done.out
+
+
+def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: Path) -> None:
+    path, folder = tmp_path / "memory.json", tmp_path / "killed"
+    write_memory(no_memory("learning", path), path)
+    before = path.read_bytes()
+    words = ("--controller", "learning", "-i", "railhil", "--memory", path, "--out", folder, "--quiet", "--no-report")
+    started = Started("run", "lvshun_tieshan", *words)
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
+    nodes = psutil.Process(started.process.pid).children(recursive=True)
+    (controller,) = (node for node in nodes if "railhil.controller_node" in node.cmdline())
+    controller.kill()
+    done, _ = started.finish()
+    assert done.exit_code == INVALID, done.err
+    assert path.read_bytes() == before
+    assert not (folder / "memory.json").exists()
+    assert "began with none; nothing kept, the run is INVALID" in done.out
 
 
 def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_path: Path) -> None:

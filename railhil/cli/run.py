@@ -129,14 +129,14 @@ def work(namespace: argparse.Namespace) -> int:
         run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
-    if line := memory_line(run.spec, result):
-        console.say(line)
-    if namespace.spec is not None and (line := made_again(namespace.spec, spec, result)):
-        console.say(line)
+    again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
+    notes = [line for line in (memory_line(run.spec, result), again) if line]
     if namespace.json:
         if report and not (folder / REPORT).is_file():
-            console.say(report)
+            notes.append(report)
+        for line in notes:
+            console.say(line)
         print_json(score_json(scenario, result, run.spec))
     else:
-        print_result(console, found, result, folder, report, namespace.verbose)
+        print_result(console, found, result, folder, notes, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

@@ -61,10 +61,11 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
 
 
 def print_result(
-    console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str, verbose: bool
+    console: Output, run: RecordedRun, result: RunResult, folder: Path, notes: Sequence[str], report: str, verbose: bool
 ) -> None:
     """Table, run facts, verdict, and after a FAIL what to try.
 
+    :param notes: lines on what else has come of the run.
     :param verbose: print all that the scenario assumes.
     :param report: the line on ``report.html``, empty when none was asked for.
     """
@@ -89,6 +90,8 @@ def print_result(
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     console.say(f"run folder {folder}")
+    for line in notes:
+        console.say(line)
     if report:
         console.say(report)
     if run.caution:

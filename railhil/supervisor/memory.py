@@ -11,7 +11,15 @@ from pathlib import Path
 
 from railhil.common.errors import InputError
 from railhil.common.whole_file import check_writable
-from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Memory, load_memory, no_memory, write_memory
+from railhil.scenarios.memory import (
+    MEMORY_AFTER,
+    MEMORY_BEFORE,
+    Memory,
+    load_memory,
+    no_memory,
+    runs_said,
+    write_memory,
+)
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.result import RunResult
@@ -92,8 +100,3 @@ def memory_line(spec: RunSpec, result: RunResult) -> str:
         return f"memory: began with {began}; nothing kept, {why}"
     where = "the run folder only" if spec.memory_file is None else spec.memory_file
     return f"memory: began with {began}; kept that of {runs_said(after.runs)} ({after.digest}) in {where}"
-
-
-def runs_said(runs: int) -> str:
-    """``3 runs``."""
-    return "1 run" if runs == 1 else f"{runs} runs"

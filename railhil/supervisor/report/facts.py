@@ -13,6 +13,7 @@ from pathlib import PurePosixPath
 from typing import Any
 
 from railhil.bus.limits import limits_of
+from railhil.scenarios.memory import runs_said
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.jitter_panel import timing_rows
@@ -88,7 +89,7 @@ def memory_sentence(certificate: Mapping[str, Any]) -> str:
         return ""
     began = "none yet"
     if before and before["runs"]:
-        began = f"that of {before['runs']} earlier runs, key {before['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+        began = f"that of {runs_said(before['runs'])}, key {before['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
     return f"began with {began}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
 
 
