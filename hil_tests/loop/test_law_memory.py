@@ -25,7 +25,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.memory import memory_after
 from railhil.supervisor.result import RunResult
 
-pytestmark = pytest.mark.loop
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 
 class Forgetful(Learning):
