@@ -115,17 +115,18 @@ def choose_bus(namespace: argparse.Namespace, private_hub: Path | None = None, v
     return BusChoice(config, reason, arguments=arguments_from_config(config))
 
 
-def no_bus(namespace: argparse.Namespace) -> BusChoice:
+def no_bus(namespace: argparse.Namespace, pace: str) -> BusChoice:
     """The choice for a run without a bus.
 
+    :param pace: of the run.
     :raises InputError: the command line also selects a bus, or real-time pacing.
     """
     if given := config_from_namespace(namespace):
         found = Words(" ".join(arguments_from_config(given)) or "a timing")
         raise InputError("command line", "--bus local", found, "no other option of a bus beside it")
-    if namespace.pace != "lockstep":
-        raise InputError("command line", "--bus local", namespace.pace, "--pace lockstep beside it")
-    return BusChoice({"interface": LOCAL}, "all nodes in this process, as given on the command line")
+    if pace != "lockstep":
+        raise InputError("command line", "--bus local", pace, "--pace lockstep beside it")
+    return BusChoice({"interface": LOCAL}, "all nodes in this process, as asked for")
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:

@@ -65,7 +65,8 @@ class OneLineParser(argparse.ArgumentParser):
 
 def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = None) -> argparse.Namespace:
     """Parsed command line. python-can prints the parsed ``--timing``; this output goes to standard error, so that it
-    does not corrupt ``--json``. Options of a real-time run are refused in any other run."""
+    does not corrupt ``--json``. Options of a real-time run are refused in any other run, if the command line alone
+    decides the pace."""
     said = io.StringIO()
     try:
         with contextlib.redirect_stdout(said):
@@ -76,7 +77,7 @@ def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None = Non
     print(said.getvalue(), end="", file=sys.stderr)
     if getattr(namespace, "pace", "realtime") != "realtime":
         for option, is_given in (
-            ("--rate", namespace.rate is not None),
+            ("--rate", getattr(namespace, "rate", None) is not None),
             ("--no-rt", getattr(namespace, "no_rt", False)),
         ):
             if is_given:

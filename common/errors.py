@@ -6,7 +6,8 @@ A message is always a single line, so that it can be printed unchanged before ex
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 _SHOWN_MAX = 80
@@ -92,6 +93,39 @@ class InputError(Exception):
         """``found X, allowed Y``."""
         shown = self.found if isinstance(self.found, Words) else repr(self.found)
         return f"found {_one_line(str(shown))}, allowed {' '.join(self.allowed.split())}"
+
+
+class InputErrors(InputError):
+    """Several at once, in one line; its fields are those of the first."""
+
+    def __init__(self, errors: Sequence[InputError]) -> None:
+        first = errors[0]
+        super().__init__(first.file, first.key, first.found, first.allowed, first.hint)
+        self.args = (errors,)
+        self.errors = tuple(errors)
+
+    def __str__(self) -> str:
+        return "; ".join(map(str, self.errors))
+
+
+class Faults:
+    """Collects bad input, so that all of it is said together."""
+
+    def __init__(self) -> None:
+        self.found: list[InputError] = []
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Bad input within is kept, and what follows the ``with`` goes on."""
+        try:
+            yield
+        except InputError as error:
+            self.found.append(error)
+
+    def raise_all(self) -> None:
+        """:raises InputError: what was kept, if anything was."""
+        if self.found:
+            raise self.found[0] if len(self.found) == 1 else InputErrors(self.found)
 
 
 def _flat(text: str) -> str:

@@ -47,4 +47,4 @@ class AnyController(Protocol):
 
     @property
     def controller(self) -> Any:
-        """What computes, with ``counters``, ``cost`` and ``telemetry`` of its arithmetic."""
+        """What computes, with ``counters``, ``cost`` and ``telemetry`` of its arithmetic; ``kept()``: its memory."""

@@ -27,6 +27,7 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import load_memory
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_set_argument
@@ -40,6 +41,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--controller", help="control law (default: that of the system)")
     add_law_arguments(parser)
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="what the law has kept of its last runs")
     parser.add_argument("--telemetry", type=Path, metavar="FILE", help="write the telemetry of the arithmetic there")
     parser.add_argument(
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
@@ -64,7 +66,8 @@ def main(words: Sequence[str] | None = None) -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters)
+    memory = None if namespace.memory_from is None else load_memory(namespace.memory_from)
+    law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters, memory)
     if namespace.check:
         # First what the law is, then whether it can be had as it was asked for.
         print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)

@@ -153,6 +153,13 @@ class Controller:
         """Wraps, saturations and divisions by zero since the controller was made."""
         return self._number.counters
 
+    def kept(self) -> dict[str, Any] | None:
+        """Key and values of the law's memory after the last step; None for a law that keeps none.
+
+        :raises InputError: the law has raised, or answers what no file can hold.
+        """
+        return self._loop.kept()
+
     def sent(self, notch_code: int) -> None:
         """Tell the law the notch (1/256) really sent, when it is not the one that :meth:`step` answered.
 

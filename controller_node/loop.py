@@ -12,6 +12,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import SPEED_Q, BaliseReading, Law, LawInputs, LawOutputs, TrackInputs
 from railhil.controller_node.laws.fault import place
+from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.setpoint import SetPoints
 from railhil.scenarios.model import Scenario
@@ -57,7 +58,7 @@ class ControlLoop(Generic[T]):
 
     :param arithmetic: a fresh one; the one that ``law`` names is not looked at.
     :raises scenarios.errors.InputError: an unknown law or indexing, a law that cannot be made for this scenario or
-        does not work with this indexing, parameters that are not those of the law.
+        does not work with this indexing, parameters or a memory that are not those of the law.
     """
 
     def __init__(
@@ -67,6 +68,7 @@ class ControlLoop(Generic[T]):
         arithmetic: Arithmetic[T],
     ) -> None:
         self.arithmetic = arithmetic
+        self._scenario = scenario
         #: Under which the law was asked for.
         self.name = name = law.controller
         kind, indexing = load(name), law.indexing
@@ -80,7 +82,8 @@ class ControlLoop(Generic[T]):
             raise InputError(scenario.name, "plan.distance_m", distance_m, allowed)
         given = law_parameters(name, kind, law.parameters)
         with _starting(name, kind, scenario):
-            self.law: Law[T, Any] = kind(arithmetic, scenario, given)
+            remembered = memory_arguments(name, kind, scenario, law.memory)
+            self.law: Law[T, Any] = kind(arithmetic, scenario, given, *remembered)
             self.set_points = SetPoints(arithmetic, scenario, indexing, self.law.horizon)
         self._kmh = arithmetic.const(_KMH_PER_01MMPS)
         self.state: Any = None
@@ -113,3 +116,7 @@ class ControlLoop(Generic[T]):
     def sent(self, notch: T) -> None:
         """Tell the law which notch (Q ``NOTCH_Q``) was really sent since its last step."""
         self.state = self.law.with_sent(self.state, notch)
+
+    def kept(self) -> dict[str, Any] | None:
+        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
+        return kept(self.name, self.law, self._scenario, self.state)

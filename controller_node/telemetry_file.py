@@ -46,7 +46,8 @@ def telemetry_document(node: AnyController) -> dict[str, Any]:
     """Everything that the controller knows about its arithmetic so far; times in us.
 
     ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is that of
-    the control period with the program in flash, where every step costs twice as much as in RAM.
+    the control period with the program in flash, where every step costs twice as much as in RAM. ``memory``, of a law
+    that keeps one: its key and values.
     """
     controller, law = node.controller, node.law
     counters, cost = controller.counters, controller.cost
@@ -73,7 +74,18 @@ def telemetry_document(node: AnyController) -> dict[str, Any]:
             "share": cost.share,
         },
         "lost_messages": {"total": node.lost_messages, "mailboxes": dict(node.lost_by_mailbox)},
+        **_memory(controller),
     }
+
+
+def _memory(controller: Any) -> dict[str, Any]:
+    """What the law wants kept; nothing of one that keeps none, or fails at it, which is said: the run was sound."""
+    try:
+        found = controller.kept()
+    except InputError as error:
+        print(f"controller: memory is lost: {error}", file=sys.stderr)
+        return {}
+    return {} if found is None else {"memory": found}
 
 
 def check_writable(path: Path) -> None:

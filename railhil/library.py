@@ -18,15 +18,17 @@ import numpy as np
 from rich.console import Console
 
 from railhil.bus.telegrams import Event, RunEvent
-from railhil.cli.bus_run import NeverBegan, as_recorded, check_law, chosen_bus, recorded
+from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
-from railhil.scenarios.run_spec import USUAL_LAW, USUAL_SCENARIO, LawSpec, RunSpec
+from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import setting
+from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
@@ -180,12 +182,14 @@ def run(
     pace: str = "lockstep",
     rate: float = RATE,
     bus: str = "local",
+    memory: str | Path | None = None,
     out: str | Path | None = None,
 ) -> Outcome:
     """Make one run, record and score it.
 
     :param scenario: shipped name, path of a TOML file, or all of a run: then only ``out`` is looked at.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` takes.
+    :param memory: file with the law's memory from run to run: begun with, and kept there after a good run.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
@@ -195,12 +199,14 @@ def run(
     else:
         law = LawSpec(controller, arithmetic, indexing, _parameters(parameters, controller))
         spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
+        spec = replace(spec, memory_file=None if memory is None else str(Path(memory).resolve()))
     # Whatever it came from, it is what a file could say.
-    spec = replace(RunSpec.from_json(spec.as_json(), Path("railhil.run")), law=spec.law)
-    check_law(spec.law.controller, "controller")
+    checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
+    spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
     loaded = spec.load()
+    system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
     how = StartUp()
-    with chosen_bus(argparse.Namespace(bus=spec.bus, pace=spec.pace)) as choice:
+    with chosen_bus(argparse.Namespace(), spec) as choice:
         folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
         given = spec.law.parameters
         if given is not None and given.source == Path(PARAMETERS):

@@ -1,32 +1,30 @@
 """What a run is: scenario, law, seed and pace, said once and handed on whole.
 
-It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, or from what an earlier run has left
-(:meth:`RunSpec.from_json`: a certificate, of any version). Every file that says what was run has the keys of
-:meth:`RunSpec.as_json`, or some of them.
+It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, from a file (:meth:`RunSpec.from_file`:
+TOML, or the certificate of an earlier run), or from several of these and the environment, one above the other
+(:meth:`RunSpec.from_layers`). Every file that says what is or was run has the keys of :meth:`RunSpec.as_json`, or some
+of them.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import BaseModel, ConfigDict, Field
-
-from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
-from railhil.common.command_line import APPEAR_MAX_S, RATE, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.command_line import RATE
+from railhil.common.errors import Faults
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.memory import Memory, memory_from_json
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
+from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
 from railhil.scenarios.settings import set_words
 from railhil.scenarios.validation import validated
-
-#: Scenario and law of a run that names none.
-USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +36,7 @@ class LawSpec:
     :param indexing: set-points by ``time`` or by ``distance``.
     :param parameters: of the law, from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
+    :param memory: what the law has kept of its last runs; None: it is given none.
     """
 
     controller: str = USUAL_LAW
@@ -45,16 +44,25 @@ class LawSpec:
     indexing: str = "time"
     parameters: ParameterSet | None = None
     task_period_ms: int = 0
+    memory: Memory | None = None
 
     @classmethod
-    def from_namespace(cls, namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> LawSpec:
+    def from_namespace(
+        cls,
+        namespace: argparse.Namespace,
+        controller: str,
+        parameters: ParameterSet | None,
+        memory: Memory | None = None,
+    ) -> LawSpec:
         """What the options of :func:`railhil.common.command_line.add_law_arguments` say of a law."""
-        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms)
+        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:
-        """The law, with the digest of its parameters when they come from a file: its name in the handshake."""
-        return self.controller if self.parameters is None else self.parameters.controller
+        """The law, with the digests of its parameters and its memory when they come from files: its name in the
+        handshake."""
+        label = self.controller if self.parameters is None else self.parameters.controller
+        return label if self.memory is None else f"{label}@{self.memory.digest}"
 
     @property
     def over_distance(self) -> bool:
@@ -71,6 +79,7 @@ class LawSpec:
         """As words of a command line, the task period left out when there is none."""
         words = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
         words += ["--parameters", str(self.parameters.source)] if self.parameters is not None else []
+        words += ["--memory-from", str(self.memory.source)] if self.memory is not None else []
         return words + (["--task-period-ms", str(self.task_period_ms)] if self.task_period_ms else [])
 
     @property
@@ -96,6 +105,7 @@ class LawSpec:
             "indexing": self.indexing,
             "parameters": None if self.parameters is None else self.parameters.as_json(),
             "task_period_ms": self.task_period_ms,
+            "memory": None if self.memory is None else self.memory.as_json(),
         }
 
 
@@ -109,6 +119,8 @@ class RunSpec:
     :param pace: ``lockstep`` or ``realtime``; ``rate``: then simulated seconds per second.
     :param patience_s: lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: as :mod:`railhil.bus.select` finds it.
+    :param memory_file: file with the law's memory: the run begins with it, and what the law wants kept goes there when
+        the run was good. A run that is made again keeps nothing: its words and certificate say only what it began with.
     """
 
     scenario: str = USUAL_SCENARIO
@@ -120,6 +132,7 @@ class RunSpec:
     rate: float = RATE
     patience_s: float = PATIENCE_S
     bus: str = "auto"
+    memory_file: str | None = None
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -149,12 +162,13 @@ class RunSpec:
         :param file: named in a complaint; parameters count as read from it.
         :raises InputError: a value that no run has.
         """
-        found = validated(_Document, dict(document), lambda keys: file)
+        found = validated(RunDocument, dict(document), lambda keys: file)
         given = found.parameters
         parameters = None
         if given is not None:
             parameters = parameters_from_json({"law": found.controller, **given}, file)
-        law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms)
+        memory = None if found.memory is None else memory_from_json(found.memory, file)
+        law = LawSpec(found.controller, found.arithmetic, found.indexing, parameters, found.task_period_ms, memory)
         return cls(
             scenario=found.scenario,
             settings=tuple(found.settings),
@@ -165,7 +179,28 @@ class RunSpec:
             rate=found.rate or RATE,
             patience_s=found.patience_s,
             bus=found.bus,
+            memory_file=found.memory_file,
         )
+
+    @classmethod
+    def from_layers(cls, layers: Sequence[Layer], faults: Faults) -> RunSpec:
+        """The run of several sources, the later one above the earlier.
+
+        :param faults: what was wrong with the sources as they were read.
+        :raises InputError: all that is wrong, together.
+        """
+        document, parameters, memory = merged(layers, faults)
+        spec = cls.from_json(document, Path("railhil run"))
+        return replace(spec, law=replace(spec.law, parameters=parameters, memory=memory))
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> RunSpec:
+        """The run that a TOML file says with the keys of :meth:`as_json`, or a ``certificate.json``.
+
+        :raises InputError: the file cannot be read, or says what no run is: all of it together.
+        """
+        faults = Faults()
+        return cls.from_layers([file_layer(Path(path), faults)], faults)
 
     @property
     def is_realtime(self) -> bool:
@@ -224,22 +259,3 @@ class RunSpec:
             "patience_s": self.patience_s,
             "bus": self.bus,
         }
-
-
-class _Document(BaseModel):
-    """:class:`RunSpec` as JSON, with the bounds of the command line."""
-
-    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
-    scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
-    settings: list[str] = []
-    controller: str = Field(default=USUAL_LAW, min_length=1)
-    arithmetic: Literal[ARITHMETICS] = "iq"  # type: ignore[valid-type]
-    indexing: Literal[INDEXINGS] = "time"  # type: ignore[valid-type]
-    parameters: dict[str, Any] | None = None
-    task_period_ms: int = Field(default=0, ge=0, le=TASK_PERIOD_MAX_MS)
-    seed: int = Field(default=0, ge=0, le=SEED_MAX)
-    perturbed: bool = False
-    pace: Literal[PACES] = "lockstep"  # type: ignore[valid-type]
-    rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
-    patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
-    bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]

@@ -26,15 +26,16 @@ _FILES = ("file", "railtoolkit", "ttobench")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
-def setting(text: str) -> str:
+def setting(text: str, folder: Path = Path()) -> str:
     """An option's type: ``KEY=VALUE`` in a form that other programs can read again in any folder.
 
+    :param folder: file names are relative to it.
     :raises InputError: it is not a valid setting.
     """
     key, value = _parsed(text)
     last = key.rpartition(".")[2]
     if last in _FILES and isinstance(value, str) and (last != "file" or value.endswith(".toml")):
-        return f"{key}={json.dumps(str(Path(value).resolve()))}"
+        return f"{key}={json.dumps(str((folder / value).resolve()))}"
     return text
 
 

@@ -117,6 +117,16 @@ class System:
         """Names of the installed laws that drive this system, in the order of every table."""
         return in_order(entries(self.laws))
 
+    def check_law(self, name: str, source: str | Path, key: str) -> None:
+        """Refuse a name that no law of this system has.
+
+        :param source, key: what gave it, for a complaint.
+        :raises InputError: there is no such law.
+        """
+        known = self.law_names()
+        if name not in known:
+            raise InputError(source, key, name, ", ".join(known), did_you_mean(name, known))
+
 
 def names() -> list[str]:
     """Names of the installed systems, sorted."""

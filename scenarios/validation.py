@@ -30,6 +30,10 @@ _ALLOWED_BY_TYPE = {
     "model_type": "a table",
     "model_attributes_type": "a table",
     "tuple_type": "an array of numbers",
+    "int_parsing": "a whole number",
+    "int_parsing_size": "a whole number of fewer digits",
+    "float_parsing": "a number",
+    "bool_parsing": "true or false",
     "finite_number": "a finite number",
 }
 
@@ -47,6 +51,17 @@ def validated(table_type: type[M], data: object, origin: Callable[[Keys], str | 
         if len(missing) == len(details) and len(missing) > 1:
             raise _all_missing(missing, origin) from None
         raise _translated(details[0], table_type, origin, tags) from None
+
+
+def findings(error: ValidationError, table_type: type[BaseModel], source: str | Path) -> dict[str, InputError]:
+    """All that is wrong with a flat document: key -> its complaint, in the document's order.
+
+    :param source: the file, or what else the keys come from.
+    """
+    return {
+        dotted(one["loc"][:1]): _translated(one, table_type, lambda keys: source, ())
+        for one in error.errors(include_url=False)
+    }
 
 
 def _keys(tagged: Keys, tags: tuple[str, ...]) -> Keys:

@@ -73,7 +73,7 @@ class InterfaceControl(Control):
         self.system = system = system_named(scenario.system)
         self._interface: Interface = system.part("interface")
         refuse_indexing(system, law)
-        self.programs = vector_program(system, scenario, law.controller, law.parameters, wide=False)
+        self.programs = vector_program(system, scenario, law.controller, law.parameters, None, wide=False)
         interface = self._interface
         readings, commands = Names(), Names()
         given = [(reading.name, readings.new(reading.name)) for reading in interface.readings]
@@ -131,7 +131,7 @@ class InterfaceControl(Control):
 
     def loop(self, number: Arithmetic[int]) -> Loop:
         law = self.law
-        return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters)
+        return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters, None)
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
         """A run of the bench, readings in jumps over their whole range, and their limits."""

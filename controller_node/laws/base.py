@@ -128,3 +128,19 @@ class Law(ABC, Generic[T, State]):
     @abstractmethod
     def with_sent(self, state: State, notch: T) -> State:
         """The state when another notch than the law's (Q ``NOTCH_Q``) was really sent."""
+
+    @classmethod
+    def memory_key(cls, scenario: Scenario) -> str:
+        """Under what the law keeps a memory from run to run (train, platform, ...); empty: it keeps none.
+
+        A law with a key is made with one argument more, ``memory``: what :meth:`memory` answered at the end of its last
+        run, None before the first. The record of its program is made with it too, so that its formats are checked.
+        """
+        return ""
+
+    def memory(self, state: State) -> Mapping[str, Any]:
+        """What the law wants kept when the run is over: a dict of numbers, texts and lists that JSON can hold.
+
+        :param state: after its last step; numbers of the arithmetic are read by :meth:`Arithmetic.raw`.
+        """
+        return {}

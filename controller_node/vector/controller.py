@@ -13,6 +13,7 @@ from railhil.controller_node.cost import cost_of
 from railhil.controller_node.law_controller import CommandCode
 from railhil.controller_node.laws import find
 from railhil.controller_node.laws.fault import law_fault, place
+from railhil.controller_node.laws.memory import kept, memory_arguments
 from railhil.controller_node.laws.parameters import law_parameters
 from railhil.controller_node.program.model import LawProgram, Value
 from railhil.controller_node.program.ranges import refuse_wraps
@@ -20,6 +21,7 @@ from railhil.controller_node.program.record import recorded
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry import Telemetry
 from railhil.controller_node.vector.law import Answer, Interface, VectorLaw, raw_range
+from railhil.scenarios.memory import Memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
@@ -42,20 +44,28 @@ class VectorLoop(Generic[T]):
     """Law and state on one arithmetic.
 
     :raises InputError: there is no such law for this system, it cannot be made for this scenario, or the parameters
-        are not its own.
+        or the memory are not its own.
     """
 
     def __init__(
-        self, system: System, scenario: AnyScenario, law: str, arithmetic: Arithmetic[T], given: ParameterSet | None
+        self,
+        system: System,
+        scenario: AnyScenario,
+        law: str,
+        arithmetic: Arithmetic[T],
+        given: ParameterSet | None,
+        memory: Memory | None,
     ) -> None:
         self.arithmetic = arithmetic
+        self._scenario = scenario
         #: Under which the law was asked for.
         self.name = law
         self.interface: Interface = system.part("interface")
         kind = find(law, system.laws, VectorLaw)
         parameters = law_parameters(law, kind, given)
         try:
-            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters)
+            remembered = memory_arguments(law, kind, scenario, memory)
+            self.law: VectorLaw[T, Any] = kind(arithmetic, scenario, parameters, *remembered)
         except InputError:
             raise
         except Exception as error:
@@ -107,6 +117,10 @@ class VectorLoop(Generic[T]):
         )
         return after, Answer(commands, notes)
 
+    def kept(self) -> dict[str, Any] | None:
+        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
+        return kept(self.name, self.law, self._scenario, self.state)
+
 
 def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
     return ar.quantise(value, law_q, q) if q < law_q else ar.convert(value, law_q, q)
@@ -132,11 +146,11 @@ class _Traced:
 
 
 def vector_program(
-    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, wide: bool
+    system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, memory: Memory | None, wide: bool
 ) -> LawProgram:
     """Programs of a law over several units, see :func:`railhil.controller_node.program.record.record`."""
     tracer = Tracer(wide)
-    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given)
+    loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given, memory)
     interface = loop.interface
     if not wide:
         _refuse_wide_readings(interface)
@@ -170,12 +184,12 @@ class VectorController:
     ) -> None:
         system, name, given = system_named(scenario.system), law.controller, law.parameters
         self.arithmetic = self._number = number = arithmetic or make(law.arithmetic)
-        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, name, number, given)
+        self._loop: VectorLoop[Any] = VectorLoop(system, scenario, name, number, given, law.memory)
         self.law = self._loop.law
         self._interface = interface = self._loop.interface
         self.wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
         self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in interface.commands)
-        self.program = program = vector_program(system, scenario, name, given, number.wide)
+        self.program = program = vector_program(system, scenario, name, given, law.memory, number.wide)
         if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
             refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
@@ -188,6 +202,10 @@ class VectorController:
     def counters(self) -> Counters:
         """Wraps, saturations and divisions by zero since the controller was made."""
         return self._number.counters
+
+    def kept(self) -> dict[str, Any] | None:
+        """As :meth:`railhil.controller_node.controller.Controller.kept`."""
+        return self._loop.kept()
 
     def step(self, raws: Sequence[int]) -> VectorOutput:
         """One control period, from one raw integer for each reading."""

@@ -139,3 +139,19 @@ class VectorLaw(ABC, Generic[T, State]):
     def with_sent(self, state: State, commands: Sequence[T]) -> State:
         """The state when other commands (Q ``q`` of the interface) than the law's were really sent."""
         return state
+
+    @classmethod
+    def memory_key(cls, scenario: Any) -> str:
+        """Under what the law keeps a memory from run to run (train, platform, ...); empty: it keeps none.
+
+        A law with a key is made with one argument more, ``memory``: what :meth:`memory` answered at the end of its last
+        run, None before the first. The record of its program is made with it too, so that its formats are checked.
+        """
+        return ""
+
+    def memory(self, state: State) -> Mapping[str, Any]:
+        """What the law wants kept when the run is over: a dict of numbers, texts and lists that JSON can hold.
+
+        :param state: after its last step; numbers of the arithmetic are read by :meth:`Arithmetic.raw`.
+        """
+        return {}

@@ -119,6 +119,49 @@ def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, t
     assert not any(safe)
 
 
+_COUNTING = """
+from two_carts.laws import Apart
+
+
+class Counting(Apart):
+    def __init__(self, arithmetic, scenario, parameters=None, memory=None):
+        super().__init__(arithmetic, scenario, parameters)
+        self.runs = 0 if memory is None else memory["runs"]
+
+    @classmethod
+    def memory_key(cls, scenario):
+        return scenario.name
+
+    def memory(self, state):
+        return {"runs": self.runs + 1, "last_01mm": [self._ar.raw(place, 0) for place in state.position]}
+"""
+
+
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path, arithmetic: str) -> None:
+    """Over the hub and in one process: the same bytes."""
+    plug = tmp_path / "site"
+    shutil.copytree(site, plug)
+    (plug / "counting.py").write_text(_COUNTING, encoding="utf-8")
+    package = plug / "counting-1.dist-info"
+    package.mkdir()
+    (package / "METADATA").write_text("Metadata-Version: 2.1\nName: counting\nVersion: 1\n")
+    (package / "entry_points.txt").write_text("[two_carts.laws]\ncounting = counting:Counting\n")
+    kept = []
+    for bus in (("-i", "railhil"), ("--bus", "local")):
+        memory = tmp_path / f"{bus[1]}.json"
+        for number in (1, 2):
+            folder = tmp_path / f"{bus[1]}{number}"
+            words = ("--controller", "counting", "--arithmetic", arithmetic, "--memory", str(memory), *bus)
+            done = railhil(plug, "run", str(SCENARIO), *words, "--out", str(folder), "--quiet", "--no-report")
+            assert done.returncode == 0, done.stderr
+            document = json.loads(memory.read_text(encoding="utf-8"))
+            assert (document["key"], document["runs"], document["values"]["runs"]) == ("two_carts_2m", number, number)
+            assert (folder / "memory.json").read_bytes() == memory.read_bytes()
+        kept.append((memory.read_bytes(), certificate(folder)["frames_sha256"]))
+    assert kept[0] == kept[1]
+
+
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:
     document = certificate(recorded)
     assert (document["system"], document["controller"], document["verdict"]) == ("two_carts", "apart", "PASS")
@@ -127,11 +170,15 @@ def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None
     header = (recorded / "signals.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header == "time_s,true_position1_m,true_position2_m,position1_m,force1_n,force2_n,stretch_m"
     cases = [case.get("name") for case in ET.parse(recorded / "junit.xml").getroot().iter("testcase")]
-    assert cases == ["bench_valid", "end_error"]
+    assert cases == ["bench_valid", "end_error", "stop of cart 1", "stop of cart 2"]
     assert "UNIT2_CMD" in (recorded / "railhil.dbc").read_text(encoding="utf-8")
     scores = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
     assert set(scores["scores"]) == {"error_m", "stretch_m"}
     assert scores["telemetry"]["wraps"] == 0
+    assert [(stop["name"], stop["verdict"]) for stop in scores["stops"]] == [
+        ("of cart 1", "PASS"),
+        ("of cart 2", "PASS"),
+    ]
 
 
 def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded: Path) -> None:

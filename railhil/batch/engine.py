@@ -20,7 +20,7 @@ from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
 from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
-from railhil.supervisor.journey import ErrorGrid, stop_error_m, stops_of, time_error_s
+from railhil.supervisor.journey import ErrorGrid, stop_of
 from railhil.supervisor.score import WRAP_FAILURE, Measured, Score, judged
 
 Ints = NDArray[np.int64]
@@ -115,12 +115,12 @@ class Engine:
         emergency_s = records["emergency_01ms"] * _LSB
 
         def one(i: int) -> Score:
-            stops = stops_of(scenario.plan, [(float(stop_s[i]), float(stop_m[i]))] if stopped[i] else [])
+            stop = stop_of(scenario.plan, [(float(stop_s[i]), float(stop_m[i]))] if stopped[i] else [])
             values = {
                 "itae": float(itae[i]),
                 "energy_kj": float(energy[i]),
-                "punctuality_s": time_error_s(scenario.plan, stops),
-                "stop_error_m": stop_error_m(scenario.plan, stops),
+                "punctuality_s": stop.late_s,
+                "stop_error_m": stop.error_m,
                 "comfort": float(comfort[i]),
             }
             return judged(
@@ -129,7 +129,7 @@ class Engine:
                     ended=Event(int(records["ended"][i])),
                     values=values,
                     overspeed_mps=float(records["overspeed_mps"][i]),
-                    stops=stops,
+                    stop=stop,
                     emergency_s=float(emergency_s[i]) if emergency_s[i] >= 0 else None,
                     wrap=self._wrap(watch, i, int(records["end_tick"][i])),
                 ),

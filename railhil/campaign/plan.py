@@ -21,7 +21,8 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.perturb import require_perturbations
-from railhil.scenarios.run_spec import USUAL_SCENARIO, LawSpec, RunSpec
+from railhil.scenarios.run_document import USUAL_SCENARIO
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named
 from railhil.supervisor.criteria import Criterion

@@ -13,10 +13,10 @@ import can
 from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-from railhil.bus.select import LOCAL, BusChoice, choose_bus, no_bus
+from railhil.bus.select import BusChoice, choose_bus, no_bus
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
-from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import USAGE
 from railhil.common.extras import install_command
 from railhil.common.output import Output
@@ -30,6 +30,7 @@ from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
+from railhil.supervisor.memory import keep_memory, memory_after, with_memory
 from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
@@ -85,17 +86,6 @@ def run_system(namespace: argparse.Namespace) -> System:
     return system_named(load_any(namespace.scenario, namespace.set).system)
 
 
-def check_law(name: str, key: str, system: System | None = None) -> None:
-    """Refuse a name that no law has.
-
-    :param key: the option that gave it.
-    :raises InputError: there is no such law.
-    """
-    known = law_names(system)
-    if name not in known:
-        raise InputError("command line", key, name, ", ".join(known), did_you_mean(name, known))
-
-
 def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
     """What the command line says about the run of one law.
 
@@ -124,13 +114,14 @@ def require_interface(choice: BusChoice) -> None:
 
 
 @contextmanager
-def chosen_bus(namespace: argparse.Namespace, attach: bool = False) -> Iterator[BusChoice]:
-    """The bus of one run; a hub of the run's own has its socket in a folder that is gone afterwards.
+def chosen_bus(namespace: argparse.Namespace, spec: RunSpec, attach: bool = False) -> Iterator[BusChoice]:
+    """The bus of one run, by python-can's options if there are any; a hub of the run's own has its socket in a folder
+    that is gone afterwards.
 
     :raises InputError: what is chosen cannot carry a run.
     """
-    if namespace.bus == LOCAL:
-        yield no_bus(namespace)
+    if spec.is_local:
+        yield no_bus(namespace, spec.pace)
         return
     with private_socket() as private:
         choice = choose_bus(namespace, None if attach else private)
@@ -155,12 +146,15 @@ def recorded(
     """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
 
     :param made: whether the folder was made for the run; it then goes when the run never began.
+    :returns: the run, of which ``spec`` is with the memory that it began with, and what came out.
     :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
+    :raises RecordFailed: folder or memory cannot be written.
     """
     with ExitStack() as held:
         try:
             on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
             write_inputs(folder, scenario, spec.law.parameters)
+            spec = with_memory(spec, folder)
             run = _bench(scenario, spec, start_up, choice, folder, on_progress)
             held.enter_context(run.stop)
         except OSError as error:
@@ -174,8 +168,11 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
+        result.memory = memory_after(spec, folder, result)
         given = [] if choice.needs_hub else choice.arguments
         write_folder(folder, scenario, spec, start_up, result, run.trace, given)
+        if spec.memory_file is not None and result.memory is not None:
+            keep_memory(spec, result.memory)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result

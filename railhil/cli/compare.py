@@ -9,7 +9,6 @@ from pathlib import Path
 from railhil.cli.bus_run import (
     add_arguments,
     as_recorded,
-    check_law,
     chosen_bus,
     law_names,
     recorded,
@@ -62,7 +61,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def _laws(text: str, system: System) -> list[str]:
     names = law_names(system) if text == _ALL else [name.strip() for name in text.split(",")]
     for name in names:
-        check_law(name, "--laws", system)
+        system.check_law(name, "command line", "--laws")
     if len(set(names)) < len(names):
         raise InputError("command line", "--laws", text, "each law once")
     return names
@@ -141,7 +140,7 @@ def work(namespace: argparse.Namespace) -> int:
     codes: list[int] = []
     try:
         for spec in plan:
-            with chosen_bus(namespace) as choice:
+            with chosen_bus(namespace, spec) as choice:
                 if folder is None:
                     folder, made = run_folder(namespace.out, scenario.name, "compare")
                     console.say(f"bus: {choice.transport} ({choice.reason})")

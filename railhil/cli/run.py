@@ -3,32 +3,36 @@
 from __future__ import annotations
 
 import argparse
+import json
+import os
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from railhil.bus.select import LOCAL
 from railhil.cli.bus_run import (
     add_arguments,
     as_recorded,
-    check_law,
     chosen_bus,
     law_names,
     recorded,
     report_line,
-    run_spec,
-    run_system,
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
 from railhil.cli.show import print_result
-from railhil.common.errors import InputError, Words
+from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
-from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, file_layer
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.folder import run_folder, score_json
+from railhil.supervisor.memory import memory_line
 from railhil.supervisor.report.recorded import REPORT
+from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
+
+#: Key of a run -> where the parsed command line has it.
+_DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -39,6 +43,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; of another system: one of its own"
     )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    parser.add_argument("--memory", metavar="FILE", help="the law's memory from run to run: begun with and kept there")
+    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, keep nothing there")
+    parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
+    parser.add_argument(
+        "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
+    )
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
@@ -47,29 +57,62 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_json_argument(parser)
+    for action in parser._actions:
+        # Only what is said here stands above environment and file.
+        if action.dest in _DESTINATIONS.values():
+            action.default = argparse.SUPPRESS
     parser.set_defaults(work=work)
 
 
+def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> RunSpec:
+    """The run: the command line over the environment over ``--spec``.
+
+    :raises InputError: all that is wrong with it, together.
+    """
+    faults = Faults()
+    layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults)]
+    layers.append(environment_layer(environment, faults))
+    words = {key: getattr(namespace, dest) for key, dest in _DESTINATIONS.items() if dest in namespace}
+    layers.append(Layer("command line", words, OPTIONS))
+    return RunSpec.from_layers(layers, faults)
+
+
 def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
-    system = run_system(namespace)
-    controller = namespace.controller or system.law
-    check_law(controller, "--controller", system)
+    spec = spec_of(namespace, os.environ)
     given = [flag for flag, on in (("--attach", namespace.attach), ("--no-controller", namespace.no_controller)) if on]
-    given += ["--bus local"] * (namespace.bus == LOCAL)
+    given += ["--bus local"] * spec.is_local
     if len(given) > 1:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
-    if (namespace.attach or namespace.no_controller) and namespace.task_period_ms:
-        raise InputError("command line", "--task-period-ms", namespace.task_period_ms, f"0 with {given[0]}")
+    if (namespace.attach or namespace.no_controller) and spec.law.task_period_ms:
+        raise InputError("command line", "--task-period-ms", spec.law.task_period_ms, f"0 with {given[0]}")
+    if (namespace.attach or namespace.no_controller) and (spec.memory_file or spec.law.memory):
+        found = Words("a memory of the law")
+        raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
         raise InputError("command line", "--rerun-command", namespace.rerun_command, "only with --attach")
-    parameters = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
+    if namespace.no_rt and not spec.is_realtime:
+        raise InputError("command line", "--no-rt", Words(f"a run in {spec.pace}"), "only in a run with pace realtime")
     how = replace(
         start_up(namespace),
         attach=namespace.attach,
         foreign=namespace.no_controller,
         rerun_command=namespace.rerun_command,
     )
-    return run_spec(namespace, controller, parameters), how
+    return spec, how
+
+
+def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
+    """Whether a run of a certificate has its bytes; empty for another file, a run in real time or one that was
+    changed."""
+    if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path):
+        return ""
+    document = json.loads(path.read_text(encoding="utf-8"))
+    then = document.get("frames_sha256")
+    if then == result.frames_sha256:
+        return f"frames.log has the bytes that {path} says"
+    if document.get("scenario_sha256") != spec.load().sha256:
+        return f"frames.log has other bytes than {path} says: the scenario is not what it was"
+    return f"frames.log has other bytes than {path} says: {then}, with railhil {document.get('railhil')}"
 
 
 def work(namespace: argparse.Namespace) -> int:
@@ -79,17 +122,21 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     console = Output(stderr=namespace.json)
-    with chosen_bus(namespace, how.attach or how.foreign) as choice:
+    with chosen_bus(namespace, spec, how.attach or how.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
         run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
+    again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
+    notes = [line for line in (memory_line(run.spec, result), again) if line]
     if namespace.json:
         if report and not (folder / REPORT).is_file():
-            console.say(report)
-        print_json(score_json(scenario, result, spec))
+            notes.append(report)
+        for line in notes:
+            console.say(line)
+        print_json(score_json(scenario, result, run.spec))
     else:
-        print_result(console, found, result, folder, report, namespace.verbose)
+        print_result(console, found, result, folder, notes, report, namespace.verbose)
     return run.stopped_exit_code or result.exit_code

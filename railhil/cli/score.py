@@ -9,6 +9,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
+from railhil.supervisor.report.facts import memory_sentence
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -30,9 +31,11 @@ def work(namespace: argparse.Namespace) -> int:
         own = (line,) if verdict == "INVALID" else ()
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
-        print_json({**found.as_json(), "verdict": verdict, "line": line})
+        print_json({**found.as_json(), "verdict": verdict, "line": line, "memory": record.certificate.get("memory")})
     else:
         console = Output()
         print_scores(console, record.scenario, [("from the log", found)])
+        if memory := memory_sentence(record.certificate):
+            console.say(f"memory: {memory}")
         print_verdict(console, verdict, line)
     return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

@@ -39,10 +39,14 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
 
 
 def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
-    """Title and table of runs that came to their end; nothing when none did."""
+    """Title and table of runs that came to their end, nothing when none did; then the stops of runs with several."""
     if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
+    for label, score in found:
+        for stop in score.listed_stops:
+            error = "" if stop.error_m is None else f" {stop.error_m:+.4f} m"
+            console.say(f"{label}: stop {stop.planned.name}{error} {stop.verdict}")
 
 
 def print_watch(console: Output, scenario: AnyScenario) -> None:
@@ -57,10 +61,11 @@ def print_verdict(console: Output, verdict: str, line: str) -> None:
 
 
 def print_result(
-    console: Output, run: RecordedRun, result: RunResult, folder: Path, report: str, verbose: bool
+    console: Output, run: RecordedRun, result: RunResult, folder: Path, notes: Sequence[str], report: str, verbose: bool
 ) -> None:
     """Table, run facts, verdict, and after a FAIL what to try.
 
+    :param notes: lines on what else has come of the run.
     :param verbose: print all that the scenario assumes.
     :param report: the line on ``report.html``, empty when none was asked for.
     """
@@ -85,6 +90,8 @@ def print_result(
         console.say(f"arithmetic: {result.telemetry.sentence()}")
     console.say(f"frames.log sha256 {result.frames_sha256}")
     console.say(f"run folder {folder}")
+    for line in notes:
+        console.say(line)
     if report:
         console.say(report)
     if run.caution:

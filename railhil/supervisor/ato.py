@@ -53,8 +53,9 @@ def asked(scenario: Scenario) -> str:
 
 def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     """What must hold besides the limits of the plan."""
+    stood = any(stop.standstill is not None for stop in found.stops)
     return [
-        ("stops", "" if found.stops else "did not stop"),
+        ("stops", "" if stood else "did not stop"),
         ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
         ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
         ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),

@@ -107,13 +107,13 @@ class Criterion:
 
 #: Eq. (8): how far from its point the train stands.
 STOP_ERROR = Criterion(
-    "stop_error_m", "stop error", "m", 4, lambda run: journey.stop_error_m(run.scenario.plan, run.stops),
+    "stop_error_m", "stop error", "m", 4, lambda run: run.stop.error_m,
     limit=Limit(lambda scenario: scenario.plan.stop_error_max_m, 0), signed="stop_error_m", tuning_digits=3,
     audit_allowed=0.01,
 )  # fmt: skip
 #: Eq. (7): how far from the timetable it comes to its stand.
 TIME_ERROR = Criterion(
-    "punctuality_s", "time error", "s", 4, lambda run: journey.time_error_s(run.scenario.plan, run.stops),
+    "punctuality_s", "time error", "s", 4, lambda run: run.stop.late_s,
     limit=Limit(lambda scenario: scenario.plan.time_error_max_s, 1), signed="time_error_s", tuning_digits=3,
     audit_allowed=0.01,
 )  # fmt: skip

@@ -36,6 +36,14 @@ class _Parameters(_Part):
     training: _Training | None = None
 
 
+class _Memory(_Part):
+    law: str
+    key: str
+    runs: int
+    values: dict[str, Any]
+    sha256: str
+
+
 class _OwnParameters(_Part):
     origin: str
 
@@ -59,6 +67,8 @@ class _Certificate(_Part):
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
+    memory: _Memory | None = None
+    memory_after_sha256: str | None = None
     notes: list[_Note] | None = None
     system: str | None = None
     system_sha256: str | None = None

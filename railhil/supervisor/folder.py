@@ -20,6 +20,7 @@ from railhil.bus.ident import PROFILES
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
+from railhil.scenarios.memory import MEMORY_AFTER, write_memory
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import any_judged_sha256
@@ -42,7 +43,7 @@ _CODE = (
 #: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
 #: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
-_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", CERTIFICATE)
+_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
@@ -150,6 +151,7 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document["run"] = spec.as_json() | {
         # Their values stand in the certificate.
         "parameters": None if parameters is None else parameters.digest,
+        "memory": None if spec.law.memory is None else spec.law.memory.digest,
         "sim_time_s": result.sim_time_s,
         "wall_time_s": result.wall_time_s,
         "speed_factor": result.speed_factor,
@@ -173,6 +175,8 @@ def certificate(
     return {
         "railhil": version("railhil"),
         **spec.as_json(),
+        # Of memory.json beside it; what the run began with is memory_before.json.
+        "memory_after_sha256": None if result.memory is None else result.memory.sha256,
         "scenario_sha256": scenario.sha256,
         # With the limits and factors that the record is judged by.
         "judged_sha256": any_judged_sha256(scenario),
@@ -209,7 +213,7 @@ def _notes(result: RunResult) -> list[dict[str, Any]] | None:
 
 
 def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
-    """JUnit report with one case per limit of the scenario.
+    """JUnit report with one case per limit of the scenario, and one per stop of a run with several.
 
     A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
     ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
@@ -222,6 +226,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
             for criterion in limited(judging.criteria)
         ]
         cases += judging.checks(scenario, found)
+        cases += [(f"stop {stop.planned.name}", stop.missed) for stop in found.listed_stops]
     suite = ET.Element(
         "testsuite",
         name=_xml(f"{scenario.name}.{spec.law.controller}"),
@@ -245,7 +250,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
     if not result.trusted:
         ET.SubElement(bench, "error", message=_xml(result.line))
     for name, text in cases:
-        case = ET.SubElement(suite, "testcase", classname=classname, name=name, time="0.000")
+        case = ET.SubElement(suite, "testcase", classname=classname, name=_xml(name), time="0.000")
         if text:
             ET.SubElement(case, "failure", message=_xml(text))
     return ET.ElementTree(suite)
@@ -318,6 +323,8 @@ def write_folder(
         write_json(folder / SCORE, score_json(scenario, result, spec))
         with whole_file(folder / "junit.xml") as draft:
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
+        if result.memory is not None:
+            write_memory(result.memory, folder / MEMORY_AFTER)
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
     except BaseException as error:
         if isinstance(error, OSError):

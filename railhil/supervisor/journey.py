@@ -18,45 +18,19 @@ from railhil.bus.telegrams import SimTruth
 from railhil.scenarios.model import RunPlan, Scenario
 from railhil.scenarios.target import Target
 from railhil.supervisor import measures
+from railhil.supervisor.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.supervisor.trace import FloatArray
 
-#: Standstills reported nearer to each other than this are one stop.
-_SAME_STOP_M = 0.001
+#: What the one stop of this train is called where stops are listed.
+STOP_NAME = "stopping point"
 
 
-@dataclass(frozen=True, slots=True)
-class Stop:
-    """A standstill: instant in s, true position in m, and how far past the plan's stopping point that is, in m."""
-
-    instant_s: float
-    position_m: float
-    error_m: float
-
-
-def stops_of(plan: RunPlan, reached: Sequence[tuple[float, float]]) -> tuple[Stop, ...]:
-    """The stops behind the milestones ``(instant s, position m)``, in their order; one told twice counts once."""
-    found: list[Stop] = []
-    for instant_s, position_m in reached:
-        if all(abs(position_m - known.position_m) > _SAME_STOP_M for known in found):
-            found.append(Stop(instant_s, position_m, position_m - plan.distance_m))
-    return tuple(found)
-
-
-def planned_stop(stops: Sequence[Stop]) -> Stop | None:
-    """The stop that the plan means: the nearest to its stopping point, the first of equals; None without any."""
-    return min(stops, key=lambda stop: abs(stop.error_m), default=None)
-
-
-def time_error_s(plan: RunPlan, stops: Sequence[Stop]) -> float | None:
-    """How late the train was at its planned stop; None without a stop."""
-    stop = planned_stop(stops)
-    return None if stop is None else stop.instant_s - plan.running_time_s
-
-
-def stop_error_m(plan: RunPlan, stops: Sequence[Stop]) -> float | None:
-    """How far past its planned stopping point the train stood; None without a stop."""
-    stop = planned_stop(stops)
-    return None if stop is None else stop.error_m
+def stop_of(plan: RunPlan, reached: Sequence[tuple[float, float]]) -> ScoredStop:
+    """The one stop of a plan, from the milestones ``(instant s, position m)``: a train that stood on its way, too, is
+    scored where it stood nearest to its stopping point."""
+    wanted = PlannedStop(STOP_NAME, plan.distance_m, plan.stop_error_max_m, plan.running_time_s, plan.time_error_max_s)
+    (stop,) = scored_stops([wanted], standstills_of(reached))
+    return stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +49,7 @@ class Journey:
     accel_mps2: FloatArray
     traction_n: FloatArray
     brake_n: FloatArray
-    stops: tuple[Stop, ...]
+    stop: ScoredStop
 
 
 def _samples(scenario: Scenario) -> float:
@@ -126,9 +100,9 @@ def itae_kmh_s2(run: Journey) -> float:
 
 
 def energy_kj(run: Journey) -> float:
-    """Eq. (5) up to the planned stop, or to the end of a run without one."""
-    stop = planned_stop(run.stops)
-    end_s = float(run.time_s[-1]) if stop is None else stop.instant_s
+    """Eq. (5) up to the stop, or to the end of a run without one."""
+    stood = run.stop.standstill
+    end_s = float(run.time_s[-1]) if stood is None else stood.instant_s
     moving = run.time_s <= end_s
     steps_s = np.diff(run.time_s[moving])
 

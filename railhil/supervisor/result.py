@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
+from railhil.scenarios.memory import Memory
 from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -30,6 +31,8 @@ class RunResult:
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
+    #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
+    memory: Memory | None = None
 
     @property
     def trusted(self) -> bool:

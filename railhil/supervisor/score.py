@@ -16,8 +16,9 @@ from railhil.bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimT
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limited, scores, unscored
-from railhil.supervisor.journey import Journey, Stop, planned_stop, stops_of
+from railhil.supervisor.journey import Journey, stop_of
 from railhil.supervisor.measures import limits_under_train
+from railhil.supervisor.stops import ScoredStop
 from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
 
@@ -34,7 +35,8 @@ class Score:
     has no stop error).
 
     ``signed``: those that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
-    stopping point. ``stops``: every standstill of the record, in order; the verdict is on the planned one.
+    stopping point. ``stops``: those that the scenario asks for, in its order, and what became of them; none in a record
+    that does not show a whole run.
     """
 
     verdict: str
@@ -43,7 +45,12 @@ class Score:
     overspeed_mps: float
     failures: tuple[str, ...]
     ended: str
-    stops: tuple[Stop, ...] = ()
+    stops: tuple[ScoredStop, ...] = ()
+
+    @property
+    def listed_stops(self) -> tuple[ScoredStop, ...]:
+        """The stops of a run with several; of one alone the criteria say all."""
+        return self.stops if len(self.stops) > 1 else ()
 
     def with_sign(self, criterion: Criterion) -> float | None:
         """Value of a criterion, with its sign if it has one."""
@@ -58,6 +65,7 @@ class Score:
             "overspeed_mps": self.overspeed_mps,
             "failures": list(self.failures),
             "ended": self.ended,
+            "stops": [stop.as_json() for stop in self.stops],
         }
 
 
@@ -83,14 +91,14 @@ def _wrap(trace: Trace) -> str:
 class Measured:
     """What a whole run has been measured to be.
 
-    ``values``: by criterion, with the sign where there is one. ``stops``: see :class:`Score`; ``emergency_s`` instant
-    of the first emergency brake, ``wrap`` the failure of a controller whose arithmetic has wrapped.
+    ``values``: by criterion, with the sign where there is one. ``stop``: its one stop; ``emergency_s``: instant of the
+    first emergency brake; ``wrap``: the failure of a controller whose arithmetic has wrapped.
     """
 
     ended: Event
     values: Mapping[str, float | None]
     overspeed_mps: float
-    stops: tuple[Stop, ...]
+    stop: ScoredStop
     emergency_s: float | None
     wrap: str = ""
 
@@ -98,7 +106,7 @@ class Measured:
 def judged(scenario: Scenario, run: Measured) -> Score:
     """Score of a whole run with its verdict: what of the limits in the plan it misses."""
     failures = []
-    if planned_stop(run.stops) is None:
+    if run.stop.standstill is None:
         failures.append(f"not stopped {scenario.plan.overtime_max_s:g} s after the timetable")
     for criterion in limited():
         if missed := criterion.missed(scenario, run.values[criterion.key]):
@@ -117,7 +125,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         overspeed_mps=run.overspeed_mps,
         failures=tuple(failures),
         ended=run.ended.name.lower(),
-        stops=run.stops,
+        stops=(run.stop,),
     )
 
 
@@ -170,7 +178,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
         accel_mps2=truth["accel"],
         traction_n=truth["traction"],
         brake_n=truth["brake"],
-        stops=stops_of(scenario.plan, events.get(Event.STOPPED, [])),
+        stop=stop_of(scenario.plan, events.get(Event.STOPPED, [])),
     )
     over = run.speed_mps - limits_under_train(scenario.line.speed_limit_mps, run.position_m, scenario.train.length_m)
     emergency = events.get(Event.EMERGENCY)
@@ -180,7 +188,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             ended=ended,
             values={criterion.key: criterion.measure(run) for criterion in ATO_CRITERIA},
             overspeed_mps=float(max(0.0, over.max())),
-            stops=run.stops,
+            stop=run.stop,
             emergency_s=emergency[0][0] if emergency else None,
             wrap=_wrap(trace),
         ),

@@ -134,6 +134,15 @@ def read_origin(folder: Path) -> LawOrigin | None:
     return _read(folder, law_origin)
 
 
+def read_kept(folder: Path) -> tuple[str, dict[str, Any]] | None:
+    """Key and values that the law wants kept, from a run folder; None when it has said none."""
+
+    def kept(document: dict[str, Any]) -> tuple[str, dict[str, Any]]:
+        return str(document["memory"]["key"]), dict(document["memory"]["values"])
+
+    return _read(folder, kept)
+
+
 @dataclass(frozen=True, slots=True)
 class ShownTelemetry:
     """What stands in ``score.json`` when there is no file: what the CTL_STAT telegrams of the record tell.

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,7 +23,6 @@ from railhil.supervisor.criteria import (
     unscored,
     with_sign,
 )
-from railhil.supervisor.journey import planned_stop, stop_error_m, stops_of, time_error_s
 
 HEADROOM = Criterion("headroom_m", "headroom", "m3", 1, lambda run: 3.0, "high", Limit(lambda scenario: 2.0, 2))
 
@@ -86,29 +84,6 @@ def test_more_may_be_better(lvshun: Scenario) -> None:
     assert HEADROOM.inside(lvshun, np.array([1.0, 2.0, np.nan])).tolist() == [False, True, False]
     assert STOP_ERROR.inside(lvshun, np.array([1.0, 0.2, np.nan])).tolist() == [False, True, False]
     assert limited((HEADROOM, TIME_ERROR, STOP_ERROR)) == [STOP_ERROR, TIME_ERROR, HEADROOM]
-
-
-@pytest.mark.parametrize(
-    ("reached", "kept", "planned"),
-    [
-        ([], 0, None),
-        # A milestone is repeated on the bus.
-        ([(195.0, 2940.1), (195.0, 2940.1), (195.5, 2940.1)], 1, 0),
-        # A signal on the way, the station, and rolling on from it.
-        ([(60.0, 900.0), (195.2, 2939.9), (260.0, 2950.0)], 3, 1),
-    ],
-)
-def test_the_verdict_is_on_the_planned_stop_of_several(
-    lvshun: Scenario, reached: Sequence[tuple[float, float]], kept: int, planned: int | None
-) -> None:
-    stops = stops_of(lvshun.plan, reached)
-    assert len(stops) == kept
-    if planned is None:
-        assert planned_stop(stops) is time_error_s(lvshun.plan, stops) is stop_error_m(lvshun.plan, stops) is None
-    else:
-        assert planned_stop(stops) == stops[planned]
-        assert time_error_s(lvshun.plan, stops) == reached[planned][0] - 195
-        assert stop_error_m(lvshun.plan, stops) == reached[planned][1] - 2940
 
 
 def test_the_batch_gives_every_criterion_and_the_stop(lvshun: Scenario) -> None:

@@ -148,7 +148,12 @@ def test_the_plants_pace_is_taken(asked: float, told: float, kept: float, said: 
     assert kept_pace(asked, told) == (kept, said)
 
 
-@pytest.mark.parametrize("given", [["run", "--rate", "1"], ["run", "--no-rt"], ["compare", "--rate", "20"]])
+_LOCKSTEP = ["--pace", "lockstep"]
+
+
+@pytest.mark.parametrize(
+    "given", [["run", "--rate", "1", *_LOCKSTEP], ["run", "--no-rt", *_LOCKSTEP], ["compare", "--rate", "20"]]
+)
 def test_options_of_a_realtime_run_are_refused_in_lockstep(
     given: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import PurePosixPath
 from typing import Any
 
 from railhil.bus.limits import limits_of
+from railhil.scenarios.memory import runs_said
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.jitter_panel import timing_rows
@@ -81,6 +82,17 @@ def parameters_sentence(run: RecordedRun) -> str:
     return words
 
 
+def memory_sentence(certificate: Mapping[str, Any]) -> str:
+    """With what memory of its law a run began and ended; empty for a run without one."""
+    before, after = certificate.get("memory"), certificate.get("memory_after_sha256")
+    if not before and not after:
+        return ""
+    began = "none yet"
+    if before and before["runs"]:
+        began = f"that of {runs_said(before['runs'])}, key {before['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+    return f"began with {began}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
+
+
 def _parameters(run: RecordedRun) -> str:
     if run.certificate.get("foreign"):
         return parameters_sentence(run)
@@ -107,6 +119,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         *own[:1],
         ("Controller", said("controller")),
         ("Parameters", _parameters(run)),
+        *([("Memory", kept)] if (kept := memory_sentence(run.certificate)) else []),
         ("Arithmetic", f"{said('arithmetic')} (profile {said('arithmetic_profile')})"),
         ("Set-point over", said("indexing")),
         ("Seed", said("seed")),

@@ -52,6 +52,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         best="least" if all(criterion.better == "low" for criterion in criteria) else "best",
         rows=rows(scenario, criteria, runs),
         remark=judging.remark([run.score for run in runs]),
+        stops=[(run.label, stop) for run in runs for stop in run.score.listed_stops],
         asked=judging.asked(scenario),
         published=judging.published if scenario.published else "",
         facts=facts(runs),

@@ -90,6 +90,8 @@ def recorded_run(
     label = str(certificate.get("controller") or folder.name)
     if parameters := certificate.get("parameters"):
         label += f"+{parameters['sha256'][:DIGEST_DIGITS]}" + (" tuned" if parameters.get("training") else "")
+    if memory := certificate.get("memory"):
+        label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
     label += " (on this seed)" if certificate.get("seed_was_trained") else ""
     return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {})
 

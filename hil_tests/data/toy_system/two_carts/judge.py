@@ -11,6 +11,7 @@ from railhil.bus.telegrams import Event, RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
+from railhil.supervisor.stops import PlannedStop, ScoredStop, Standstill, missed_stops
 from railhil.supervisor.trace import Trace
 from two_carts import SYSTEM
 from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
@@ -61,7 +62,21 @@ def score(scenario: Any, trace: Trace) -> Score:
     ride = Ride(scenario.task, trace.times_s(TRUTH.PORT), places)
     measured = {criterion.key: criterion.measure(ride) for criterion in CRITERIA}
     missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
-    return Score("FAIL" if missed else "PASS", *scores(measured, CRITERIA), 0.0, tuple(missed), "ended_complete")
+    stops = _stops(ride)
+    missed += missed_stops(stops)
+    verdict = "FAIL" if missed else "PASS"
+    return Score(verdict, *scores(measured, CRITERIA), 0.0, tuple(missed), "ended_complete", stops)
+
+
+def _stops(ride: Ride) -> tuple[ScoredStop, ...]:
+    """Each cart at its target, at the end of the run."""
+    return tuple(
+        ScoredStop(
+            PlannedStop(f"of cart {unit + 1}", target_m, ride.task.error_max_m),
+            Standstill(float(ride.time_s[-1]), float(ride.position_m[unit, -1])),
+        )
+        for unit, target_m in enumerate(ride.task.target_m)
+    )
 
 
 def _facts(run: Any) -> list[tuple[str, str]]:

@@ -1,0 +1,294 @@
+"""A law that learns from run to run: its memory over the hub and in one process, kept, refused, and made again."""
+
+from __future__ import annotations
+
+import json
+import signal
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+import railhil as library
+from benchmarks.figures import QUICK_TOML
+from hil_tests.support.cli import Done, Started, railhil, wait_for
+from hil_tests.support.plug import plug_in
+from hil_tests.support.published import PUBLISHED_SHA256
+from hil_tests.support.remembering import Learning
+from railhil.cli import bus_run
+from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
+from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.scenarios.load import load
+from railhil.scenarios.memory import load_memory, no_memory, write_memory
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.memory import memory_after
+from railhil.supervisor.result import RunResult
+
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
+
+
+class Forgetful(Learning):
+    """One that raises when it is asked what to keep."""
+
+    def memory(self, state: Any) -> dict[str, Any]:
+        raise ZeroDivisionError("nothing comes to mind")
+
+
+@pytest.fixture
+def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A short scenario; the laws are known to every process that is started."""
+    plug_in(tmp_path, monkeypatch, learning=Learning, forgetful=Forgetful)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "plug"))
+    path = tmp_path / "short.toml"
+    path.write_text(QUICK_TOML)
+    return path
+
+
+def run(short: Path, out: Path, *words: str | Path) -> Done:
+    given = ("--bus", "local") if "-i" not in words else ()
+    return railhil("run", short, "--controller", "learning", *given, *words, "--out", out, "--quiet", "--no-report")
+
+
+def certificate(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "certificate.json").read_text())
+    return found
+
+
+def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, tmp_path: Path) -> None:
+    files: dict[str, list[bytes]] = {}
+    hashes: dict[str, list[str]] = {}
+    for bus, words in (("hub", ("-i", "railhil")), ("local", ())):
+        memory = tmp_path / f"{bus}.json"
+        for number in range(1, 4):
+            folder = tmp_path / f"{bus}{number}"
+            done = run(short, folder, "--memory", memory, *words)
+            assert done.exit_code in (PASS, FAIL), done.err
+            document, found = certificate(folder), load_memory(memory)
+            assert (found.law, found.runs, found.values["runs"]) == ("learning", number, number)
+            assert document["memory"]["runs"] == number - 1
+            assert document["memory"]["sha256"] == load_memory(folder / "memory_before.json").sha256
+            assert document["memory_after_sha256"] == load_memory(folder / "memory.json").sha256 == found.sha256
+            assert (folder / "memory.json").read_bytes() == memory.read_bytes()
+            if number > 1:
+                before = tmp_path / f"{bus}{number - 1}" / "memory.json"
+                assert (folder / "memory_before.json").read_bytes() == before.read_bytes()
+            files.setdefault(bus, []).append(memory.read_bytes())
+            hashes.setdefault(bus, []).append(document["frames_sha256"])
+    assert files["hub"] == files["local"]
+    assert hashes["hub"] == hashes["local"]
+    assert len({*hashes["hub"]}) == 3, "what is learned changes the run"
+
+
+def test_a_run_is_made_again_from_its_folder_alone_and_learns_nothing_twice(short: Path, tmp_path: Path) -> None:
+    memory = tmp_path / "memory.json"
+    for number in (1, 2):
+        assert run(short, tmp_path / str(number), "--memory", memory).exit_code in (PASS, FAIL)
+    kept = memory.read_bytes()
+    first, second = certificate(tmp_path / "1"), certificate(tmp_path / "2")
+    memory.rename(tmp_path / "elsewhere.json")
+    for number, document in ((1, first), (2, second)):
+        words = document["command"].split()[1:]
+        assert str(tmp_path / str(number) / "memory_before.json") in words
+        for way, given in (
+            ("command", words),
+            ("spec", ["run", "--spec", tmp_path / str(number) / "certificate.json"]),
+        ):
+            again = tmp_path / f"{way}{number}"
+            done = railhil(*given, "--out", again, "--quiet", "--no-report")
+            assert done.exit_code in (PASS, FAIL), done.err
+            assert certificate(again)["frames_sha256"] == document["frames_sha256"]
+            assert certificate(again)["memory_after_sha256"] == document["memory_after_sha256"]
+    assert not memory.exists()
+    assert (tmp_path / "elsewhere.json").read_bytes() == kept
+
+
+def test_score_and_report_say_that_a_run_had_a_memory(short: Path, tmp_path: Path) -> None:
+    memory = tmp_path / "memory.json"
+    for number in (1, 2):
+        done = run(short, tmp_path / str(number), "--memory", memory)
+    document = certificate(tmp_path / "2")
+    digest, left = document["memory"]["sha256"][:8], document["memory_after_sha256"][:8]
+    assert f"memory: began with that of 1 run ({digest}); kept that of 2 runs ({left}) in {memory}" in done.out
+    said = railhil("score", tmp_path / "2")
+    assert f"memory: began with that of 1 run, key {document['memory']['key']}, sha256 {digest}" in said.out
+    assert railhil("score", tmp_path / "2", "--json").json["memory"] == document["memory"]
+    assert railhil("report", tmp_path / "2").exit_code in (PASS, FAIL)
+    assert f"learning@{digest}" in (tmp_path / "2" / "report.html").read_text().replace("<wbr>", "")
+    score = json.loads((tmp_path / "2" / "score.json").read_text())
+    assert score["run"]["memory"] == digest
+
+
+def test_a_law_with_memory_that_is_given_none_keeps_it_in_its_folder(short: Path, tmp_path: Path) -> None:
+    assert run(short, tmp_path / "run").exit_code in (PASS, FAIL)
+    document = certificate(tmp_path / "run")
+    assert document["memory"] is None
+    assert document["memory_after_sha256"] == load_memory(tmp_path / "run" / "memory.json").sha256
+    assert not (tmp_path / "run" / "memory_before.json").exists()
+    # It can be begun with.
+    done = run(short, tmp_path / "next", "--memory-from", tmp_path / "run" / "memory.json")
+    assert done.exit_code in (PASS, FAIL), done.err
+    assert load_memory(tmp_path / "next" / "memory.json").runs == 2
+    assert load_memory(tmp_path / "run" / "memory.json").runs == 1
+
+
+@pytest.mark.parametrize("words", [(), ("-i", "railhil")], ids=["local", "hub"])
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"key": "another line"}, "key: found 'another line', allowed "),
+        ({"law": "ipfc"}, "law: found 'ipfc', allowed learning, the controller asked for"),
+    ],
+)
+def test_a_memory_of_something_else_is_refused(
+    short: Path, tmp_path: Path, changes: dict[str, str], line: str, words: tuple[str, ...]
+) -> None:
+    path = tmp_path / "memory.json"
+    run(short, tmp_path / "first", "--memory", path)
+    own = load_memory(path)
+    write_memory(type(own)(**{**vars(own), **changes}), path)
+    before = path.read_bytes()
+    done = run(short, tmp_path / "second", "--memory", path, *words)
+    assert done.exit_code == USAGE
+    assert line in done.err
+    assert not (tmp_path / "second").exists()
+    assert path.read_bytes() == before
+
+
+def test_a_damaged_memory_is_refused_before_anything_runs(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "memory.json"
+    run(short, tmp_path / "first", "--memory", path)
+    path.write_text(path.read_text().replace('"runs": 1', '"runs": 7', 1))
+    before = path.read_bytes()
+    done = run(short, tmp_path / "second", "--memory", path)
+    assert (done.exit_code, path.read_bytes()) == (USAGE, before)
+    assert "values that nobody changed" in done.one_line()
+    assert not (tmp_path / "second").exists()
+
+
+def test_a_law_without_memory_is_not_given_one(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "memory.json"
+    done = railhil("run", short, "--bus", "local", "--memory", path, "--out", tmp_path / "run")
+    assert done.exit_code == USAGE
+    assert "law: found 'ipfc', allowed a law that keeps a memory from run to run" in done.one_line()
+    assert not path.exists()
+    assert not (tmp_path / "run").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--attach",), "--attach: found a memory of the law"),
+        (("--no-controller",), "--no-controller: found a memory of the law"),
+        (("--memory-from", "m.json"), "--memory-from: found beside --memory, allowed one of the two"),
+        (
+            ("--memory-from", "m.json", "--memory", "n.json"),
+            "--memory-from: found beside --memory, allowed one of the two",
+        ),
+        (("--memory", "no/folder.json"), "--memory: found "),
+    ],
+)
+def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...], line: str) -> None:
+    given = words if "--memory" in words else ("--memory", tmp_path / "m.json", *words)
+    bus = () if {"--attach", "--no-controller"} & {*words} else ("--bus", "local")
+    done = railhil("run", short, "--controller", "learning", *bus, *given, "--out", tmp_path / "run")
+    assert done.exit_code == USAGE
+    assert line in done.one_line()
+    assert not (tmp_path / "run").exists()
+
+
+def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> None:
+    path, folder = tmp_path / "memory.json", tmp_path / "broken"
+    write_memory(no_memory("learning", path), path)
+    before = path.read_bytes()
+    words = ("--controller", "learning", "--bus", "local", "--memory", path, "--out", folder, "--quiet", "--no-report")
+    started = Started("run", "lvshun_tieshan", *words)
+    wait_for(lambda: (folder / "frames.log").exists() and (folder / "frames.log").stat().st_size > 400_000)
+    started.process.send_signal(signal.SIGINT)
+    done, _ = started.finish()
+    assert done.exit_code == 128 + signal.SIGINT, done.err
+    document = certificate(folder)
+    assert (document["verdict"], document["memory_after_sha256"]) == ("INVALID", None)
+    assert not (folder / "memory.json").exists()
+    assert (folder / "memory_before.json").is_file()
+    assert path.read_bytes() == before
+    assert "nothing kept, the run is INVALID" in done.out
+
+
+def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: Path) -> None:
+    path, folder = tmp_path / "memory.json", tmp_path / "killed"
+    write_memory(no_memory("learning", path), path)
+    before = path.read_bytes()
+    words = ("--controller", "learning", "-i", "railhil", "--memory", path, "--out", folder, "--quiet", "--no-report")
+    started = Started("run", "lvshun_tieshan", *words)
+    wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
+    nodes = psutil.Process(started.process.pid).children(recursive=True)
+    (controller,) = (node for node in nodes if "railhil.controller_node" in node.cmdline())
+    controller.kill()
+    done, _ = started.finish()
+    assert done.exit_code == INVALID, done.err
+    assert path.read_bytes() == before
+    assert not (folder / "memory.json").exists()
+    assert "began with none; nothing kept, the run is INVALID" in done.out
+
+
+def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "memory.json"
+    words = ("--controller", "forgetful", "--bus", "local", "--memory", path, "--out", tmp_path / "run")
+    done = railhil("run", short, *words, "--quiet", "--no-report")
+    assert done.exit_code in (PASS, FAIL)
+    assert "controller: memory is lost: " in done.err
+    assert "law forgetful, memory: found what cannot be kept, allowed a dict that JSON can hold" in done.err
+    assert "nothing kept, the law has said none" in done.out
+    assert not path.exists()
+
+
+def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two runs at once with one file: the second to end must not undo what the first has learned."""
+    path = tmp_path / "memory.json"
+    spec = RunSpec.from_file(_toml(tmp_path, 'controller = "learning"\nbus = "local"\nmemory_file = "memory.json"\n'))
+    assert spec.memory_file == str(path)
+
+    def late(spec: RunSpec, folder: Path, result: RunResult) -> Any:
+        write_memory(load_memory(folder / "memory_before.json").after("x", {}, path), path)
+        return memory_after(spec, folder, result)
+
+    monkeypatch.setattr(bus_run, "memory_after", late)
+    with pytest.raises(Exception, match=r"memory\.json was changed while the run was made") as failed:
+        library.run(spec, out=tmp_path / "run")
+    assert failed.value.exit_code == TOOL_ERROR  # type: ignore[attr-defined]
+    assert load_memory(path).key == "x"
+    assert load_memory(tmp_path / "run" / "memory.json").runs == 1
+    assert (tmp_path / "run" / "certificate.json").is_file()
+
+
+def _toml(folder: Path, text: str) -> Path:
+    path = folder / "run.toml"
+    path.write_text('scenario = "short.toml"\n' + text)
+    return path
+
+
+def test_the_library_keeps_a_memory_too(short: Path, tmp_path: Path) -> None:
+    path = tmp_path / "memory.json"
+    outcomes = [
+        library.run(short, controller="learning", memory=path, out=tmp_path / str(number)) for number in range(2)
+    ]
+    assert load_memory(path).runs == 2
+    spec = outcomes[1].spec
+    assert spec.law.memory is not None
+    assert (spec.law.memory.runs, spec.memory_file) == (1, None)
+    again = library.run(spec, out=tmp_path / "again")
+    assert again.frames_sha256 == outcomes[1].frames_sha256
+    assert load_memory(path).runs == 2
+
+
+def test_laws_that_ship_keep_none(tmp_path: Path) -> None:
+    assert Ipfc.memory_key(load("lvshun_tieshan")) == ""
+    done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report")
+    assert done.exit_code == PASS
+    document = certificate(tmp_path / "run")
+    assert (document["frames_sha256"], document["memory"]) == (PUBLISHED_SHA256, None)
+    assert document["memory_after_sha256"] is None
+    assert "memory" not in json.loads((tmp_path / "run" / "telemetry.json").read_text())
+    assert not [*(tmp_path / "run").glob("memory*")]
+    assert "memory" not in done.out

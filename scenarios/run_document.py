@@ -1,0 +1,232 @@
+"""What a run is, as its sources say it: a TOML file or a certificate, the environment, a command line.
+
+Each source is a :class:`Layer` of some of the keys of :meth:`railhil.scenarios.run_spec.RunSpec.as_json`. ``railhil
+run`` lays them one above the other: command line over environment over file over defaults.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
+from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.errors import Faults, InputError, Words, near_file
+from railhil.common.patience import PATIENCE_S
+from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.memory import Memory, load_memory, memory_from_json
+from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
+from railhil.scenarios.settings import setting
+from railhil.scenarios.system import system_named
+from railhil.scenarios.tomlfile import parsed_toml
+from railhil.scenarios.validation import findings
+
+#: Scenario and law of a run that names none.
+USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
+#: Key of a run -> its option of ``railhil run``; the scenario stands there without one.
+OPTIONS: Mapping[str, str] = {
+    "scenario": "scenario",
+    "settings": "--set",
+    "controller": "--controller",
+    "arithmetic": "--arithmetic",
+    "indexing": "--indexing",
+    "parameters": "--parameters",
+    "task_period_ms": "--task-period-ms",
+    "seed": "--seed",
+    "perturbed": "--perturbed",
+    "pace": "--pace",
+    "rate": "--rate",
+    "patience_s": "--patience",
+    "bus": "--bus",
+    "memory_file": "--memory",
+    "memory": "--memory-from",
+}
+#: Key of a run -> the variable of the environment that says it: as the option, so that compose's names are these
+#: without the prefix. Settings are many, and have none.
+ENVIRONMENT: Mapping[str, str] = {
+    key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
+    for key, option in OPTIONS.items()
+    if key != "settings"
+}
+#: Keys that name files but where a certificate holds what was in them, and the one that always does.
+_MEMORY = ("memory", "memory_file")
+_FILES = ("parameters", "memory", "memory_file")
+_ALLOWED = "a run in TOML, or certificate.json of a run folder"
+
+
+class RunDocument(BaseModel):
+    """A run as JSON, with the bounds of the command line; keys that no run has are left aside, as in a certificate."""
+
+    model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
+    scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
+    settings: list[str] = []
+    controller: str = Field(default=USUAL_LAW, min_length=1)
+    arithmetic: Literal[ARITHMETICS] = "iq"  # type: ignore[valid-type]
+    indexing: Literal[INDEXINGS] = "time"  # type: ignore[valid-type]
+    parameters: dict[str, Any] | None = None
+    task_period_ms: int = Field(default=0, ge=0, le=TASK_PERIOD_MAX_MS)
+    seed: int = Field(default=0, ge=0, le=SEED_MAX)
+    perturbed: bool = False
+    pace: Literal[PACES] = "lockstep"  # type: ignore[valid-type]
+    rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
+    patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
+    bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
+    memory_file: str | None = Field(default=None, min_length=1)
+    memory: dict[str, Any] | None = None
+
+
+class _Named(RunDocument):
+    """A run in words that a person writes: parameters and memory are the names of their files."""
+
+    model_config = ConfigDict(extra="forbid")
+    parameters: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
+    memory: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What one source says of a run.
+
+    :param source: the file, or in words what it is.
+    :param values: by the keys of a run. ``parameters``, ``memory``: the path of their file, or what a certificate says.
+    :param names: what the source calls a key, when not so.
+    :param folder: names of files are relative to it.
+    """
+
+    source: str | Path
+    values: Mapping[str, Any]
+    names: Mapping[str, str] = field(default_factory=dict)
+    folder: Path = Path()
+
+    def refused(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
+        """Complaint about one of the values."""
+        return InputError(self.source, self.names.get(key, key), found, allowed, hint)
+
+
+def file_layer(path: Path, faults: Faults) -> Layer:
+    """The run of a TOML file, or of a certificate (``.json``), of any version. What is wrong goes to ``faults``."""
+    stored = path.suffix == ".json"
+    values: dict[str, Any] = {}
+    with faults.kept():
+        values = _table(path, stored)
+    model = RunDocument if stored else _Named
+    try:
+        model.model_validate(values)
+    except ValidationError as error:
+        wrong = findings(error, model, path)
+        faults.found += wrong.values()
+        values = {key: value for key, value in values.items() if key not in wrong}
+    known = {key: value for key, value in values.items() if key in RunDocument.model_fields and value is not None}
+    if not stored:
+        known |= {key: path.parent / known[key] for key in _FILES if key in known}
+    elif known.get("pace", "lockstep") == "lockstep":
+        # A certificate of version 0.1.0 says one all the same.
+        known.pop("rate", None)
+    return Layer(path, known, folder=path.parent)
+
+
+def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
+    """What the variables of :data:`ENVIRONMENT` say; an empty one says nothing. What is wrong goes to ``faults``."""
+    said = {key: environment[name] for key, name in ENVIRONMENT.items() if environment.get(name)}
+    source = "environment"
+    values: dict[str, Any] = {}
+    try:
+        values = _Named.model_validate_strings(said).model_dump(exclude_unset=True)
+    except ValidationError as error:
+        for key, one in findings(error, _Named, source).items():
+            faults.found.append(InputError(source, ENVIRONMENT[key], said[key], one.allowed, one.hint))
+    values |= {key: Path(values[key]) for key in _FILES if key in values}
+    return Layer(source, values, ENVIRONMENT)
+
+
+def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None, Memory | None]:
+    """The document of a run that several sources say, the later one above the earlier, and the law's parameters and
+    memory.
+
+    Settings add up; whoever names no law has the usual one of the scenario's system.
+
+    :raises InputError: all that is wrong, with what ``faults`` holds already.
+    """
+    document: dict[str, Any] = {}
+    said: dict[str, Layer] = {}
+    settings: list[str] = []
+    for layer in layers:
+        if {*_MEMORY} <= {*layer.values}:
+            names = [layer.names.get(key, key) for key in _MEMORY]
+            faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), "one of the two"))
+        if any(key in layer.values for key in _MEMORY):
+            # Either says with what the run begins.
+            document = {key: value for key, value in document.items() if key not in _MEMORY}
+        document |= layer.values
+        said |= dict.fromkeys(layer.values, layer)
+        for text in layer.values.get("settings", ()):
+            with faults.kept():
+                settings.append(setting(text, layer.folder))
+        if document.get("pace", "lockstep") == "lockstep" and document.pop("rate", None) and "rate" in layer.values:
+            faults.found.append(layer.refused("rate", layer.values["rate"], "only in a run with pace realtime"))
+    document["settings"] = settings
+    with faults.kept():
+        document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
+        system = system_named(load_any(document["scenario"], settings).system)
+        document.setdefault("controller", system.law)
+        if by := said.get("controller"):
+            system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))
+    if "memory_file" in document:
+        document["memory_file"] = str(Path(document["memory_file"]).resolve())
+    parameters = memory = None
+    with faults.kept():
+        parameters = _parameters(document, said.get("parameters"))
+    with faults.kept():
+        memory = _memory(document, said.get("memory"))
+    faults.raise_all()
+    return document, parameters, memory
+
+
+def _scenario(name: str, by: Layer | None) -> str:
+    try:
+        return stable_name(str(by.folder / name) if by is not None and name.endswith(".toml") else name)
+    except InputError as error:
+        if by is None or by.names is OPTIONS:
+            # There its own line says it well enough.
+            raise
+        raise by.refused("scenario", name, error.allowed, error.hint) from None
+
+
+def _parameters(document: dict[str, Any], by: Layer | None) -> ParameterSet | None:
+    given = document.pop("parameters", None)
+    if given is None or by is None:
+        return None
+    if isinstance(given, Path):
+        return load_parameters(given.resolve())
+    return parameters_from_json({"law": document.get("controller", USUAL_LAW), **given}, Path(by.source).resolve())
+
+
+def _memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
+    given = document.pop("memory", None)
+    if given is None or by is None:
+        return None
+    if isinstance(given, Path):
+        return load_memory(given.resolve())
+    return memory_from_json(given, Path(by.source).resolve())
+
+
+def _table(path: Path, stored: bool) -> dict[str, Any]:
+    """Content of the file.
+
+    :raises InputError: it cannot be read, or is no table.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+        document = json.loads(text) if stored else parsed_toml(text)
+    except OSError as error:
+        raise InputError(path, "", Words(error.strerror or str(error)), _ALLOWED, near_file(path)) from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(path, "", Words(str(error)), _ALLOWED) from None
+    if not isinstance(document, dict) or (stored and "scenario" not in document):
+        raise InputError(path, "", Words("no JSON object that names a scenario"), _ALLOWED)
+    return document
