@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.show import print_scores, print_verdict
+from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.supervisor.judging import judging_of
@@ -30,9 +30,11 @@ def work(namespace: argparse.Namespace) -> int:
         own = (line,) if verdict == "INVALID" else ()
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
-        print_json({**found.as_json(), "verdict": verdict, "line": line})
+        weakened = {"watch_weakened": record.scenario.watch_weakened}
+        print_json({**found.as_json(), **weakened, "verdict": verdict, "line": line})
     else:
         console = Output()
         print_scores(console, record.scenario, [("from the log", found)])
+        print_watch(console, record.scenario)
         print_verdict(console, verdict, line)
     return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

@@ -13,6 +13,7 @@ from railhil.batch.statistics import quantile
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
+from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, Criterion, limited
 from railhil.tuning.objective import Scale, objective
@@ -154,6 +155,7 @@ def document(found: Evaluation) -> dict[str, Any]:
         "runs": len(seeds),
         "first_seed": int(seeds[0]),
         "training_seeds": list(found.seen),
+        "watch_weakened": case.scenario.watch_weakened,
         "default": of(found.default),
         "tuned": of(found.tuned),
     }
@@ -163,5 +165,7 @@ def show(console: Output, found: Evaluation) -> None:
     """Print the comparison."""
     console.say(_title(found), style="bold red" if found.seen else "bold")
     console.print(_cells(found))
+    if sentence := watch_sentence(found.case.scenario):
+        console.say(sentence, style="bold yellow")
     console.say(f"default: {_shares(found.default)}")
     console.say(f"tuned:   {_shares(found.tuned)}")

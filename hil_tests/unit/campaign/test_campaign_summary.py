@@ -15,9 +15,10 @@ from rich.console import Console
 
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.results_table import NotThePart, file_bytes, read_part, schema, table_of
-from railhil.campaign.show import _against, _scores
+from railhil.campaign.show import _against, _scores, show
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
+from railhil.common.output import Output
 from railhil.supervisor.criteria import ATO_CRITERIA
 
 
@@ -139,6 +140,17 @@ def test_training_seeds_are_said_in_every_table(plan, results):
     other = plan.entries[1].label
     trained = [(row["law"], row["seed"]) for row in results.to_pylist() if row["training"]]
     assert trained == [(other, 1003)]
+
+
+def test_a_weakened_watch_is_said_in_every_table(tmp_path, capsys):
+    settings = ("watch.emergency_ms=100000", "watch.overspeed_margin_kmh=1e7")
+    plan = make_plan(Request(runs=2, settings=settings))
+    made = table_of("ipfc", made_result(plan.seeds, [0.1, 0.1], [0.1, 0.1]), (), ATO_CRITERIA)
+    found = summary(plan, made)
+    words = "emergency_ms 100000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)"
+    assert (found["warnings"], found["watch_weakened"]) == ([f"watch weakened: {words}"], words)
+    show(Output(), found, tmp_path, ATO_CRITERIA)
+    assert capsys.readouterr().out.splitlines().count(f"watch weakened: {words}") == 3
 
 
 def test_training_seeds_are_refused(tuned):
