@@ -142,6 +142,15 @@ def test_training_seeds_are_said_in_every_table(plan, results):
     assert trained == [(other, 1003)]
 
 
+def test_the_terminal_says_how_many_runs_stopped_within_strict_figures(plan, results, tmp_path, capsys):
+    """Whatever the scenario allows: 11, 20 and 20 of 20 runs, 15, 19 and 19 with the parameters of the file."""
+    show(Output(), summary(plan, results), tmp_path, ATO_CRITERIA)
+    printed = capsys.readouterr().out.split("Runs that stopped within")[1].split("Against")[0]
+    assert printed.split()[:4] == ["law", "0.1", "m", "0.2"]
+    shares = [word for word in printed.split() if word.endswith("%")]
+    assert shares == ["55.00%", "100.00%", "100.00%", "75.00%", "95.00%", "95.00%"]
+
+
 def test_a_weakened_watch_is_said_in_every_table(tmp_path, capsys):
     settings = ("watch.emergency_ms=100000", "watch.overspeed_margin_kmh=1e7")
     plan = make_plan(Request(runs=2, settings=settings))
