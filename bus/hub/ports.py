@@ -43,6 +43,9 @@ class SwitchPort(ABC):
         self.name = name
         self.is_member = False
         self.receive_own = False
+        #: Which node of a bench the client is, and whether it is told which are here.
+        self.role: str | None = None
+        self.hears_roles = False
         #: Set for a client that reads in bulk.
         self.coalescer: Coalescer | None = None
         #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.

@@ -116,8 +116,8 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
     wait_for(channel.exists)
     node = subprocess.Popen([program, "hub", channel], stderr=subprocess.PIPE)
     try:
-        # Nobody tells the plant that it has ended.
-        patience = ("--patience", "2")
+        # The hub tells the plant that it has left.
+        patience = ("--patience", "600")
         run = Started(
             "run", "--no-controller", "--seed", "1", "--out", folder, "--quiet", "--no-report", *patience, *bus
         )

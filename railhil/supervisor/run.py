@@ -174,10 +174,14 @@ class Run:
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
+        # Of nodes that it has started itself the supervisor knows more; in realtime the reaction ladder has its time.
+        told = self.start_up.attach and not self.spec.is_realtime
         apart = not self.spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
-            self._take(link, _LOOK_S)
+            heard = self._take(link, _LOOK_S)
             stop.check()
+            if told and self._has_left(link, heard):
+                return
             now_s = time.monotonic()
             if link.is_down:
                 # The link gives up by itself.
@@ -209,6 +213,14 @@ class Run:
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
                 self._lost = self._lost or f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
                 return
+
+    def _has_left(self, link: Link, heard: bool) -> bool:
+        """Note who was the first to leave a run that had not ended; True when nothing can come any more."""
+        gone = [node for node in ("controller", "plant") if link.has_ended(node)] if self.session.recording else []
+        over = "plant" in gone and not heard
+        if gone and not self._lost and (over or self.session.ending is None):
+            self._lost = f"{gone[0]} left the bus at simulation time {self.session.sim_time_s:.2f} s"
+        return over
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
         """Take what is still queued after a node has ended; True when the run ended regularly with it.

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.cli import TIMEOUT_S, command, railhil, wait_for
-from hil_tests.support.hub import PATIENCE_S, gateway, running_hub, two_hubs_and_a_gateway
+from hil_tests.support.hub import PATIENCE_S, gateway, node, running_hub, two_hubs_and_a_gateway
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
@@ -22,19 +20,6 @@ from railhil.supervisor.framelog import read_log, sha256_of
 from railhil.supervisor.trace import trace_of
 
 pytestmark = pytest.mark.loop
-
-
-@contextlib.contextmanager
-def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """A node in a process of its own; killed when the test is through with it."""
-    words = command("node", role, scenario, "-i", "railhil", "-c", channel, *options)
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate(timeout=PATIENCE_S)
 
 
 @pytest.fixture
