@@ -131,6 +131,7 @@ def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None
     assert "UNIT2_CMD" in (recorded / "railhil.dbc").read_text(encoding="utf-8")
     scores = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
     assert set(scores["scores"]) == {"error_m", "stretch_m"}
+    assert "overspeed_mps" not in scores
     assert scores["telemetry"]["wraps"] == 0
 
 
@@ -206,7 +207,9 @@ def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path)
     found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["laws"]["apart"]
     assert set(found["scores"]) == {"error_m", "stretch_m"}
     assert found["inside"]["pass"]["runs"] == 3
-    assert "not_stopped" not in found
+    assert not {"not_stopped", "overspeeds"} & found.keys(), "what only the train of ato has"
+    assert "over-" not in done.stdout
+    assert all("overspeed_mps" not in run for run in found["worst"])
     again = railhil(site, "campaign", "--verify", str(folder), "--runs", "1")
     assert again.returncode == 0, again.stderr
     assert "1 of 1 runs are the same on the bench" in again.stdout

@@ -101,7 +101,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
             "pass": _share(share(passed)),
         },
         **stops,
-        "overspeeds": int(np.count_nonzero(numbers(rows, "overspeed_mps") > 0)),
+        **{extra.counted: int(np.count_nonzero(numbers(rows, extra.key) > 0)) for extra in plan.judging.extras},
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),
         "saturations": int(rows["saturations"].to_numpy().sum()),

@@ -86,8 +86,9 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
             digest = log_sha256(log)[:DIGITS]
     return {
         **found["scores"],
+        **{extra.key: found[extra.key] for extra in plan.judging.extras},
         **{name: found["signed"][key] for name, key in signed_columns(plan.criteria).items()},
-        **{name: found[name] for name in ("verdict", "ended", "overspeed_mps", "failures")},
+        **{name: found[name] for name in ("verdict", "ended", "failures")},
         "notch_digest": digest,
     }
 
@@ -101,7 +102,7 @@ def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
     """
     plan = _plan(folder)
     try:
-        results = read_results(folder / RESULTS, plan.criteria)
+        results = read_results(folder / RESULTS, plan.judging)
     except FileNotFoundError:
         raise InputError(folder, "", Words(f"no {RESULTS}"), "a finished campaign (--resume finishes it)") from None
     except (OSError, NotThePart) as why:

@@ -10,7 +10,7 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.notes import note_values, notes_of
 from railhil.supervisor.report.deviations import deviations
@@ -53,9 +53,10 @@ def asked(scenario: Scenario) -> str:
 
 def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     """What must hold besides the limits of the plan."""
+    over_mps = found.extras[OVERSPEED.key]
     return [
         ("stops", "" if found.stops else "did not stop"),
-        ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
+        ("overspeed", f"{over_mps:.3f} m/s" if over_mps > 0 else ""),
         ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
         ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
     ]
@@ -116,6 +117,7 @@ def advice(run: RecordedRun, folder: Path) -> str:
 
 JUDGING = Judging(
     criteria=ATO_CRITERIA,
+    extras=(OVERSPEED,),
     score=score,
     truth=SimTruth.PORT,
     columns=COLUMNS,

@@ -8,7 +8,7 @@ from typing import Any
 
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import Criterion
+from railhil.supervisor.criteria import Criterion, Extra
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -42,7 +42,7 @@ class Judging:
     ``compare.json``; ``remark``: the same in words. ``shown``: (trace) -> what the record says of the controller's
     arithmetic when its process has left no file. ``published``: what the published rows are;
     ``deviations``: their source and how it is read here. ``advice``: (recorded run, report folder) -> what to try
-    after a FAIL.
+    after a FAIL. ``extras``: figures of every score that are 0 in a good run.
     """
 
     criteria: tuple[Criterion, ...]
@@ -50,6 +50,7 @@ class Judging:
     truth: str
     columns: tuple[tuple[str, str, str], ...]
     asked: Callable[[Any], str]
+    extras: tuple[Extra, ...] = ()
     told: Callable[[Trace, Any], list[tuple[str, str, FloatArray]]] = _no_columns
     checks: Callable[[Any, Score], Sequence[tuple[str, str]]] = _nothing
     facts: Callable[[Any], Sequence[tuple[str, str]]] = _nothing

@@ -7,7 +7,7 @@ verdict.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limited, scores, unscored
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
 from railhil.supervisor.journey import Journey, Stop, planned_stop, stops_of
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import Trace
@@ -34,15 +34,16 @@ class Score:
     has no stop error).
 
     ``signed``: those that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
-    stopping point. ``stops``: every standstill of the record, in order; the verdict is on the planned one.
+    stopping point. ``extras``: figures of the system's own by the keys of :attr:`Judging.extras`. ``stops``: every
+    standstill of the record, in order; the verdict is on the planned one.
     """
 
     verdict: str
     values: Mapping[str, float | None]
     signed: Mapping[str, float | None]
-    overspeed_mps: float
     failures: tuple[str, ...]
     ended: str
+    extras: Mapping[str, float] = field(default_factory=dict)
     stops: tuple[Stop, ...] = ()
 
     def with_sign(self, criterion: Criterion) -> float | None:
@@ -55,7 +56,7 @@ class Score:
             "verdict": self.verdict,
             "scores": dict(self.values),
             "signed": dict(self.signed),
-            "overspeed_mps": self.overspeed_mps,
+            **self.extras,
             "failures": list(self.failures),
             "ended": self.ended,
         }
@@ -114,16 +115,16 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         verdict="FAIL" if failures else "PASS",
         values=values,
         signed=signed,
-        overspeed_mps=run.overspeed_mps,
         failures=tuple(failures),
         ended=run.ended.name.lower(),
+        extras={OVERSPEED.key: run.overspeed_mps},
         stops=run.stops,
     )
 
 
 def _unscored(reason: str, ended: str) -> Score:
     """What is said of a record that does not show a whole run."""
-    return Score("INVALID", *unscored(), 0.0, (reason,), ended)
+    return Score("INVALID", *unscored(), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
 def score(scenario: Scenario, trace: Trace) -> Score:

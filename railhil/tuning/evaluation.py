@@ -15,7 +15,7 @@ from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
 from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, Criterion, limited
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -123,7 +123,7 @@ def _cells(found: Evaluation) -> Table:
 def _shares(result: BatchResult) -> str:
     runs = len(result.seed)
     stopped = int(np.isfinite(result.values[STOP_ERROR.key]).sum())
-    over = int((result.overspeed_mps > 0).sum())
+    over = int((result.extras[OVERSPEED.key] > 0).sum())
     return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
 
 
@@ -142,7 +142,7 @@ def document(found: Evaluation) -> dict[str, Any]:
             "scores": scores,
             "passed": int(result.passed.sum()),
             "stopped": int(np.isfinite(result.values[STOP_ERROR.key]).sum()),
-            "overspeeds": int((result.overspeed_mps > 0).sum()),
+            "overspeeds": int((result.extras[OVERSPEED.key] > 0).sum()),
         }
 
     case, seeds = found.case, found.tuned.seed

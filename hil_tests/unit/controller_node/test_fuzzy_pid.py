@@ -150,7 +150,7 @@ def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexi
     done = direct_run(load(name), RunSpec(law=LawSpec("fuzzy_pid", indexing=indexing)))
     assert done.score.values["stop_error_m"] is not None
     assert done.score.values["stop_error_m"] < 1
-    assert done.score.overspeed_mps == 0
+    assert done.score.extras["overspeed_mps"] == 0
     assert done.arithmetic == Counters()
 
 

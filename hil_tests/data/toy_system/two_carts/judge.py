@@ -47,12 +47,12 @@ def score(scenario: Any, trace: Trace) -> Score:
     """Verdict on the end error; INVALID for a record without a regular end."""
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     if Event.ENDED_COMPLETE not in codes or trace.count(TRUTH.PORT) < 2:
-        return Score("INVALID", *unscored(CRITERIA), 0.0, ("run did not come to its end",), "record_incomplete")
+        return Score("INVALID", *unscored(CRITERIA), ("run did not come to its end",), "record_incomplete")
     places = np.array([trace.values(TRUTH.PORT, f"TruePos{unit}") for unit in (1, 2)])
     ride = Ride(scenario.task, trace.times_s(TRUTH.PORT), places)
     measured = {criterion.key: criterion.measure(ride) for criterion in CRITERIA}
     missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
-    return Score("FAIL" if missed else "PASS", *scores(measured, CRITERIA), 0.0, tuple(missed), "ended_complete")
+    return Score("FAIL" if missed else "PASS", *scores(measured, CRITERIA), tuple(missed), "ended_complete")
 
 
 def _facts(run: Any) -> list[tuple[str, str]]:
