@@ -62,6 +62,29 @@ print(json.dumps([run.score.verdict, run.counters["controller"]["stale"], kept, 
 """
 
 
+_TOLD = """
+import json, sys
+from pathlib import Path
+from railhil.bench import local_run
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.telemetry import shown_telemetry
+from two_carts.wire import LAW_STAT
+scenario = load_any(sys.argv[1])
+judging = judging_of(scenario)
+run = local_run(scenario, Path(sys.argv[2]), RunSpec(law=LawSpec(system_named(scenario.system).law)))
+def told():
+    shown = shown_telemetry(run.trace, judging.status)
+    found = judging.score(scenario, run.trace)
+    print(json.dumps([shown.as_json(), shown.sentence(), found.verdict, list(found.failures)]))
+told()
+run.trace.add(LAW_STAT.PORT, 11_000_000_000, LAW_STAT(overflow_flags=1).encode())
+told()
+"""
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return install_toy(tmp_path_factory.mktemp("toy"))
@@ -117,6 +140,23 @@ def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, t
     assert stale > 50
     assert all(kept)
     assert not any(safe)
+
+
+def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
+    """For a controller without a file, as with --attach; and a wrap fails the run as one of ato's does."""
+    done = subprocess.run(
+        [sys.executable, "-c", _TOLD, str(SCENARIO), str(tmp_path)],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        env={**os.environ, "PYTHONPATH": str(site)},
+    )
+    assert done.returncode == 0, done.stderr
+    whole, wrapped = map(json.loads, done.stdout.splitlines())
+    assert whole[0]["source"] == "LAW_STAT"
+    assert whole[1:] == ["no overflow, as LAW_STAT tells it", "PASS", []]
+    assert wrapped[0]["happened"] == ["wrap"]
+    assert wrapped[2:] == ["FAIL", ["fixed-point wrap in the controller, reported at 11.00 s"]]
 
 
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:

@@ -15,8 +15,8 @@ from railhil.supervisor.judging import Judging
 from railhil.supervisor.notes import note_values, notes_of
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import WRAP_FAILURE, Score, score
-from railhil.supervisor.telemetry import shown_telemetry
+from railhil.supervisor.score import STATUS, Score, score
+from railhil.supervisor.status import WRAP_FAILURE
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: The shipped law that knows the train's position.
@@ -127,7 +127,7 @@ JUDGING = Judging(
     facts=facts,
     counted=counted,
     remark=stops_sentence,
-    shown=shown_telemetry,
+    status=STATUS,
     published="Published: Table 2 of the paper, on another train model",
     deviations=deviations,
     advice=advice,

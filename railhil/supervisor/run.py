@@ -37,7 +37,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
-from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary
+from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
 
 #: Realtime: wall time without a tick after which a started run counts as dead; an outage of the interface is no part of
@@ -303,7 +303,7 @@ class Run:
         )
 
     def _shown(self) -> ShownTelemetry | None:
-        return None if self._judging.shown is None else self._judging.shown(self.trace)
+        return shown_telemetry(self.trace, self._judging.status)
 
     def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""

@@ -12,20 +12,21 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
 from railhil.supervisor.journey import Journey, Stop, planned_stop, stops_of
 from railhil.supervisor.measures import limits_under_train
+from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
 
 #: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
 #: fails for moments leaves shorter gaps.
 HOLE_MAX_S = 1.0
-#: How the failure of a run begins in which the controller's fixed point has wrapped.
-WRAP_FAILURE = "fixed-point wrap in the controller"
+#: Where the controller of ``ato`` says what its arithmetic does; its notes are the law's own.
+STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +73,6 @@ def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
         if int(code) in Event._value2member_map_:
             found.setdefault(Event(int(code)), []).append((float(instant_s), float(position_m)))
     return found
-
-
-def _wrap(trace: Trace) -> str:
-    """The failure of a controller that says its arithmetic has wrapped: a notch after that means nothing."""
-    wrapped = np.flatnonzero(trace.raw(CtlStat.PORT, "OverflowFlags") & ControllerFlag.WRAP)
-    return f"{WRAP_FAILURE}, reported at {trace.times_s(CtlStat.PORT)[wrapped[0]]:.2f} s" if len(wrapped) else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,6 +178,6 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             overspeed_mps=float(max(0.0, over.max())),
             stops=run.stops,
             emergency_s=emergency[0][0] if emergency else None,
-            wrap=_wrap(trace),
+            wrap=wrap_failure(trace, STATUS),
         ),
     )

@@ -11,9 +11,13 @@ from railhil.bus.telegrams import Event, RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
+from railhil.supervisor.status import interface_status, wrap_failure
 from railhil.supervisor.trace import Trace
 from two_carts import SYSTEM
-from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
+from two_carts.wire import COMMANDS, INTERFACE, STATS, TRUTH
+
+#: Where the laws say what they and their arithmetic do.
+STATUS = interface_status(INTERFACE)
 
 
 @dataclass(frozen=True)
@@ -52,6 +56,7 @@ def score(scenario: Any, trace: Trace) -> Score:
     ride = Ride(scenario.task, trace.times_s(TRUTH.PORT), places)
     measured = {criterion.key: criterion.measure(ride) for criterion in CRITERIA}
     missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
+    missed += filter(None, [wrap_failure(trace, STATUS)])
     return Score("FAIL" if missed else "PASS", *scores(measured, CRITERIA), tuple(missed), "ended_complete")
 
 
@@ -74,7 +79,6 @@ JUDGING = Judging(
         ("position1_m", STATS[0].PORT, "Unit1Pos"),
         ("force1_n", COMMANDS[0].PORT, "Unit1Force"),
         ("force2_n", COMMANDS[1].PORT, "Unit2Force"),
-        ("stretch_m", LAW_STAT.PORT, "LawStretch"),
     ),
     asked=lambda scenario: f"{scenario.task.duration_s:g} s; allowed ±{scenario.task.error_max_m:g} m",
     facts=_facts,
