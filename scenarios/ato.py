@@ -15,5 +15,5 @@ ATO = System(
     law="ipfc",
     judging="railhil.supervisor.ato:JUDGING",
     pictures="railhil.supervisor.report.figures:pictures",
-    own={"batch": "railhil.batch:run_batch"},
+    own={"batch": "railhil.batch:run_batch", "digest": "railhil.batch:trace_digest"},
 )
