@@ -121,6 +121,7 @@ class HubBus(can.BusABC):
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
         except BaseException:
+            # Ctrl-C too leaves no connection open.
             link.close()
             raise
         self._link = link

@@ -133,6 +133,7 @@ class SocketPort(SwitchPort):
         except BlockingIOError:
             return
         except OSError:
+            # As in send: what it sent before is still to be read.
             self._is_deaf = True
             queue.clear()
             self._queued_bytes = 0

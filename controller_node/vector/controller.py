@@ -57,6 +57,7 @@ class VectorLoop(Generic[T]):
         except InputError:
             raise
         except Exception as error:
+            # A law is code that somebody plugs in, and may raise anything.
             at = place(kind, error)
             cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
             allowed = f"a law that can be made for {scenario.name}"
@@ -164,6 +165,7 @@ class VectorController:
         try:
             answer = self._loop.step(raws)
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise self._failed(fault, "step") from fault
         commands = zip(interface.commands, answer.commands, strict=True)
         notes = zip(interface.notes, answer.notes, strict=True)
@@ -184,6 +186,7 @@ class VectorController:
         try:
             loop.state = loop.law.with_sent(loop.state, [number.from_raw(raw, item.q) for item, raw in commands])
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise self._failed(fault, "with_sent") from fault
         self.telemetry.take(number)
 

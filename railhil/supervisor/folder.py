@@ -325,6 +325,7 @@ def write_folder(
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
     except BaseException as error:
+        # Ctrl-C too leaves nothing that looks like a result.
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error
         _discard_results(folder)

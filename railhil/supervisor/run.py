@@ -145,6 +145,7 @@ class Run:
                 refuse_occupied(link, self.choice)
                 self._start(nodes)
             except BaseException:
+                # Ctrl-C too leaves no interface open.
                 link.close()
                 raise
             return link
