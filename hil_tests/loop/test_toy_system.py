@@ -6,16 +6,13 @@ No line of the tree knows of it: it is installed here, and its entry points are 
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
 
-from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
+from hil_tests.support.toy_system import SCENARIO, install_toy, python, railhil
 
 pytestmark = pytest.mark.loop
 
@@ -108,15 +105,7 @@ def certificate(folder: Path) -> dict[str, object]:
 
 def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
     """Both arithmetics drive the carts there; in fixed point the record is that of the run over the hub."""
-    done = subprocess.run(
-        [sys.executable, "-c", _IN_PROCESS, str(SCENARIO), str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env={**os.environ, "PYTHONPATH": str(site)},
-    )
-    assert done.returncode == 0, done.stderr
-    runs = [json.loads(line) for line in done.stdout.splitlines()]
+    runs = python(site, _IN_PROCESS, str(SCENARIO), str(tmp_path))
     for verdict, values, _, refused, quantities in runs:
         assert (verdict, refused) == ("PASS", {})
         assert 0 < values["error_m"] < 0.005
@@ -127,15 +116,7 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
 
 def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, tmp_path: Path) -> None:
     """One second without the second cart's position: commands are held for 0.256 s, then both forces are 0."""
-    done = subprocess.run(
-        [sys.executable, "-c", _DEAF, str(SCENARIO), str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env={**os.environ, "PYTHONPATH": str(site)},
-    )
-    assert done.returncode == 0, done.stderr
-    verdict, stale, kept, safe = json.loads(done.stdout)
+    ((verdict, stale, kept, safe),) = python(site, _DEAF, str(SCENARIO), str(tmp_path))
     assert verdict == "PASS", "it comes back"
     assert stale > 50
     assert all(kept)
@@ -144,15 +125,7 @@ def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, t
 
 def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
     """For a controller without a file, as with --attach; and a wrap fails the run as one of ato's does."""
-    done = subprocess.run(
-        [sys.executable, "-c", _TOLD, str(SCENARIO), str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env={**os.environ, "PYTHONPATH": str(site)},
-    )
-    assert done.returncode == 0, done.stderr
-    whole, wrapped = map(json.loads, done.stdout.splitlines())
+    whole, wrapped = python(site, _TOLD, str(SCENARIO), str(tmp_path))
     assert whole[0]["source"] == "LAW_STAT"
     assert whole[1:] == ["no overflow, as LAW_STAT tells it", "PASS", []]
     assert wrapped[0]["happened"] == ["wrap"]

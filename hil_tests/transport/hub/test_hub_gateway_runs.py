@@ -67,6 +67,7 @@ def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can
     assert sha256_of(tmp_path / "run/frames.log") == reference.frames_sha256
 
 
+@pytest.mark.faults
 @pytest.mark.wall_clock
 def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short: Path, socket_folder: Path) -> None:
     """The controller hears nothing for a moment, the train reacts, and then they hear each other again."""
@@ -117,6 +118,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
     assert trace.values("SIM_TRUTH", "TractionForce")[meanwhile].max() == 0, "traction is cut within 0.15 s"
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 def test_when_the_controller_s_bus_dies_the_train_stops_by_itself(tmp_path: Path, short: Path) -> None:
     with (
