@@ -55,7 +55,7 @@ def _frame(plan: Plan, task: Task, folder: Path) -> list[Figure]:
     start_s = process_time()
     result = run_batch(case, list(chunk.seeds))
     runs_s, start_s = process_time() - start_s, process_time()
-    content = file_bytes(table_of(chunk.entry.label, result, (), plan.criteria), task.origin)
+    content = file_bytes(table_of(chunk.entry.label, result, (), plan.judging), task.origin)
     part_s = process_time() - start_s
     with opened(str(folder), plan) as campaign:
         start_s = time.perf_counter()

@@ -61,6 +61,7 @@ class Pair:
         try:
             self._near = _start(program, "near", ends.near, _FIRST_ID[language])
         except BaseException:
+            # Ctrl-C too leaves no process behind.
             end(self._far)
             raise
 

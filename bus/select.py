@@ -55,6 +55,7 @@ def vcan_available(channel: str = _DEFAULT_VCAN) -> bool:
         with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
             probe.bind((channel,))
     except OSError:
+        # A kernel whose CAN module cannot be loaded, or no interface of this name.
         return False
     return True
 

@@ -61,6 +61,7 @@ def near_file(path: Path) -> str | None:
     try:
         names = [entry.name for entry in path.parent.iterdir() if entry.is_file() and entry.suffix == path.suffix]
     except OSError:
+        # No such folder, or none that may be listed: then nothing is like the name.
         return None
     nearest = nearest_key(path.name, names)
     return f"did you mean {path.parent / nearest}?" if nearest else None

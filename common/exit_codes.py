@@ -40,6 +40,7 @@ def leave_terminal() -> None:
         try:
             mode = os.fstat(descriptor).st_mode
         except OSError:
+            # Closed already.
             continue
         if stat.S_ISCHR(mode) and not os.isatty(descriptor):
             null = os.open(os.devnull, os.O_WRONLY)
@@ -97,6 +98,7 @@ def guarded(name: str, main: Callable[[], int]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return PASS
     except Exception as error:
+        # Whatever nobody has expected: one line and an exit code, no traceback.
         if os.environ.get("RAILHIL_TRACEBACK"):
             raise
         text = " ".join(str(error).split()) or type(error).__name__

@@ -124,6 +124,7 @@ class Controller:
         try:
             inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
         self._code = code = number.raw(outputs.notch, NOTCH_Q)
         told = zip(self.notes, outputs.notes, strict=True)
@@ -171,6 +172,7 @@ class Controller:
             try:
                 self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
             except Exception as fault:
+                # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
                 raise _failed(self._loop, self.telemetry, self._number, fault, "with_sent") from fault
             self.telemetry.take(self._number)
 
@@ -204,6 +206,7 @@ class BatchController:
         try:
             inputs, outputs = self._loop.step(k, speed_01mmps, position_01mm, balise)
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise _failed(self._loop, self.telemetry, number, fault, "step") from fault
         told = zip(self._loop.law.notes, outputs.notes, strict=True)
         notes = tuple(on_wire_batch(note, self._raw(value, note.q)) for note, value in told)
@@ -221,6 +224,7 @@ class BatchController:
         try:
             self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise _failed(self._loop, self.telemetry, self._number, fault, "with_sent") from fault
         self.telemetry.take(self._number)
 

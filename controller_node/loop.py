@@ -46,6 +46,7 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
     except InputError:
         raise
     except Exception as error:
+        # A law is code that somebody plugs in, and may raise anything.
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         allowed = f"a law that can be made for {period_s:g} s and {notch_max:g} notches"
         at = place(kind, error)

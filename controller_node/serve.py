@@ -26,7 +26,7 @@ def serve(
     :raises PeerSilent: nothing came for too long.
     """
     heard_s = time.monotonic()
-    limit_s = appear_s
+    limit_s, heard = appear_s, False
     while node.ended is None:
         frames = endpoint.receive(0.5)
         if gap_ns := endpoint.take_gap_ns():
@@ -38,10 +38,12 @@ def serve(
                 endpoint.send(answers)
         now_s = time.monotonic()
         if frames:
-            heard_s, limit_s = now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
+            heard, heard_s, limit_s = True, now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
         elif endpoint.is_down:
             # The link itself gives up after a time.
             heard_s = now_s
+        elif heard and node.lockstep and endpoint.has_ended("plant"):
+            raise PeerSilent("controller waits for the bus administrator, which has ended")
         elif now_s - heard_s > limit_s:
             raise PeerSilent(f"controller waits for the bus administrator: no frame for {limit_s:g} s")
 

@@ -33,7 +33,7 @@ from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
 from railhil.supervisor.inputs import PARAMETERS
-from railhil.supervisor.judging import judging_of
+from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.score import Score
 from railhil.supervisor.start_up import StartUp
@@ -236,7 +236,12 @@ class CampaignOutcome:
     folder: Path
     summary: Mapping[str, Any] = field(repr=False)
     #: Of its system.
-    criteria: tuple[Criterion, ...] = field(repr=False)
+    judging: Judging = field(repr=False)
+
+    @property
+    def criteria(self) -> tuple[Criterion, ...]:
+        """What its runs are judged by."""
+        return self.judging.criteria
 
     @property
     def laws(self) -> tuple[str, ...]:
@@ -248,7 +253,7 @@ class CampaignOutcome:
         from railhil.campaign.folder import RESULTS
         from railhil.campaign.results_table import read_results
 
-        return read_results(self.folder / RESULTS, self.criteria)
+        return read_results(self.folder / RESULTS, self.judging)
 
     def runs(self, law: str) -> dict[str, Any]:
         """Columns of the runs of one law, in the order of their seeds: numpy arrays, NaN where a run has no value.
@@ -320,4 +325,4 @@ def campaign(
 
     with running("batch" if jobs == 1 else "joblib", jobs, None, say) as engine:
         folder, found = execute(plan, None if out is None else str(out), Console(quiet=True), engine, say)
-    return CampaignOutcome(folder, found, judging_of(plan.scenario).criteria)
+    return CampaignOutcome(folder, found, plan.judging)

@@ -26,7 +26,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
-from railhil.supervisor.telemetry import read_origin, read_summary
+from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
 
 
@@ -120,7 +120,7 @@ class LocalRun:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - self._started_ns) / 1e9 if recording else float("nan"),
             transport=LOCAL,
-            telemetry=read_summary(self.folder) or (self._judging.shown and self._judging.shown(self.trace)),
+            telemetry=read_summary(self.folder) or shown_telemetry(self.trace, self._judging.status),
             origin=read_origin(self.folder),
             counters=session.counters,
             timing=lockstep_timing(self.trace),

@@ -17,6 +17,7 @@ ATO = System(
     pictures="railhil.supervisor.report.figures:pictures",
     own={
         "batch": "railhil.batch:run_batch",
+        "digest": "railhil.batch:trace_digest",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",
         "export": "railhil.controller_node.export.notch:NotchControl",

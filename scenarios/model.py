@@ -252,6 +252,12 @@ class AnyScenario(Protocol):
         """Whether it defines what a perturbed run draws."""
 
 
+def watch_sentence(scenario: AnyScenario) -> str:
+    """What stands beside every verdict under watches that are weaker than usual: it says less; empty when none is."""
+    weakened = scenario.watch_weakened
+    return f"watch weakened: {weakened}" if weakened else ""
+
+
 @dataclass(frozen=True, slots=True)
 class Scenario:
     """A complete run: train, line, target speed curve, plan, sensors, timing, limits.

@@ -69,18 +69,20 @@ class HubBus(can.BusABC):
         wake_on: Sequence[Frame] = (),
         send_buffer_bytes: int | None = None,
         while_connecting: Callable[[], object] | None = None,
+        role: str | None = None,
         **_other_bus_settings: Any,
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
         Without ``channel`` it is the user's own default path, see :func:`~railhil.bus.hub.address.default_channel`.
         ``connect_timeout``: seconds to wait for a hub that is only just starting. ``while_connecting``: called between
-        two attempts; what it raises ends the waiting. ``name``: shown in the hub's messages. ``coalesce_frames``: take
-        frames in bulk, up to so many at once, and at once when one of the classic frames ``wake_on`` comes (see
-        :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how much the kernel may keep for a hub that does not
-        read (SO_SNDBUF; a full packet needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored when
-        it has none; other settings of real interfaces (sample points and the like) have no meaning here and are
-        ignored.
+        two attempts; what it raises ends the waiting. ``role``: which node of a bench this client is (of
+        :data:`~railhil.bus.hub.wire.ROLES`); then the hub says which others are here, see :meth:`has_left`. ``name``:
+        shown in the hub's messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when
+        one of the classic frames ``wake_on`` comes (see :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how
+        much the kernel may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``:
+        checked against the hub's bit rate model, ignored when it has none; other settings of real interfaces (sample
+        points and the like) have no meaning here and are ignored.
 
         Raises :class:`HubUnavailable`.
         """
@@ -92,6 +94,9 @@ class HubBus(can.BusABC):
         self._offset = 0
         self._timestamp_s = 0.0
         self._packet_is_own = False
+        #: Nodes of a bench: that were here at any time, and that are here.
+        self._seen: frozenset[str] = frozenset()
+        self._here: frozenset[str] = frozenset()
         try:
             address = parse_channel(default_channel() if channel is None else str(channel))
         except BusUnavailable as error:
@@ -105,6 +110,8 @@ class HubBus(can.BusABC):
                 "name": name or f"pid {os.getpid()}",
                 "receive_own": bool(receive_own_messages),
             }
+            if role is not None:
+                hello |= {"role": role, "hears_roles": True}
             if coalesce_frames:
                 hello["coalesce_frames"] = int(coalesce_frames)
                 hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
@@ -114,6 +121,7 @@ class HubBus(can.BusABC):
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
         except BaseException:
+            # Ctrl-C too leaves no connection open.
             link.close()
             raise
         self._link = link
@@ -220,6 +228,10 @@ class HubBus(can.BusABC):
                 return frames
         return []
 
+    def has_left(self, role: str) -> bool:
+        """Whether a node of the bench was on the hub and is not any more; known once all that it sent has been read."""
+        return role in self._seen and role not in self._here
+
     # --- inside -------------------------------------------------------------------------------------------
 
     def _open_link(self) -> HubConnection:
@@ -240,9 +252,14 @@ class HubBus(can.BusABC):
         link.send_packet(packet, deadline_s)
 
     def _next_packet(self, deadline_s: float | None) -> bool:
-        packet = self._open_link().receive_packet(deadline_s)
-        if packet is None:
-            return False
+        while True:
+            packet = self._open_link().receive_packet(deadline_s)
+            if packet is None:
+                return False
+            if not len(packet) & wire.ROLES_LENGTH_BIT:
+                break
+            self._here = wire.decode_roles(packet)
+            self._seen |= self._here
         self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
         self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet
         self._offset = 0

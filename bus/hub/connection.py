@@ -190,6 +190,7 @@ class StreamConnection(HubConnection):
         """Half-close, and let the hub read to the end: a close with unread input would discard our output."""
         deadline_s = time.monotonic() + _GOODBYE_TIMEOUT_S
         with contextlib.suppress(OSError, HubLost):
+            # A hub that is gone cannot be told goodbye.
             self._flush_unsent(deadline_s)
             self.sock.shutdown(socket.SHUT_WR)
             while self._receive(_STREAM_CHUNK_SIZE, deadline_s) is not None:

@@ -223,6 +223,7 @@ class BusPort(SwitchPort):
                 if not arrived or not isinstance(self._link, BatchLink):
                     break
         except Exception as error:
+            # Drivers raise anything here, too.
             self._lost(error)
         if self._link.is_down or self._is_lost:
             self._attend()
@@ -281,6 +282,7 @@ class BusPort(SwitchPort):
             try:
                 frames = self._link.receive(_THREAD_LOOK_S)
             except Exception as error:
+                # Drivers raise anything here, too.
                 self._lost(error)
                 continue
             if frames:

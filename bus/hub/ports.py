@@ -43,6 +43,9 @@ class SwitchPort(ABC):
         self.name = name
         self.is_member = False
         self.receive_own = False
+        #: Which node of a bench the client is, and whether it is told which are here.
+        self.role: str | None = None
+        self.hears_roles = False
         #: Set for a client that reads in bulk.
         self.coalescer: Coalescer | None = None
         #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.
@@ -130,6 +133,7 @@ class SocketPort(SwitchPort):
         except BlockingIOError:
             return
         except OSError:
+            # As in send: what it sent before is still to be read.
             self._is_deaf = True
             queue.clear()
             self._queued_bytes = 0

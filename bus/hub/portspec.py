@@ -153,5 +153,6 @@ def descriptor_of(link: Link) -> int | None:
     try:
         descriptor = link.bus.fileno()
     except (NotImplementedError, can.CanError, OSError):
+        # An interface without one says so in any of these ways, and one that is going has none any more.
         return None
     return descriptor if descriptor >= 0 else None

@@ -16,7 +16,7 @@ from railhil.bus.hub.address import describe
 from railhil.bus.hub.coalesce import HOLD_S, coalescer_of
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.ports import PortClosed, PortFault, SocketPort, StreamPort, SwitchPort
-from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, fault_of
+from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, encode_roles, fault_of, role_of
 
 MAX_PORTS = 256
 #: How long a stopped hub goes on handing out what it has already taken.
@@ -275,6 +275,7 @@ class Switch:
         try:
             hello = decode_hello(packet)
             port.coalescer = coalescer_of(hello)
+            port.role = role_of(hello)
         except ValueError as error:
             port.send(encode_hello(error=str(error)))
             self._drop(port, str(error))
@@ -283,12 +284,23 @@ class Switch:
         if isinstance(name, str) and name:
             port.name += f" {name[:80]!r}"
         port.receive_own = hello.get("receive_own") is True
+        port.hears_roles = hello.get("hears_roles") is True
         port.send(encode_hello(**self._properties))
         port.is_member = True
         self._had_member = True
         self._members = [*self._members, port]
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
+        self._tell_roles()
         return True
+
+    def _tell_roles(self) -> None:
+        """Say which nodes of a bench are here now, behind all that has been carried so far."""
+        for port in self._members:
+            if port.hears_roles:
+                # Made anew for each: a port that is dropped here is none of them any more.
+                here = encode_roles([member.role for member in self._members if member.role is not None])
+                for packet in (here,) if port.coalescer is None else port.coalescer.take(here):
+                    self._hand_over(port, packet)
 
     def _drop(self, port: SwitchPort, reason: str) -> None:
         self._report(f"{port.name} is disconnected: {reason}")
@@ -307,6 +319,8 @@ class Switch:
             self._is_accepting = True
         self._members = [member for member in self._members if member is not port]
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
+        if port.role is not None:
+            self._tell_roles()
         if self._once and self._had_member and not any(member.is_client for member in self._members):
             self._stopping = True
 

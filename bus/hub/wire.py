@@ -24,6 +24,12 @@ and then that many bytes):
        |  id   |len|flags|pad |     data                 |     flags: 1 BRS, 2 ESI
        +-------+---+-----+----+--- ... ------------------+
 
+4. *roles*, to clients that asked for it in their hello (``"hears_roles": true``): which nodes of a bench are here, sent
+   whenever that changes, behind all that one who has left had sent. A client says with ``"role"`` that it is one. JSON
+   in UTF-8, with a blank at its end if that is needed for an odd length, which no packet of frames has::
+
+       hub -> client   {"roles": ["controller", "plant"]}
+
 A client that asked for its own frames (``receive_own``) gets them at their place in the total order, as the
 packet it sent followed by the four bytes :data:`OWN_MARK`; bit 2 of the packet length tells them apart.
 Source of the structs and flag bits: ``linux/can.h``.
@@ -47,6 +53,9 @@ MAX_BATCH_FRAMES = 256
 MAX_PACKET_SIZE = MAX_BATCH_FRAMES * CLASSIC_SIZE
 OWN_MARK = b"own\x00"
 OWN_LENGTH_BIT = 4
+ROLES_LENGTH_BIT = 1
+#: Nodes of a bench, as they call themselves.
+ROLES = ("plant", "controller", "supervisor")
 
 EFF_FLAG = 0x8000_0000
 RTR_FLAG = 0x4000_0000
@@ -102,6 +111,25 @@ def decode_hello(packet: bytes) -> dict[str, Any]:
         found = hello["railhil_hub"]
         raise ValueError(f"hello: key 'railhil_hub': found {found!r}, allowed: {PROTOCOL_VERSION}")
     return hello
+
+
+def role_of(hello: dict[str, Any]) -> str | None:
+    """Which node of a bench a client is, None for none. Raises ValueError with one line."""
+    role = hello.get("role")
+    if role is None or role in ROLES:
+        return role
+    raise ValueError(f"hello: key 'role': found {role!r:.60}, allowed: {', '.join(ROLES)}")
+
+
+def encode_roles(roles: Sequence[str]) -> bytes:
+    """Packet that says which nodes are here; of odd length."""
+    packet = json.dumps({"roles": sorted(set(roles))}).encode()
+    return packet if len(packet) & ROLES_LENGTH_BIT else packet + b" "
+
+
+def decode_roles(packet: bytes) -> frozenset[str]:
+    """The nodes that are here, of a packet of odd length."""
+    return frozenset(json.loads(packet)["roles"])
 
 
 # --- frames -----------------------------------------------------------------------------------------------

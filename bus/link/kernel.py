@@ -150,6 +150,7 @@ def is_up(channel: str) -> bool:
         with socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW) as probe:
             answer = fcntl.ioctl(probe, _SIOCGIFFLAGS, _IFREQ.pack(channel.encode(), 0))
     except OSError:
+        # A kernel without CAN, or no interface of this name.
         return False
     return bool(_IFREQ.unpack(answer)[1] & _IFF_UP)
 
@@ -159,4 +160,5 @@ def _index_of(channel: str) -> int:
     try:
         return socket.if_nametoindex(channel)
     except OSError:
+        # No interface of this name: the one thing that this call fails of.
         return 0

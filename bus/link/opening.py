@@ -9,8 +9,10 @@ from typing import Any
 import can
 
 from railhil.bus.errors import BusUnavailable
+from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
+from railhil.bus.select import HUB_INTERFACE
 from railhil.common.plain_text import plain
 
 
@@ -22,8 +24,11 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
     :raises BusUnavailable: one line that names interface and channel.
     """
 
+    # The hub says to the nodes of a bench which of them are there.
+    own = {"role": name} if config.get("interface") == HUB_INTERFACE and name in ROLES else {}
+
     def reopen() -> can.BusABC:
-        return can.Bus(**config)
+        return can.Bus(**{**config, **own})
 
     def say(line: str) -> None:
         # A closed standard error must not stop the node.

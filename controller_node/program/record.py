@@ -116,6 +116,7 @@ def recorded(
     try:
         return _recorded(tracer, law, functions, given, told, check)
     except Exception as error:
+        # A law is code that somebody plugs in, and may raise anything.
         program = tracer.program
         quantity = program.quantities[-1].name if program is not None and program.quantities else None
         function = program.name if program is not None else "inputs"

@@ -69,6 +69,7 @@ class VectorLoop(Generic[T]):
         except InputError:
             raise
         except Exception as error:
+            # A law is code that somebody plugs in, and may raise anything.
             at = place(kind, error)
             cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
             allowed = f"a law that can be made for {scenario.name}"
@@ -213,6 +214,7 @@ class VectorController:
         try:
             _, answer = self._loop.step(raws)
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise self._failed(fault, "step") from fault
         commands = zip(interface.commands, answer.commands, strict=True)
         notes = zip(interface.notes, answer.notes, strict=True)
@@ -232,6 +234,7 @@ class VectorController:
         try:
             self._loop.sent(raws)
         except Exception as fault:
+            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
             raise self._failed(fault, "with_sent") from fault
         self.telemetry.take(self._number)
 

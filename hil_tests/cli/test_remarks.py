@@ -12,7 +12,7 @@ from hil_tests.support.scores import made_score
 from railhil.cli.remarks import assumed, next_step
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import WRAP_FAILURE
+from railhil.supervisor.status import WRAP_FAILURE
 from railhil.supervisor.trace import Trace
 
 _STOP = "stop error -0.219 m, allowed +-0.2 m"

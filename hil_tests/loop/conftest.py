@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 
-from railhil.bench import BenchRun
+from hil_tests.support.health import bench_runs, healthy  # noqa: F401 - fixtures
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.load import load
@@ -31,28 +29,3 @@ def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[CommandWatchLevel, floa
 
     monkeypatch.setattr(Plant, "advance", recorded)
     return seen
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _runs() -> Iterator[list[BenchRun]]:
-    """Every run in this process, by whatever fixture."""
-    runs: list[BenchRun] = []
-    make = BenchRun.__init__
-
-    def noted(run: BenchRun, *given: object, **named: object) -> None:
-        make(run, *given, **named)  # type: ignore[arg-type]
-        runs.append(run)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(BenchRun, "__init__", noted)
-        yield runs
-
-
-@pytest.fixture(autouse=True)
-def healthy(_runs: list[BenchRun], request: pytest.FixtureRequest) -> Iterator[None]:
-    """After every test: none of its runs has lost, refused or reordered anything, but for a test of such faults."""
-    yield
-    found = [run.refused for run in _runs]
-    _runs.clear()
-    if request.node.get_closest_marker("faults") is None:
-        assert not any(found), found

@@ -107,6 +107,7 @@ def test_export_of_something_else_is_refused(
         assert "the nodes do not agree on what to run; railhil run says in what" in run.said
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, socket_folder: Path) -> None:
     """The train stops by itself, the record says so, the verdict is INVALID."""
@@ -116,8 +117,8 @@ def test_killed_program_is_a_lost_controller(program: Path, tmp_path: Path, sock
     wait_for(channel.exists)
     node = subprocess.Popen([program, "hub", channel], stderr=subprocess.PIPE)
     try:
-        # Nobody tells the plant that it has ended.
-        patience = ("--patience", "2")
+        # The hub tells the plant that it has left.
+        patience = ("--patience", "600")
         run = Started(
             "run", "--no-controller", "--seed", "1", "--out", folder, "--quiet", "--no-report", *patience, *bus
         )

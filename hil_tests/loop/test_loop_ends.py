@@ -210,5 +210,5 @@ def test_a_record_with_a_hole_is_no_run(lvshun, lost_ticks, verdict):
     assert found.verdict == verdict
     if verdict == "INVALID":
         assert found.failures == ("record: no SIM_TRUTH for 1.02 s from 5.00 s on, allowed 1 s",)
-        assert found.overspeed_mps == 0.0
+        assert found.extras["overspeed_mps"] == 0.0
         assert found.values["itae"] is None

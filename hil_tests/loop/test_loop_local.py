@@ -27,7 +27,7 @@ def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     assert found.values["punctuality_s"] == pytest.approx(0.078, abs=0.02)
     assert found.values["stop_error_m"] == pytest.approx(0.26, abs=0.05)
     assert found.values["comfort"] == pytest.approx(1.8, abs=0.15)
-    assert found.overspeed_mps == 0
+    assert found.extras["overspeed_mps"] == 0
 
 
 @pytest.mark.slow

@@ -156,6 +156,7 @@ def test_command_of_the_certificate_makes_the_same_bytes(hub_run, tmp_path):
     ("module", "role"),
     [("railhil.plant_sim", "plant"), ("railhil.controller_node", "controller"), ("railhil.bus.hub", "hub")],
 )
+@pytest.mark.faults
 def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, role):
     folder = tmp_path / "run"
     run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report", "--pace", "realtime", "--rate", "20")
@@ -177,6 +178,7 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
     assert f"{role} lost at simulation time" in scored.out
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 def test_train_stops_by_itself_when_the_controller_dies_in_lockstep(tmp_path):
     folder = tmp_path / "run"
@@ -239,6 +241,7 @@ def test_lockstep_waits_for_processes_that_stand_still(short, tmp_path, starved)
     assert certificate(folder)["frames_sha256"] == certificate(tmp_path / "again")["frames_sha256"]
 
 
+@pytest.mark.faults
 @pytest.mark.parametrize("pace", [(), ("--pace", "realtime", "--rate", "20")])
 def test_killed_supervisor_stops_the_nodes(tmp_path, pace):
     run = Started("run", "--seed", "1", "--out", tmp_path / "run", "--quiet", *pace)

@@ -73,7 +73,7 @@ def test_a_controller_waits_as_long_as_the_bus_administrator_may(
         clock.now_s += timeout_s
         return frames.pop() if frames else []
 
-    link = SimpleNamespace(receive=receive, take_gap_ns=lambda: 0, is_down=False)
+    link = SimpleNamespace(receive=receive, take_gap_ns=lambda: 0, is_down=False, has_ended=lambda node: False)
     node = SimpleNamespace(ended=None, handle=lambda frame: [], lockstep=lockstep)
     with pytest.raises(PeerSilent, match=f"no frame for {limit_s:g} s"):
         serve(node, link, appear_s=7.0)  # type: ignore[arg-type]

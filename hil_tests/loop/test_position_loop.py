@@ -102,7 +102,7 @@ def assert_braked(run: BenchRun, begin_s: float) -> None:
     assert run.ended is Event.ENDED_COMPLETE
     assert run.score.signed["stop_error_m"] is not None
     assert run.score.signed["stop_error_m"] < 0.0
-    assert run.score.overspeed_mps == 0.0
+    assert run.score.extras["overspeed_mps"] == 0.0
     assert not any("emergency" in failure for failure in run.score.failures)
 
 

@@ -29,7 +29,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
 from railhil.supervisor.result import RunResult
-from railhil.supervisor.score import Score
+from railhil.supervisor.score import STATUS, Score
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.telemetry import Headroom, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace
@@ -148,10 +148,10 @@ def test_the_wrap_stands_in_the_log_and_in_junit(wrapped: BenchRun, nominal: Ben
 
 def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) -> None:
     """A controller that never made a step, and left no file."""
-    assert shown_telemetry(Trace()) is None
+    assert shown_telemetry(Trace(), STATUS) is None
     trace = Trace()
     trace.add(CtlStat.PORT, 0, CtlStat().encode())
-    assert shown_telemetry(trace) is None
+    assert shown_telemetry(trace, STATUS) is None
     document = score_json(lvshun, result_of(nominal.score), RunSpec(perturbed=True))
     assert document["telemetry"] is None
     # Nor on which runs its own parameters were chosen.
@@ -159,7 +159,7 @@ def test_a_run_without_telemetry_says_so(lvshun: Scenario, nominal: BenchRun) ->
 
 
 def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: BenchRun, wrapped: BenchRun) -> None:
-    found, other = shown_telemetry(nominal.trace), shown_telemetry(wrapped.trace)
+    found, other = shown_telemetry(nominal.trace, STATUS), shown_telemetry(wrapped.trace, STATUS)
     assert found is not None
     assert other is not None
     assert (found.happened, found.cycles) == ((), nominal.telemetry["cycles"]["ram"])

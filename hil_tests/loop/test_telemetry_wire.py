@@ -23,6 +23,7 @@ from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.supervisor.framelog import read_log
+from railhil.supervisor.score import STATUS
 from railhil.supervisor.telemetry import shown_telemetry
 from railhil.supervisor.trace import Trace
 
@@ -201,7 +202,7 @@ def test_each_quantity_counts_as_it_was_last_shown() -> None:
             telemetry_wrapped=wrapped,
         )
         trace.add(CtlStat.PORT, 0, status.encode())
-    found = shown_telemetry(trace)
+    found = shown_telemetry(trace, STATUS)
     assert found is not None
     none = {"saturated": False, "zero_division": False}
     assert found.as_json() == {

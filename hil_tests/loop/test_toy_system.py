@@ -6,16 +6,13 @@ No line of the tree knows of it: it is installed here, and its entry points are 
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 import pytest
 
-from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
+from hil_tests.support.toy_system import SCENARIO, install_toy, python, railhil
 
 pytestmark = pytest.mark.loop
 
@@ -62,6 +59,29 @@ print(json.dumps([run.score.verdict, run.counters["controller"]["stale"], kept, 
 """
 
 
+_TOLD = """
+import json, sys
+from pathlib import Path
+from railhil.bench import local_run
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.telemetry import shown_telemetry
+from two_carts.wire import LAW_STAT
+scenario = load_any(sys.argv[1])
+judging = judging_of(scenario)
+run = local_run(scenario, Path(sys.argv[2]), RunSpec(law=LawSpec(system_named(scenario.system).law)))
+def told():
+    shown = shown_telemetry(run.trace, judging.status)
+    found = judging.score(scenario, run.trace)
+    print(json.dumps([shown.as_json(), shown.sentence(), found.verdict, list(found.failures)]))
+told()
+run.trace.add(LAW_STAT.PORT, 11_000_000_000, LAW_STAT(overflow_flags=1).encode())
+told()
+"""
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return install_toy(tmp_path_factory.mktemp("toy"))
@@ -85,15 +105,7 @@ def certificate(folder: Path) -> dict[str, object]:
 
 def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
     """Both arithmetics drive the carts there; in fixed point the record is that of the run over the hub."""
-    done = subprocess.run(
-        [sys.executable, "-c", _IN_PROCESS, str(SCENARIO), str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env={**os.environ, "PYTHONPATH": str(site)},
-    )
-    assert done.returncode == 0, done.stderr
-    runs = [json.loads(line) for line in done.stdout.splitlines()]
+    runs = python(site, _IN_PROCESS, str(SCENARIO), str(tmp_path))
     for verdict, values, _, refused, quantities in runs:
         assert (verdict, refused) == ("PASS", {})
         assert 0 < values["error_m"] < 0.005
@@ -104,15 +116,7 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
 
 def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, tmp_path: Path) -> None:
     """One second without the second cart's position: commands are held for 0.256 s, then both forces are 0."""
-    done = subprocess.run(
-        [sys.executable, "-c", _DEAF, str(SCENARIO), str(tmp_path)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        env={**os.environ, "PYTHONPATH": str(site)},
-    )
-    assert done.returncode == 0, done.stderr
-    verdict, stale, kept, safe = json.loads(done.stdout)
+    ((verdict, stale, kept, safe),) = python(site, _DEAF, str(SCENARIO), str(tmp_path))
     assert verdict == "PASS", "it comes back"
     assert stale > 50
     assert all(kept)
@@ -162,6 +166,15 @@ def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path,
     assert kept[0] == kept[1]
 
 
+def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
+    """For a controller without a file, as with --attach; and a wrap fails the run as one of ato's does."""
+    whole, wrapped = python(site, _TOLD, str(SCENARIO), str(tmp_path))
+    assert whole[0]["source"] == "LAW_STAT"
+    assert whole[1:] == ["no overflow, as LAW_STAT tells it", "PASS", []]
+    assert wrapped[0]["happened"] == ["wrap"]
+    assert wrapped[2:] == ["FAIL", ["fixed-point wrap in the controller, reported at 11.00 s"]]
+
+
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:
     document = certificate(recorded)
     assert (document["system"], document["controller"], document["verdict"]) == ("two_carts", "apart", "PASS")
@@ -174,6 +187,7 @@ def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None
     assert "UNIT2_CMD" in (recorded / "railhil.dbc").read_text(encoding="utf-8")
     scores = json.loads((recorded / "score.json").read_text(encoding="utf-8"))
     assert set(scores["scores"]) == {"error_m", "stretch_m"}
+    assert "overspeed_mps" not in scores
     assert scores["telemetry"]["wraps"] == 0
     assert [(stop["name"], stop["verdict"]) for stop in scores["stops"]] == [
         ("of cart 1", "PASS"),
@@ -262,7 +276,9 @@ def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path)
     found = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["laws"]["apart"]
     assert set(found["scores"]) == {"error_m", "stretch_m"}
     assert found["inside"]["pass"]["runs"] == 3
-    assert "not_stopped" not in found
+    assert not {"not_stopped", "overspeeds"} & found.keys(), "what only the train of ato has"
+    assert "over-" not in done.stdout
+    assert all("overspeed_mps" not in run for run in found["worst"])
     again = railhil(site, "campaign", "--verify", str(folder), "--runs", "1")
     assert again.returncode == 0, again.stderr
     assert "1 of 1 runs are the same on the bench" in again.stdout

@@ -152,7 +152,7 @@ class LawProperties:
         for runs in (nominal, drawn):
             assert set(runs.ended) == {"ended_complete"}
             assert not np.isnan(runs.values["stop_error_m"]).any()
-            assert runs.overspeed_mps.max() == 0.0
+            assert runs.extras["overspeed_mps"].max() == 0.0
             assert not any("emergency" in text for texts in runs.failures for text in texts)
             assert runs.wraps.max() == 0
         # A wheel that is half a percent off puts the train that trusts it some ten metres off, not more.

@@ -41,6 +41,7 @@ class Rig:
             )  # fmt: skip
             self.status()
         except BaseException:
+            # Ctrl-C too leaves no process behind.
             self.__exit__()
             raise
         return self

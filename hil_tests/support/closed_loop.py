@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from typing import Any
 
+from railhil.bench import direct_run
+from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.load import load
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 #: The published scenario.
 SCENARIO = load("lvshun_tieshan")
+
+
+def stops_in_fixed_point(law: str, scenario: str, indexing: str, within_m: float) -> None:
+    """The law brings the train to a stand so near to the mark, never too fast, and its arithmetic stays whole."""
+    done = direct_run(load(scenario), RunSpec(law=LawSpec(law, indexing=indexing)))
+    assert done.score.values["stop_error_m"] is not None
+    assert done.score.values["stop_error_m"] < within_m
+    assert done.score.extras["overspeed_mps"] == 0
+    assert done.arithmetic == Counters()
 
 
 def flat(value: Any) -> list[Any]:

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from hil_tests.support.cli import wait_for
+from hil_tests.support.cli import command, wait_for
 from railhil.bus.frame import Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.gateway import BusPort
@@ -85,6 +85,19 @@ def running_hub(*options: str, channel: str | None = None) -> Iterator[HubProces
             yield hub
         finally:
             hub.close()
+
+
+@contextlib.contextmanager
+def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterator[subprocess.Popen[str]]:
+    """A node in a process of its own; killed when the test is through with it."""
+    words = command("node", role, scenario, "-i", "railhil", "-c", channel, *options)
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate(timeout=PATIENCE_S)
 
 
 PLAIN = Frame(0x123, b"plain")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from railhil.supervisor.criteria import limited, scores
+from railhil.supervisor.criteria import OVERSPEED, limited, scores
 from railhil.supervisor.score import Score
 
 
@@ -25,7 +25,7 @@ def made_score(
         "stop_error_m": stop_error_m,
         "comfort": comfort,
     }
-    return Score(verdict, *scores(measured), 0.0, failures, "ended_complete")
+    return Score(verdict, *scores(measured), failures, "ended_complete", {OVERSPEED.key: 0.0})
 
 
 def with_values(score: Score, **changes: float | None) -> Score:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 SOURCE = Path(__file__).parents[1] / "data" / "toy_system"
 SCENARIO = SOURCE / "two_carts_2m.toml"
@@ -38,3 +40,12 @@ def railhil(site: Path, *words: str, cwd: Path | None = None) -> subprocess.Comp
     environment = {**os.environ, "PYTHONPATH": str(site)}
     command = [sys.executable, "-m", "railhil.cli", *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=cwd)
+
+
+def python(site: Path, program: str, *words: str) -> list[Any]:
+    """What a program prints in such an environment, a JSON document a line."""
+    environment = {**os.environ, "PYTHONPATH": str(site)}
+    command = [sys.executable, "-c", program, *words]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]

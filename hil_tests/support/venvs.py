@@ -39,6 +39,7 @@ def _version_of(python: str | Path) -> str | None:
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
     except OSError:
+        # Not there, or no program of this machine.
         return None
     return done.stdout.strip() if done.returncode == 0 else None
 

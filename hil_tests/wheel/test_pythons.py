@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.figures import QUICK_TOML
 from hil_tests.support import venvs
 from hil_tests.support.venvs import Environment
 from hil_tests.wheel.conftest import Built
@@ -14,17 +15,6 @@ from railhil.bench import local_run
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
-#: 8 m in 8 s: rounding, feedback and the stop.
-SHORT = """\
-extends = "lvshun_tieshan"
-name = "short"
-[target]
-nodes_s_mps2 = [[0, 0.5], [3.9, 0.5], [4.1, -0.5], [8, -0.5]]
-[plan]
-distance_m = 7.9983
-running_time_s = 8
-overtime_max_s = 1
-"""
 _IN_PROCESS = """\
 import json, pathlib, sys
 from railhil.bench import local_run
@@ -50,7 +40,7 @@ def other(built: Built, request: pytest.FixtureRequest, tmp_path_factory: pytest
         python, version = venvs.python_of(request.param), request.param
     folder = tmp_path_factory.mktemp("python")
     environment = Environment.make(folder, python, venvs.libraries_of(python, version), built.wheel)
-    (environment.folder / "short.toml").write_text(SHORT, encoding="utf-8")
+    (environment.folder / "short.toml").write_text(QUICK_TOML, encoding="utf-8")
     return environment
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from railhil.batch.case import BatchResult, Case, column, notch_digest, trace_digest
 from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.supervisor.criteria import ATO_CRITERIA, with_sign
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, with_sign
 
 if TYPE_CHECKING:
     from railhil.batch.engine import BatchRuns
@@ -85,7 +85,7 @@ def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notc
         scores=tuple(scores),
         values={criterion.key: column([score.values[criterion.key] for score in scores]) for criterion in ATO_CRITERIA},
         signed={key: column([score.signed[key] for score in scores]) for key in with_sign()},
-        overspeed_mps=column([score.overspeed_mps for score in scores]),
+        extras={OVERSPEED.key: column([score.extras[OVERSPEED.key] for score in scores])},
         passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
         ended=tuple(score.ended for score in scores),
         failures=tuple(score.failures for score in scores),

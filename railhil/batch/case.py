@@ -44,16 +44,16 @@ class Case:
 class BatchResult:
     """What N runs give, arrays of shape (N,), in the order of the seeds.
 
-    ``values`` and ``signed`` as in :class:`railhil.supervisor.score.Score`, NaN where a run has none. ``wraps``,
-    ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256 notch, int16)
-    only when asked for: one array for each run, one code for each control period.
+    ``values``, ``signed`` and ``extras`` as in :class:`railhil.supervisor.score.Score`, NaN where a run has none.
+    ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256
+    notch, int16) only when asked for: one array for each run, one code for each control period.
     """
 
     seed: Ints
     scores: tuple[Score, ...]
     values: Mapping[str, Floats]
     signed: Mapping[str, Floats]
-    overspeed_mps: Floats
+    extras: Mapping[str, Floats]
     passed: NDArray[np.bool_]
     ended: tuple[str, ...]
     failures: tuple[tuple[str, ...], ...]

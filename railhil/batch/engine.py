@@ -21,7 +21,8 @@ from railhil.controller_node.loop import POSITION_MAX_01MM, ControlLoop
 from railhil.plant_sim.any_plant import PlantError
 from railhil.supervisor import measures
 from railhil.supervisor.journey import ErrorGrid, stop_of
-from railhil.supervisor.score import WRAP_FAILURE, Measured, Score, judged
+from railhil.supervisor.score import Measured, Score, judged
+from railhil.supervisor.status import WRAP_FAILURE
 
 Ints = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.

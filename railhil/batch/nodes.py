@@ -31,7 +31,8 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     runs = [unrecorded_run(case.scenario, case.run(int(seed))) for seed in seeds]
     scores = [run.score for run in runs]
     totals = [run.telemetry["totals"] for run in runs]
-    criteria = judging_of(case.scenario).criteria
+    judging = judging_of(case.scenario)
+    criteria = judging.criteria
     signed = [criterion.signed for criterion in criteria if criterion.signed is not None]
     wraps, saturations, zero_divisions = (
         np.array([total[name] for total in totals], dtype=np.int64)
@@ -42,7 +43,7 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
         scores=tuple(scores),
         values={item.key: column([score.values[item.key] for score in scores]) for item in criteria},
         signed={key: column([score.signed[key] for score in scores]) for key in signed},
-        overspeed_mps=column([score.overspeed_mps for score in scores]),
+        extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
         passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
         ended=tuple(score.ended for score in scores),
         failures=tuple(score.failures for score in scores),

@@ -61,7 +61,7 @@ def _run(namespace: argparse.Namespace) -> int:
     if namespace.json:
         print_json(found)
     else:
-        show(Output(), found, folder, plan.criteria)
+        show(Output(), found, folder, plan.judging)
     return PASS
 
 

@@ -62,7 +62,7 @@ class CampaignFolder:
     def read(self, chunk: Chunk) -> pa.Table:
         """The runs of a chunk. Raises :class:`NotThePart`, OSError (FileNotFoundError: not made yet)."""
         return read_part(
-            self.part(chunk), origin_of(self._plan, chunk), chunk.entry.label, chunk.seeds, self._plan.criteria
+            self.part(chunk), origin_of(self._plan, chunk), chunk.entry.label, chunk.seeds, self._plan.judging
         )
 
     def missing(self) -> tuple[list[Chunk], list[str]]:

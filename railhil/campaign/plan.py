@@ -27,7 +27,7 @@ from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import System, system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.folder import code_sha256
-from railhil.supervisor.judging import judging_of
+from railhil.supervisor.judging import Judging, judging_of
 
 #: Stands for every registered law, in the order of the tables; the others are held against the first.
 ALL_LAWS = "all"
@@ -131,9 +131,14 @@ class Plan:
     entries: tuple[Entry, ...]
 
     @property
+    def judging(self) -> Judging:
+        """How the runs are judged."""
+        return judging_of(self.scenario)
+
+    @property
     def criteria(self) -> tuple[Criterion, ...]:
         """What the runs are judged by."""
-        return judging_of(self.scenario).criteria
+        return self.judging.criteria
 
     @property
     def batch(self) -> Callable[..., Any] | None:

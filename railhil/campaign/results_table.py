@@ -13,6 +13,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 from railhil.supervisor.criteria import Criterion, with_sign
+from railhil.supervisor.judging import Judging
 
 _COUNTS = ("wraps", "saturations", "zero_divisions")
 
@@ -22,10 +23,11 @@ def signed_columns(criteria: Sequence[Criterion]) -> dict[str, str]:
     return {f"signed_{key}": key for key in with_sign(criteria)}
 
 
-def schema(criteria: Sequence[Criterion]) -> pa.Schema:
-    """Columns of the runs of a system with these criteria."""
+def schema(judging: Judging) -> pa.Schema:
+    """Columns of the runs of a system."""
     # Numbers that may be missing: null in the file (no stop, no stop error).
-    numbers = (*(criterion.key for criterion in criteria), *signed_columns(criteria), "overspeed_mps")
+    scores = (*(criterion.key for criterion in judging.criteria), *signed_columns(judging.criteria))
+    numbers = (*scores, *(extra.key for extra in judging.extras))
     return pa.schema(
         [
             pa.field("law", pa.string(), nullable=False),
@@ -46,7 +48,7 @@ def schema(criteria: Sequence[Criterion]) -> pa.Schema:
 _ORIGIN = b"railhil.campaign"
 
 
-def table_of(label: str, result: Any, training: Sequence[int], criteria: Sequence[Criterion]) -> pa.Table:
+def table_of(label: str, result: Any, training: Sequence[int], judging: Judging) -> pa.Table:
     """Table of the runs of one chunk.
 
     :param result: a ``railhil.batch.BatchResult``.
@@ -63,14 +65,14 @@ def table_of(label: str, result: Any, training: Sequence[int], criteria: Sequenc
         "training": np.isin(seeds, list(training)),
     }
     columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
-    found = {criterion.key: result.values[criterion.key] for criterion in criteria}
-    found |= {name: result.signed[key] for name, key in signed_columns(criteria).items()}
+    found = {criterion.key: result.values[criterion.key] for criterion in judging.criteria}
+    found |= {name: result.signed[key] for name, key in signed_columns(judging.criteria).items()}
     # Missing is null, not a number that is none: averages of every tool leave it out.
     columns |= {
         name: pa.array(np.asarray(values, dtype=float), from_pandas=True)
-        for name, values in (found | {"overspeed_mps": result.overspeed_mps}).items()
+        for name, values in (found | dict(result.extras)).items()
     }
-    return pa.table(columns, schema=schema(criteria))
+    return pa.table(columns, schema=schema(judging))
 
 
 def file_bytes(table: pa.Table, origin: str) -> bytes:
@@ -85,25 +87,25 @@ class NotThePart(Exception):
     """A file is not what its name says; the text says why."""
 
 
-def _read(path: Path, criteria: Sequence[Criterion]) -> pa.Table:
+def _read(path: Path, judging: Judging) -> pa.Table:
     """A table of runs. Raises :class:`NotThePart`, OSError."""
     content = path.read_bytes()
     try:
         table = pq.read_table(BytesIO(content), page_checksum_verification=True)
     except (pa.ArrowException, OSError) as error:
         raise NotThePart("torn or damaged") from error
-    if not table.schema.remove_metadata().equals(schema(criteria)):
+    if not table.schema.remove_metadata().equals(schema(judging)):
         raise NotThePart("with other columns")
     return table
 
 
-def read_part(path: Path, origin: str, label: str, seeds: range, criteria: Sequence[Criterion]) -> pa.Table:
+def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judging) -> pa.Table:
     """A part that a campaign has written.
 
     :raises NotThePart: torn, damaged, or of other runs.
     :raises OSError: it cannot be read at all.
     """
-    table = _read(path, criteria)
+    table = _read(path, judging)
     if (table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace") != origin:
         raise NotThePart("of other runs")
     if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), np.arange(seeds.start, seeds.stop)):
@@ -113,9 +115,9 @@ def read_part(path: Path, origin: str, label: str, seeds: range, criteria: Seque
     return table
 
 
-def read_results(path: Path, criteria: Sequence[Criterion]) -> pa.Table:
+def read_results(path: Path, judging: Judging) -> pa.Table:
     """``results.parquet`` of a finished campaign. Raises OSError, :class:`NotThePart`."""
-    return _read(path, criteria)
+    return _read(path, judging)
 
 
 def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -11,6 +11,7 @@ from rich.table import Table
 from railhil.campaign.summary import QUANTILES, all_limits, key_of
 from railhil.common.output import Output, table
 from railhil.supervisor.criteria import STOP_WITHIN_M, Criterion, limit_key, limited
+from railhil.supervisor.judging import Judging
 
 _QUANTILE_TITLES = {"median": "median", "p95": "95th percentile"}
 
@@ -65,12 +66,14 @@ def _scores(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
     return made
 
 
-def _inside(summary: Mapping[str, Any], criteria: Sequence[Criterion]) -> Table:
+def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
+    criteria = judging.criteria
     limits = summary["limits"]
     title = "Runs inside " + " and ".join(
         _limit(criterion, limits[limit_key(criterion)]) for criterion in limited(criteria)
     )
-    counts = {"not_stopped": "not\nstopped", "overspeeds": "over-\nspeed", "runs_with_wraps": "with\nwraps"}
+    counts = {"not_stopped": "not\nstopped"} | {extra.counted: extra.heading for extra in judging.extras}
+    counts |= {"runs_with_wraps": "with\nwraps"}
     counts = {key: head for key, head in counts.items() if all(key in law for law in summary["laws"].values())}
     inside = [*(key_of(criterion) for criterion in limited(criteria)), all_limits(criteria)]
     heads = [*(key.replace("_", " ") for key in inside), "PASS", *counts.values()]
@@ -116,13 +119,14 @@ def _errors(run: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
     return ", ".join(f"{criterion.brief} {value:+.3f} {criterion.unit}" for criterion, value in values.items())
 
 
-def show(console: Output, summary: Mapping[str, Any], folder: Path, criteria: Sequence[Criterion]) -> None:
+def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
     """Print all tables, then the worst runs with the commands that make them again on the bench."""
+    criteria = judging.criteria
     console.say(
         f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "
         f"{summary['last_seed']}, {summary['arithmetic']}, indexed by {summary['indexing']}"
     )
-    tables = [_scores(summary, criteria), _inside(summary, criteria)]
+    tables = [_scores(summary, criteria), _inside(summary, judging)]
     if all("stopped_within_m" in law for law in summary["laws"].values()):
         tables.append(_stops(summary))
     if summary["against_baseline"]:

@@ -14,6 +14,7 @@ from railhil.batch.statistics import CONFIDENCE, Estimate, Share, differences, e
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import numbers, rows_of
 from railhil.campaign.worst import worst_runs
+from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.criteria import STOP_ERROR, STOP_WITHIN_M, Criterion, limit_key, limited
 
@@ -100,7 +101,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
             "pass": _share(share(passed)),
         },
         **stops,
-        "overspeeds": int(np.count_nonzero(numbers(rows, "overspeed_mps") > 0)),
+        **{extra.counted: int(np.count_nonzero(numbers(rows, extra.key) > 0)) for extra in plan.judging.extras},
         "runs_with_wraps": int(np.count_nonzero(wraps)),
         "wraps": int(wraps.sum()),
         "saturations": int(rows["saturations"].to_numpy().sum()),
@@ -141,7 +142,7 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
     """
     rows = {entry.label: rows_of(results, entry.label) for entry in plan.entries}
     first, *others = (entry.label for entry in plan.entries)
-    warning = training_sentence(plan)
+    warnings = [sentence for sentence in (training_sentence(plan), watch_sentence(plan.scenario)) if sentence]
     return {
         "scenario": plan.scenario.name,
         "scenario_sha256": any_judged_sha256(plan.scenario),
@@ -150,7 +151,9 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
         "first_seed": plan.seeds.start,
         "last_seed": plan.seeds.stop - 1,
         "confidence": CONFIDENCE,
-        "warnings": [] if warning is None else [warning],
+        # Every table says them.
+        "warnings": warnings,
+        "watch_weakened": plan.scenario.watch_weakened,
         "notes": _NOTES if STOP_ERROR in plan.criteria else _NOTES[1:],
         "limits": {
             limit_key(criterion): criterion.limit.of(plan.scenario)

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from railhil.batch import trace_digest
 from railhil.batch.nodes import DIGITS
 from railhil.campaign.folder import RESULTS
 from railhil.campaign.manifest import MANIFEST, read_manifest
@@ -21,8 +20,8 @@ from railhil.campaign.plan import Plan, make_plan
 from railhil.campaign.results_table import NotThePart, read_results, row, signed_columns
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, INVALID, PASS
-from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import trace_of
 
@@ -80,14 +79,15 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
             raise BenchInvalid(f"the bench gave exit code {done.returncode} for railhil {' '.join(words)}: {complaint}")
         found = json.loads((folder / "score.json").read_text(encoding="utf-8"))
         log = folder / "frames.log"
-        if isinstance(plan.scenario, Scenario):
-            digest = trace_digest(plan.scenario, trace_of(read_log(log)))
-        else:
+        if plan.batch is None:
             digest = log_sha256(log)[:DIGITS]
+        else:
+            digest = system_named(plan.scenario.system).part("digest")(plan.scenario, trace_of(read_log(log)))
     return {
         **found["scores"],
+        **{extra.key: found[extra.key] for extra in plan.judging.extras},
         **{name: found["signed"][key] for name, key in signed_columns(plan.criteria).items()},
-        **{name: found[name] for name in ("verdict", "ended", "overspeed_mps", "failures")},
+        **{name: found[name] for name in ("verdict", "ended", "failures")},
         "notch_digest": digest,
     }
 
@@ -101,7 +101,7 @@ def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
     """
     plan = _plan(folder)
     try:
-        results = read_results(folder / RESULTS, plan.criteria)
+        results = read_results(folder / RESULTS, plan.judging)
     except FileNotFoundError:
         raise InputError(folder, "", Words(f"no {RESULTS}"), "a finished campaign (--resume finishes it)") from None
     except (OSError, NotThePart) as why:

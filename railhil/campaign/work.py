@@ -67,6 +67,6 @@ def run_task(task: Task) -> tuple[str, bytes]:
 
     case = Case(task.scenario, entry.law)
     run = batch_of(task.scenario) or run_nodes
-    criteria = judging_of(task.scenario).criteria
+    judging = judging_of(task.scenario)
     result = run(case, list(task.chunk.seeds))
-    return task.chunk.name, file_bytes(table_of(entry.label, result, task.training, criteria), task.origin)
+    return task.chunk.name, file_bytes(table_of(entry.label, result, task.training, judging), task.origin)

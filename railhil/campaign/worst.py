@@ -11,6 +11,7 @@ import pyarrow as pa
 from railhil.campaign.plan import Entry, Plan
 from railhil.campaign.results_table import column_of, numbers, row
 from railhil.supervisor.criteria import STOP_ERROR, Criterion, limit_key, limited
+from railhil.supervisor.judging import Judging
 
 #: Runs listed per law and error.
 _LARGEST = 3
@@ -25,11 +26,15 @@ def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
     return [int(index) for index in order if not np.isnan(values[index])]
 
 
-def _broken(rows: pa.Table, stops: bool) -> list[tuple[int, str]]:
+def _broken(rows: pa.Table, judging: Judging) -> list[tuple[int, str]]:
     """Rows in which something happened that must not, worst first, equal ones by seed, and what it was."""
     how_bad = {
-        **({"did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64)} if stops else {}),
-        "overspeed": np.nan_to_num(numbers(rows, "overspeed_mps")),
+        **(
+            {"did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64)}
+            if STOP_ERROR in judging.criteria
+            else {}
+        ),
+        **{extra.name: np.nan_to_num(numbers(rows, extra.key)) for extra in judging.extras},
         "wraps": numbers(rows, "wraps"),
     }
     found = []
@@ -48,7 +53,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
     for criterion in limited(plan.criteria):
         for rank, index in enumerate(_worst(rows, criterion), 1):
             reasons.setdefault(index, []).append(f"{criterion.title} {rank}")
-    for index, why in _broken(rows, STOP_ERROR in plan.criteria):
+    for index, why in _broken(rows, plan.judging):
         reasons.setdefault(index, []).append(why)
     found = []
     for index, why_all in reasons.items():
@@ -58,7 +63,7 @@ def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]
                 "seed": run["seed"],
                 "why": why_all,
                 **{limit_key(criterion): run[column_of(criterion)] for criterion in limited(plan.criteria)},
-                "overspeed_mps": run["overspeed_mps"],
+                **{extra.key: run[extra.key] for extra in plan.judging.extras},
                 "ended": run["ended"],
                 "failures": run["failures"],
                 "command": shlex.join(["railhil", "run", *plan.run(entry, run["seed"]).words]),

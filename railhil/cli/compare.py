@@ -158,6 +158,7 @@ def work(namespace: argparse.Namespace) -> int:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
                 return done.stopped_exit_code
     except BaseException:
+        # Ctrl-C too: what is recorded stays, and is said.
         if runs and folder is not None:
             console.say(_so_far(runs, plan, folder))
         raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from railhil.cli.show import print_scores, print_verdict
+from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.supervisor.judging import judging_of
@@ -31,10 +31,12 @@ def work(namespace: argparse.Namespace) -> int:
         own = (line,) if verdict == "INVALID" else ()
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
-        print_json({**found.as_json(), "verdict": verdict, "line": line, "memory": record.certificate.get("memory")})
+        beside = {"watch_weakened": record.scenario.watch_weakened, "memory": record.certificate.get("memory")}
+        print_json({**found.as_json(), **beside, "verdict": verdict, "line": line})
     else:
         console = Output()
         print_scores(console, record.scenario, [("from the log", found)])
+        print_watch(console, record.scenario)
         if memory := memory_sentence(record.certificate):
             console.say(f"memory: {memory}")
         print_verdict(console, verdict, line)

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from railhil.cli.remarks import assumed, next_step
 from railhil.common.output import Output, table
-from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.model import AnyScenario, watch_sentence
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.facts import parameters_sentence
 from railhil.supervisor.report.jitter_panel import answers_sentence, jitter_sentence, scheduling_sentence
@@ -51,8 +51,8 @@ def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[s
 
 def print_watch(console: Output, scenario: AnyScenario) -> None:
     """One line when the scenario's watches are weaker than usual: a verdict under them says less."""
-    if weakened := scenario.watch_weakened:
-        console.say(f"watch weakened: {weakened}", style="bold yellow")
+    if sentence := watch_sentence(scenario):
+        console.say(sentence, style="bold yellow")
 
 
 def print_verdict(console: Output, verdict: str, line: str) -> None:

@@ -157,16 +157,24 @@ def install_commands(packages: Mapping[str, str], purpose: str) -> None:
     with_package_lists(lambda: run_tool(install), purpose)
 
 
+def _have_commands(packages: Mapping[str, str], purpose: str) -> None:
+    """As :func:`install_commands`, on a host that needs not be Debian's when it has them all.
+
+    Raises:
+        CapabilityError: they are missing and cannot be had.
+    """
+    if not all(find_command(command) for command in packages):
+        require_debian_root(purpose)
+        install_commands(packages, purpose)
+
+
 def install_compilers() -> None:
     """Have gcc, clang and make, with the C library's headers, for the exported C.
 
     Raises:
         CapabilityError: they are missing and cannot be had.
     """
-    packages = {"gcc": "build-essential", "make": "build-essential", "clang": "clang"}
-    if not all(find_command(command) for command in packages):
-        require_debian_root("exported C")
-        install_commands(packages, "exported C")
+    _have_commands({"gcc": "build-essential", "make": "build-essential", "clang": "clang"}, "exported C")
 
 
 def install_can_tools() -> None:
@@ -176,9 +184,7 @@ def install_can_tools() -> None:
         CapabilityError: they are missing and cannot be had.
     """
     packages = {"candump": "can-utils", "ip": "iproute2", "setpriv": "util-linux"}
-    if not all(find_command(command) for command in packages):
-        require_debian_root("tests on kernel SocketCAN")
-        install_commands(packages, "tests on kernel SocketCAN")
+    _have_commands(packages, "tests on kernel SocketCAN")
 
 
 def install_browser() -> None:

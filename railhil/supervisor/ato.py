@@ -10,13 +10,13 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.notes import note_values, notes_of
 from railhil.supervisor.report.deviations import deviations
 from railhil.supervisor.report.recorded import RecordedRun
-from railhil.supervisor.score import WRAP_FAILURE, Score, score
-from railhil.supervisor.telemetry import shown_telemetry
+from railhil.supervisor.score import STATUS, Score, score
+from railhil.supervisor.status import WRAP_FAILURE
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: The shipped law that knows the train's position.
@@ -53,10 +53,11 @@ def asked(scenario: Scenario) -> str:
 
 def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
     """What must hold besides the limits of the plan."""
+    over_mps = found.extras[OVERSPEED.key]
     stood = any(stop.standstill is not None for stop in found.stops)
     return [
         ("stops", "" if stood else "did not stop"),
-        ("overspeed", f"{found.overspeed_mps:.3f} m/s" if found.overspeed_mps > 0 else ""),
+        ("overspeed", f"{over_mps:.3f} m/s" if over_mps > 0 else ""),
         ("no_emergency_brake", next((text for text in found.failures if "emergency" in text), "")),
         ("no_wrap", next((text for text in found.failures if text.startswith(WRAP_FAILURE)), "")),
     ]
@@ -117,6 +118,7 @@ def advice(run: RecordedRun, folder: Path) -> str:
 
 JUDGING = Judging(
     criteria=ATO_CRITERIA,
+    extras=(OVERSPEED,),
     score=score,
     truth=SimTruth.PORT,
     columns=COLUMNS,
@@ -126,7 +128,7 @@ JUDGING = Judging(
     facts=facts,
     counted=counted,
     remark=stops_sentence,
-    shown=shown_telemetry,
+    status=STATUS,
     published="Published: Table 2 of the paper, on another train model",
     deviations=deviations,
     advice=advice,

@@ -70,6 +70,7 @@ def write_comparison(
         **{key: value for key, value in common.as_json().items() if key not in ("controller", "parameters")},
         "scenario_sha256": scenario.sha256,
         "notes": list(notes),
+        "watch_weakened": scenario.watch_weakened,
         "runs": rows,
         **judging_of(scenario).counted([run.score for _, run in runs]),
         "published": [row.as_table() for row in scenario.published],

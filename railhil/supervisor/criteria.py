@@ -105,6 +105,22 @@ class Criterion:
         return f"{value:.{self.digits}f} {self.unit}, allowed {bound} {limit:g} {self.unit}"
 
 
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """A figure of a run that is no score: 0 in a good one, above it by how much something happened that must not.
+
+    ``key`` names it in ``score.json`` and in columns, ``name`` for readers; ``counted`` is the key of the number of
+    runs with it in ``summary.json``, ``heading`` stands above that number on a terminal.
+    """
+
+    key: str
+    name: str
+    counted: str
+    heading: str
+
+
+#: How far, in m/s, the train was above the speed limit.
+OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed")
 #: Eq. (8): how far from its point the train stands.
 STOP_ERROR = Criterion(
     "stop_error_m", "stop error", "m", 4, lambda run: run.stop.error_m,

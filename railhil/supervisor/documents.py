@@ -118,6 +118,7 @@ class _Shown(_Part):
     happened: list[str]
     least_headroom: _Headroom | None
     cycles: int
+    quantities: list[dict[str, Any]]
 
 
 class _Jitter(_Part):

@@ -31,6 +31,7 @@ from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import Judging, judging_of
+from railhil.supervisor.notes import note_values
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
@@ -268,6 +269,9 @@ def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[lis
     """
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
+    if judging.status is not None:
+        port = judging.status.port
+        found += [(note.name, port, note_values(trace, note, port)) for note in judging.status.notes]
     found += judging.told(trace, notes)
     columns = [time_s]
     for _, port, values in found:
@@ -288,6 +292,7 @@ def signal_units(judging: Judging, trace: Trace, notes: Any = None) -> dict[str,
     return {
         "time_s": "s",
         **{header: unit(port, signal) for header, port, signal in judging.columns},
+        **{note.name: note.unit for note in (judging.status.notes if judging.status else ())},
         **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
         **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
     }
@@ -327,6 +332,7 @@ def write_folder(
             write_memory(result.memory, folder / MEMORY_AFTER)
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
     except BaseException as error:
+        # Ctrl-C too leaves nothing that looks like a result.
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error
         _discard_results(folder)

@@ -80,6 +80,7 @@ class FrameLog:
         try:
             self._stream.close()
         except OSError:
+            # A full disk.
             _cut_to_whole_lines(self.path)
             raise
         return sha256_of(self.path)

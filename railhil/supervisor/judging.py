@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
-from railhil.supervisor.criteria import Criterion
+from railhil.supervisor.criteria import Criterion, Extra
 from railhil.supervisor.score import Score
+from railhil.supervisor.status import Status, interface_status
 from railhil.supervisor.trace import FloatArray, Trace
 
 
@@ -39,10 +40,10 @@ class Judging:
     port and values. ``asked``: one sentence for the head of the report, what the scenario asks for. ``checks``:
     (scenario, score) -> JUnit cases besides the limits of the criteria, name and failure (empty: none). ``facts``:
     (recorded run) -> rows of the report's facts, name and text. ``counted``: (scores) -> figures over several runs for
-    ``compare.json``; ``remark``: the same in words. ``shown``: (trace) -> what the record says of the controller's
-    arithmetic when its process has left no file. ``published``: what the published rows are;
-    ``deviations``: their source and how it is read here. ``advice``: (recorded run, report folder) -> what to try
-    after a FAIL.
+    ``compare.json``; ``remark``: the same in words. ``status``: where the controller says what its arithmetic and its
+    laws do; None: where the system's part ``interface`` says, if it has one. ``published``: what the published rows
+    are; ``deviations``: their source and how it is read here. ``advice``: (recorded run, report folder) -> what to try
+    after a FAIL. ``extras``: figures of every score that are 0 in a good run.
     """
 
     criteria: tuple[Criterion, ...]
@@ -50,12 +51,13 @@ class Judging:
     truth: str
     columns: tuple[tuple[str, str, str], ...]
     asked: Callable[[Any], str]
+    extras: tuple[Extra, ...] = ()
     told: Callable[[Trace, Any], list[tuple[str, str, FloatArray]]] = _no_columns
     checks: Callable[[Any, Score], Sequence[tuple[str, str]]] = _nothing
     facts: Callable[[Any], Sequence[tuple[str, str]]] = _nothing
     counted: Callable[[Sequence[Score]], Mapping[str, Any]] = _no_figures
     remark: Callable[[Sequence[Score]], str] = _no_text
-    shown: Callable[[Trace], Any] | None = None
+    status: Status | None = None
     published: str = ""
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
@@ -66,5 +68,8 @@ def judging_of(scenario: AnyScenario) -> Judging:
 
     :raises InputError: the system has no such part.
     """
-    judging: Judging = system_named(scenario.system).part("judging")
+    system = system_named(scenario.system)
+    judging: Judging = system.part("judging")
+    if judging.status is None and "interface" in system.own:
+        judging = replace(judging, status=interface_status(system.part("interface")))
     return judging

@@ -82,9 +82,9 @@ def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ToldN
     return _UNKNOWN if told is None else told_notes(told)
 
 
-def note_values(trace: Trace, note: ToldNote) -> FloatArray:
-    """Values of a note in each CTL_STAT, in its unit, shape (n,)."""
-    raw = trace.raw(CtlStat.PORT, note.signal)
+def note_values(trace: Trace, note: ToldNote, port: str = CtlStat.PORT) -> FloatArray:
+    """Values of a note in each telegram of the port, in its unit, shape (n,)."""
+    raw = trace.raw(port, note.signal)
     if note.signed:
         raw = (raw + _HALF) % _WHOLE - _HALF
     return np.asarray(raw * note.scale, dtype=np.float64)

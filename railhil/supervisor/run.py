@@ -37,7 +37,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
-from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary
+from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
 
 #: Realtime: wall time without a tick after which a started run counts as dead; an outage of the interface is no part of
@@ -145,6 +145,7 @@ class Run:
                 refuse_occupied(link, self.choice)
                 self._start(nodes)
             except BaseException:
+                # Ctrl-C too leaves no interface open.
                 link.close()
                 raise
             return link
@@ -174,10 +175,14 @@ class Run:
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
+        # Of nodes that it has started itself the supervisor knows more; in realtime the reaction ladder has its time.
+        told = self.start_up.attach and not self.spec.is_realtime
         apart = not self.spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
-            self._take(link, _LOOK_S)
+            heard = self._take(link, _LOOK_S)
             stop.check()
+            if told and self._has_left(link, heard):
+                return
             now_s = time.monotonic()
             if link.is_down:
                 # The link gives up by itself.
@@ -209,6 +214,14 @@ class Run:
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
                 self._lost = self._lost or f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
                 return
+
+    def _has_left(self, link: Link, heard: bool) -> bool:
+        """Note who was the first to leave a run that had not ended; True when nothing can come any more."""
+        gone = [node for node in ("controller", "plant") if link.has_ended(node)] if self.session.recording else []
+        over = "plant" in gone and not heard
+        if gone and not self._lost and (over or self.session.ending is None):
+            self._lost = f"{gone[0]} left the bus at simulation time {self.session.sim_time_s:.2f} s"
+        return over
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
         """Take what is still queued after a node has ended; True when the run ended regularly with it.
@@ -291,7 +304,7 @@ class Run:
         )
 
     def _shown(self) -> ShownTelemetry | None:
-        return None if self._judging.shown is None else self._judging.shown(self.trace)
+        return shown_telemetry(self.trace, self._judging.status)
 
     def _timing(self) -> RunTiming:
         """Timing of the run; all nodes have ended by now."""

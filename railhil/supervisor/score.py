@@ -7,17 +7,18 @@ verdict.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.telegrams import ControllerFlag, CtlStat, Event, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
-from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limited, scores, unscored
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
 from railhil.supervisor.journey import Journey, stop_of
 from railhil.supervisor.measures import limits_under_train
+from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.stops import ScoredStop
 from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
@@ -25,8 +26,8 @@ from railhil.supervisor.witness import milestone_missing, standstill_unclear
 #: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
 #: fails for moments leaves shorter gaps.
 HOLE_MAX_S = 1.0
-#: How the failure of a run begins in which the controller's fixed point has wrapped.
-WRAP_FAILURE = "fixed-point wrap in the controller"
+#: Where the controller of ``ato`` says what its arithmetic does; its notes are the law's own.
+STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,16 +36,16 @@ class Score:
     has no stop error).
 
     ``signed``: those that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
-    stopping point. ``stops``: those that the scenario asks for, in its order, and what became of them; none in a record
-    that does not show a whole run.
+    stopping point. ``extras``: figures of the system's own by the keys of :attr:`Judging.extras`. ``stops``: those that
+    the scenario asks for, in its order, and what became of them; none in a record that does not show a whole run.
     """
 
     verdict: str
     values: Mapping[str, float | None]
     signed: Mapping[str, float | None]
-    overspeed_mps: float
     failures: tuple[str, ...]
     ended: str
+    extras: Mapping[str, float] = field(default_factory=dict)
     stops: tuple[ScoredStop, ...] = ()
 
     @property
@@ -62,7 +63,7 @@ class Score:
             "verdict": self.verdict,
             "scores": dict(self.values),
             "signed": dict(self.signed),
-            "overspeed_mps": self.overspeed_mps,
+            **self.extras,
             "failures": list(self.failures),
             "ended": self.ended,
             "stops": [stop.as_json() for stop in self.stops],
@@ -79,12 +80,6 @@ def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
         if int(code) in Event._value2member_map_:
             found.setdefault(Event(int(code)), []).append((float(instant_s), float(position_m)))
     return found
-
-
-def _wrap(trace: Trace) -> str:
-    """The failure of a controller that says its arithmetic has wrapped: a notch after that means nothing."""
-    wrapped = np.flatnonzero(trace.raw(CtlStat.PORT, "OverflowFlags") & ControllerFlag.WRAP)
-    return f"{WRAP_FAILURE}, reported at {trace.times_s(CtlStat.PORT)[wrapped[0]]:.2f} s" if len(wrapped) else ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,16 +117,16 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         verdict="FAIL" if failures else "PASS",
         values=values,
         signed=signed,
-        overspeed_mps=run.overspeed_mps,
         failures=tuple(failures),
         ended=run.ended.name.lower(),
+        extras={OVERSPEED.key: run.overspeed_mps},
         stops=(run.stop,),
     )
 
 
 def _unscored(reason: str, ended: str) -> Score:
     """What is said of a record that does not show a whole run."""
-    return Score("INVALID", *unscored(), 0.0, (reason,), ended)
+    return Score("INVALID", *unscored(), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
 def score(scenario: Scenario, trace: Trace) -> Score:
@@ -190,6 +185,6 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             overspeed_mps=float(max(0.0, over.max())),
             stop=run.stop,
             emergency_s=emergency[0][0] if emergency else None,
-            wrap=_wrap(trace),
+            wrap=wrap_failure(trace, STATUS),
         ),
     )

@@ -52,7 +52,8 @@ class Session:
         self.recording = False
         #: Wall time for which the recorder's interface was out during the record.
         self.unheard_ns = 0
-        self._ending: Event | None = None
+        #: The end that the plant has told; the run has :attr:`ended` with the plant's last poll.
+        self.ending: Event | None = None
         #: Newest handshake telegram of each other node.
         self._heard: dict[str, Ident] = {}
         self._write = write
@@ -137,7 +138,7 @@ class Session:
         answers = self._responder.handle(frame)
         if answers:
             # The plant's last poll comes after its last event: only then is everything here.
-            self.ended = self._ending
+            self.ended = self.ending
         if self.recording and not scan:
             # The device status scan goes on until all nodes are there: bus management, not part of the record.
             for item in (frame, *answers):
@@ -148,7 +149,7 @@ class Session:
     def _event(self, reading: Reading[RunEvent]) -> None:
         code = reading.telegram.event
         if self.recording and code in Event._value2member_map_ and Event(code).ends_run:
-            self._ending = Event(code)
+            self.ending = Event(code)
 
     def _take_ident(self, reading: Reading[Ident]) -> None:
         """Take a handshake telegram, unless it says another role than that of its port's source."""

@@ -1,4 +1,4 @@
-"""What the controller has said about its arithmetic: ``telemetry.json`` of a run folder, else CTL_STAT of the record.
+"""What the controller has said about its arithmetic: ``telemetry.json`` of a run folder, else telegrams of the record.
 
 The file is written by another process that may have been killed: whatever is wrong with it, a run is judged by its
 record alone, so a file that is missing or broken only counts as missing. A controller that was started elsewhere
@@ -16,8 +16,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag, CtlStat
+from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag
 from railhil.supervisor.notes import ToldNote, told_notes
+from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace
 
 #: Name in the run folder.
@@ -145,14 +146,16 @@ def read_kept(folder: Path) -> tuple[str, dict[str, Any]] | None:
 
 @dataclass(frozen=True, slots=True)
 class ShownTelemetry:
-    """What stands in ``score.json`` when there is no file: what the CTL_STAT telegrams of the record tell.
+    """What stands in ``score.json`` when there is no file: what the status telegrams of the record tell.
 
-    ``happened``: names of the OverflowFlags that were set. ``cycles``: of one control period, program in RAM, 0 for
-    float64. ``quantities``: each as it was last shown, up to one rotation before the end; ``index`` is its row in the
-    controller's own ``telemetry.json``. Raw extremes (cut off downwards to the bits that a telegram carries) and
-    headroom are None when not shown yet, when the quantity was always 0, and without fixed point.
+    ``source``: their port. ``happened``: names of the flags that were set. ``cycles``: of one control period, program
+    in RAM, 0 for float64 and where nobody says. ``quantities``: each as it was last shown, up to one rotation before
+    the end; ``index`` is its row in the controller's own ``telemetry.json``. Raw extremes (cut off downwards to the
+    bits that a telegram carries) and headroom are None when not shown yet, when the quantity was always 0, and without
+    fixed point.
     """
 
+    source: str
     happened: tuple[str, ...]
     least_headroom: Headroom | None
     cycles: int
@@ -160,21 +163,55 @@ class ShownTelemetry:
 
     def as_json(self) -> dict[str, Any]:
         """As ``score.json`` has it; ``source`` tells it from :class:`TelemetrySummary`."""
-        return {"source": CtlStat.PORT, **asdict(self)}
+        return asdict(self)
 
     def sentence(self) -> str:
         """One line for the terminal."""
         least = self.least_headroom
-        words = f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point"
-        return f"{words}, {', '.join(self.happened) or 'no overflow'}, as CTL_STAT tells it"
+        words = [", ".join(self.happened) or "no overflow", f"as {self.source} tells it"]
+        if self.quantities:
+            words.insert(0, f"least headroom {least.bits} bit ({least.name})" if least else "no fixed point")
+        return ", ".join(words)
 
 
-def shown_telemetry(trace: Trace) -> ShownTelemetry | None:
-    """Telemetry from the CTL_STAT telegrams of a record; None when none of them is about a quantity."""
-    names = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
+#: Signals of a status telegram that tells the quantities of the law in turns.
+_IN_TURNS = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
+
+
+def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | None:
+    """Telemetry from the status telegrams of a record; None when they tell nothing, or none has come yet that does.
+
+    :param status: of the system; None: it has none.
+    """
+    if status is None or not status.flags or not trace.count(status.port):
+        return None
+    in_turns = trace.has(status.port, f"Telemetry{_IN_TURNS[0]}")
+    quantities = _quantities(trace, status.port) if in_turns else ()
+    if in_turns and not quantities:
+        return None
+    flags = int(np.bitwise_or.reduce(trace.raw(status.port, status.flags)))
+    return ShownTelemetry(
+        status.port,
+        tuple((flag.name or "").lower() for flag in ControllerFlag if flag & flags),
+        min(
+            (
+                Headroom(f"quantity {row['index']}", bits)
+                for row in quantities
+                if (bits := row["headroom_bits"]) is not None
+            ),
+            key=lambda least: least.bits,
+            default=None,
+        ),
+        int(trace.raw(status.port, "StepCycles").max()) if trace.has(status.port, "StepCycles") else 0,
+        quantities,
+    )
+
+
+def _quantities(trace: Trace, port: str) -> tuple[dict[str, int | bool | None], ...]:
+    """Each quantity as it was last shown, by its number."""
     shown: dict[int, dict[str, int | bool | None]] = {}
     for index, maximum, extreme, bits, *events in zip(
-        *(trace.raw(CtlStat.PORT, f"Telemetry{name}").tolist() for name in names), strict=True
+        *(trace.raw(port, f"Telemetry{name}").tolist() for name in _IN_TURNS), strict=True
     ):
         if index != NO_QUANTITY:
             row = shown.setdefault(index, {"index": index, "minimum_raw": None, "maximum_raw": None})
@@ -182,16 +219,4 @@ def shown_telemetry(trace: Trace) -> ShownTelemetry | None:
             row["maximum_raw" if maximum else "minimum_raw"] = extreme << 16 >> bits if known else None
             row["headroom_bits"] = bits if known else None
             row.update(zip(("wrapped", "saturated", "zero_division"), map(bool, events), strict=True))
-    if not shown:
-        return None
-    flags = int(np.bitwise_or.reduce(trace.raw(CtlStat.PORT, "OverflowFlags")))
-    return ShownTelemetry(
-        tuple((flag.name or "").lower() for flag in ControllerFlag if flag & flags),
-        min(
-            (Headroom(f"quantity {i}", bits) for i, row in shown.items() if (bits := row["headroom_bits"]) is not None),
-            key=lambda least: least.bits,
-            default=None,
-        ),
-        int(trace.raw(CtlStat.PORT, "StepCycles").max()),
-        tuple(shown[index] for index in sorted(shown)),
-    )
+    return tuple(shown[index] for index in sorted(shown))

@@ -13,8 +13,9 @@ from railhil.batch.statistics import quantile
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output, table
 from railhil.controller_node.laws import load
+from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.parameters import ParameterSet
-from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR, Criterion, limited
+from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, Criterion, limited
 from railhil.tuning.objective import Scale, objective
 
 _QUANTILES = (("median", 0.5), ("p95", 0.95))
@@ -122,7 +123,7 @@ def _cells(found: Evaluation) -> Table:
 def _shares(result: BatchResult) -> str:
     runs = len(result.seed)
     stopped = int(np.isfinite(result.values[STOP_ERROR.key]).sum())
-    over = int((result.overspeed_mps > 0).sum())
+    over = int((result.extras[OVERSPEED.key] > 0).sum())
     return f"PASS {int(result.passed.sum())} of {runs}, stopped {stopped}, overspeed {over}"
 
 
@@ -141,7 +142,7 @@ def document(found: Evaluation) -> dict[str, Any]:
             "scores": scores,
             "passed": int(result.passed.sum()),
             "stopped": int(np.isfinite(result.values[STOP_ERROR.key]).sum()),
-            "overspeeds": int((result.overspeed_mps > 0).sum()),
+            "overspeeds": int((result.extras[OVERSPEED.key] > 0).sum()),
         }
 
     case, seeds = found.case, found.tuned.seed
@@ -154,6 +155,7 @@ def document(found: Evaluation) -> dict[str, Any]:
         "runs": len(seeds),
         "first_seed": int(seeds[0]),
         "training_seeds": list(found.seen),
+        "watch_weakened": case.scenario.watch_weakened,
         "default": of(found.default),
         "tuned": of(found.tuned),
     }
@@ -163,5 +165,7 @@ def show(console: Output, found: Evaluation) -> None:
     """Print the comparison."""
     console.say(_title(found), style="bold red" if found.seen else "bold")
     console.print(_cells(found))
+    if sentence := watch_sentence(found.case.scenario):
+        console.say(sentence, style="bold yellow")
     console.say(f"default: {_shares(found.default)}")
     console.say(f"tuned:   {_shares(found.tuned)}")

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from statistics import fmean, median
 
 from railhil.scenarios.model import Scenario
+from railhil.supervisor import criteria
 from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limit_key, limited
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.score import Score
@@ -75,8 +76,8 @@ def run_cost(scale: Scale, score: Score) -> float:
     else:
         for criterion, value in values:
             cost += min(_share(criterion, value or 0.0, scale.limits[limit_key(criterion)]), TERM_MAX)
-    if score.overspeed_mps > 0:
-        cost += OVERSPEED + score.overspeed_mps * KMH
+    if (over_mps := score.extras[criteria.OVERSPEED.key]) > 0:
+        cost += OVERSPEED + over_mps * KMH
     return cost
 
 

@@ -117,7 +117,7 @@ static void rejoin(railhil_bus_t *bus)
 /* The first packet in each direction is a hello; a refusal has the key "error". */
 static int say_hello(int fd, const char *path)
 {
-    static const char hello[] = "{\"railhil_hub\": 1, \"name\": \"@LAW@_node\", \"receive_own\": false}";
+    static const char hello[] = "{\"railhil_hub\": 1, \"name\": \"@LAW@_node\", \"role\": \"controller\"}";
     char answer[HELLO_MAX + 1];
     const int64_t until_ms = railhil_now_ms() + HUB_START_MS;
     ssize_t size;

@@ -163,6 +163,7 @@ def test_fd_frames_pass_the_adapter(socket_folder, move, move_file, tmp_path):
 # -- real time, disturbed -----------------------------------------------------------------------------------------
 
 
+@pytest.mark.faults
 def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp_path):
     result, trace, said = realtime(socket_folder, move, move_file, tmp_path / "run", {8.0: "unplug 2"})
     begin_s, length_s = silence_s(trace, 8.0)
@@ -190,6 +191,7 @@ def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp
     assert "outages 1" in said[2]
 
 
+@pytest.mark.faults
 def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_path):
     """Unplugged, bus-off and stuck for 0.3 s each: service brake at most, and the train still stops where it should."""
     orders = {3.0: "unplug 0.3", 6.5: "busoff 0.3", 9.5: "stall 0.3", 11.0: "garble 60"}
@@ -216,6 +218,7 @@ def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_p
     assert "outages" in said[-1]
 
 
+@pytest.mark.faults
 def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path):
     """The train stops by itself, the record is whole; the controller gives up with one line and exit code 3."""
     folder = tmp_path / "run"

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import contextlib
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.cli import TIMEOUT_S, command, railhil, wait_for
-from hil_tests.support.hub import PATIENCE_S, gateway, running_hub, two_hubs_and_a_gateway
+from hil_tests.support.hub import PATIENCE_S, gateway, node, running_hub, two_hubs_and_a_gateway
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
@@ -22,19 +20,6 @@ from railhil.supervisor.framelog import read_log, sha256_of
 from railhil.supervisor.trace import trace_of
 
 pytestmark = pytest.mark.loop
-
-
-@contextlib.contextmanager
-def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """A node in a process of its own; killed when the test is through with it."""
-    words = command("node", role, scenario, "-i", "railhil", "-c", channel, *options)
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate(timeout=PATIENCE_S)
 
 
 @pytest.fixture
@@ -82,6 +67,7 @@ def test_the_supervisor_may_sit_at_the_controller_s_bus_and_telegrams_may_be_can
     assert sha256_of(tmp_path / "run/frames.log") == reference.frames_sha256
 
 
+@pytest.mark.faults
 @pytest.mark.wall_clock
 def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short: Path, socket_folder: Path) -> None:
     """The controller hears nothing for a moment, the train reacts, and then they hear each other again."""
@@ -132,6 +118,7 @@ def test_an_adapter_of_the_gateway_is_unplugged_in_motion(tmp_path: Path, short:
     assert trace.values("SIM_TRUTH", "TractionForce")[meanwhile].max() == 0, "traction is cut within 0.15 s"
 
 
+@pytest.mark.faults
 @pytest.mark.slow
 def test_when_the_controller_s_bus_dies_the_train_stops_by_itself(tmp_path: Path, short: Path) -> None:
     with (

@@ -33,8 +33,6 @@ from railhil.supervisor.start_up import StartUp
 
 #: A node that has not ended this long after the record is killed.
 _NODE_END_S = 20.0
-#: Counters that say nothing of a fault.
-_HEALTHY = ("sent", "received", "send_retries", "accepted", "polls", "unknown_id", "no_mailbox")
 
 
 def socketcan(channel: str = "vcan0") -> dict[str, Any]:
@@ -119,11 +117,6 @@ def counters_of(folder: Path, role: str) -> dict[str, int]:
     """What the node ``role`` of a run in ``folder`` has counted, its link's counters among it."""
     document: dict[str, int] = json.loads((folder / f"{role}_counters.json").read_text())
     return document
-
-
-def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
-    """The counters that are empty on a healthy bus."""
-    return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
 
 
 def say_into(file: Path) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.transport.vcan.bench import disturbed
+from hil_tests.support.health import disturbed
 from railhil.bench import BenchRun, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.foreign import build_node, export_node, without_status
-from hil_tests.transport.vcan.bench import counters_of, disturbed, run_on, socketcan
+from hil_tests.support.health import disturbed
+from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bench import BenchRun
 from railhil.bus.ident import Role
 from railhil.bus.link import Link, open_link

@@ -8,8 +8,9 @@ import struct
 
 import pytest
 
+from hil_tests.support.health import disturbed
 from hil_tests.support.published import PUBLISHED_SHA256
-from hil_tests.transport.vcan.bench import counters_of, disturbed, run_on, socketcan
+from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil import cli
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link

@@ -20,7 +20,8 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.transport.vcan.bench import counters_of, disturbed, run_on, socketcan
+from hil_tests.support.health import disturbed
+from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.link import Link, open_link

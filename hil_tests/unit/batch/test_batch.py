@@ -288,7 +288,7 @@ def test_arrays_say_what_the_scores_say(short):
                 values = [getattr(score, part)[name] for score in result.scores]
                 expected = [np.nan if value is None else value for value in values]
                 assert np.array_equal(found, expected, equal_nan=True)
-        assert result.overspeed_mps.tolist() == [score.overspeed_mps for score in result.scores]
+        assert result.extras["overspeed_mps"].tolist() == [score.extras["overspeed_mps"] for score in result.scores]
         assert result.passed.tolist() == [score.verdict == "PASS" for score in result.scores]
         assert result.failures == tuple(score.failures for score in result.scores)
     assert np.isnan(result.values["stop_error_m"]).all()

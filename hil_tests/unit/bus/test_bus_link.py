@@ -153,6 +153,9 @@ class Batched:
             found.append(from_message(message))
         return found
 
+    def has_left(self, role: str) -> bool:
+        return False
+
     def shutdown(self) -> None:
         self.bus.shutdown()
 

@@ -9,7 +9,6 @@ import pyarrow.parquet as pq
 import pytest
 
 from benchmarks.figures import QUICK_TOML
-from hil_tests.support.campaign_command import Campaign, campaign_here
 from hil_tests.support.cli import railhil
 from railhil.bench import direct_run
 from railhil.campaign.plan import bench_sha256
@@ -20,20 +19,6 @@ from railhil.supervisor.criteria import ATO_CRITERIA
 
 #: Of every campaign here that is to give the same results.
 SAME = ("--runs", "24", "--first-seed", "50")
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenario") / "short.toml"
-    path.write_text(QUICK_TOML)
-    return path
-
-
-@pytest.fixture
-def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
-    """The command, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return campaign_here(capsys)
 
 
 @pytest.fixture(scope="module")

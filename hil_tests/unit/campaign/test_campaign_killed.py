@@ -16,7 +16,6 @@ import psutil
 import pytest
 from rich.console import Console
 
-from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import TIMEOUT_S, Done, railhil, wait_for
 from hil_tests.support.dask_cluster import loopback_cluster
 from railhil.campaign import dask_engine, engines
@@ -32,13 +31,6 @@ pytestmark = [pytest.mark.loop, pytest.mark.slow]
 #: Enough chunks that something can happen between two of them.
 RUNS = 60
 FIRST_SEED = 7
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenario") / "short.toml"
-    path.write_text(QUICK_TOML)
-    return path
 
 
 @pytest.fixture(scope="module")

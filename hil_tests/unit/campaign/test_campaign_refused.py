@@ -9,8 +9,6 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.figures import QUICK_TOML
-from hil_tests.support.campaign_command import Campaign, campaign_here
 from railhil.campaign.manifest import manifest, read_manifest
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.summary import training_sentence
@@ -18,20 +16,6 @@ from railhil.campaign.work import task_of
 from railhil.common.extras import install_command
 from railhil.common.law_order import in_order
 from railhil.controller_node.laws import names
-
-
-@pytest.fixture(scope="module")
-def short(tmp_path_factory):
-    path = tmp_path_factory.mktemp("scenario") / "short.toml"
-    path.write_text(QUICK_TOML)
-    return path
-
-
-@pytest.fixture
-def campaign(monkeypatch, capsys, tmp_path) -> Campaign:
-    """The command, in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    return campaign_here(capsys)
 
 
 def test_seeds_on_which_a_law_was_designed_are_refused(campaign, short):

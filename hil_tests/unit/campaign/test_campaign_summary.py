@@ -15,10 +15,11 @@ from rich.console import Console
 
 from railhil.campaign.plan import Request, make_plan
 from railhil.campaign.results_table import NotThePart, file_bytes, read_part, schema, table_of
-from railhil.campaign.show import _against, _scores
+from railhil.campaign.show import _against, _scores, show
 from railhil.campaign.summary import summary
 from railhil.campaign.worst import worst_runs
-from railhil.supervisor.criteria import ATO_CRITERIA
+from railhil.common.output import Output
+from railhil.supervisor.ato import JUDGING
 
 
 def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
@@ -36,7 +37,7 @@ def made_result(seeds, stop_m, time_s, overspeed_mps=0.0, wraps=0):
             "comfort": 1.5 * full,
         },
         signed={"time_error_s": time, "stop_error_m": stop},
-        overspeed_mps=overspeed_mps * full,
+        extras={"overspeed_mps": overspeed_mps * full},
         passed=stopped & (abs(stop) <= 0.2),
         ended=tuple("ended_complete" if one else "ended_not_stopped" for one in stopped),
         failures=tuple(() if one else ("not stopped",) for one in stopped),
@@ -69,11 +70,9 @@ def results(plan):
     in_time = np.full(20, 0.1)
     in_time[7] = np.nan
     tables = [
+        table_of(own.label, made_result(plan.seeds, -grows, np.full(20, 0.2), wraps=1), plan.training(own), JUDGING),
         table_of(
-            own.label, made_result(plan.seeds, -grows, np.full(20, 0.2), wraps=1), plan.training(own), ATO_CRITERIA
-        ),
-        table_of(
-            other.label, made_result(plan.seeds, better, in_time, overspeed_mps=0.3), plan.training(other), ATO_CRITERIA
+            other.label, made_result(plan.seeds, better, in_time, overspeed_mps=0.3), plan.training(other), JUDGING
         ),
     ]
     return pa.concat_tables(tables)
@@ -107,13 +106,13 @@ def test_infinite_values_and_bounds_that_are_not_there_are_told_apart(plan):
 
     def found(own_m, other_m):
         tables = [
-            table_of(own.label, made_result(plan.seeds, own_m, own_m), (), ATO_CRITERIA),
-            table_of(other.label, made_result(plan.seeds, other_m, other_m), (), ATO_CRITERIA),
+            table_of(own.label, made_result(plan.seeds, own_m, own_m), (), JUDGING),
+            table_of(other.label, made_result(plan.seeds, other_m, other_m), (), JUDGING),
         ]
         document = summary(plan, pa.concat_tables(tables))
         json.dumps(document, allow_nan=False)
         printed = Console(file=io.StringIO(), width=200)
-        for made in (_scores(document, ATO_CRITERIA), _against(document, ATO_CRITERIA)):
+        for made in (_scores(document, JUDGING.criteria), _against(document, JUDGING.criteria)):
             printed.print(made)
         law = document["laws"][other.label]["scores"]["stop_error_m"]
         return law, document["against_baseline"][other.label]["stop_error_m"], printed.file.getvalue()
@@ -139,6 +138,26 @@ def test_training_seeds_are_said_in_every_table(plan, results):
     other = plan.entries[1].label
     trained = [(row["law"], row["seed"]) for row in results.to_pylist() if row["training"]]
     assert trained == [(other, 1003)]
+
+
+def test_the_terminal_says_how_many_runs_stopped_within_strict_figures(plan, results, tmp_path, capsys):
+    """Whatever the scenario allows: 11, 20 and 20 of 20 runs, 15, 19 and 19 with the parameters of the file."""
+    show(Output(), summary(plan, results), tmp_path, JUDGING)
+    printed = capsys.readouterr().out.split("Runs that stopped within")[1].split("Against")[0]
+    assert printed.split()[:4] == ["law", "0.1", "m", "0.2"]
+    shares = [word for word in printed.split() if word.endswith("%")]
+    assert shares == ["55.00%", "100.00%", "100.00%", "75.00%", "95.00%", "95.00%"]
+
+
+def test_a_weakened_watch_is_said_in_every_table(tmp_path, capsys):
+    settings = ("watch.emergency_ms=100000", "watch.overspeed_margin_kmh=1e7")
+    plan = make_plan(Request(runs=2, settings=settings))
+    made = table_of("ipfc", made_result(plan.seeds, [0.1, 0.1], [0.1, 0.1]), (), JUDGING)
+    found = summary(plan, made)
+    words = "emergency_ms 100000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)"
+    assert (found["warnings"], found["watch_weakened"]) == ([f"watch weakened: {words}"], words)
+    show(Output(), found, tmp_path, JUDGING)
+    assert capsys.readouterr().out.splitlines().count(f"watch weakened: {words}") == 3
 
 
 def test_training_seeds_are_refused(tuned):
@@ -177,9 +196,7 @@ def test_no_failure_crowds_out_another(plan):
     stop_m[15:] = 0.1
     over = np.zeros(20)
     over[16:19] = 0.1, 0.3, 0.2
-    rows = table_of(
-        own.label, made_result(plan.seeds, stop_m, stop_m, over, wraps=np.arange(20) // 19), (), ATO_CRITERIA
-    )
+    rows = table_of(own.label, made_result(plan.seeds, stop_m, stop_m, over, wraps=np.arange(20) // 19), (), JUDGING)
     why = {run["seed"]: set(run["why"]) for run in worst_runs(plan, own, rows)}
     assert [seed for seed in why if "did not stop" in why[seed]] == [1000, 1001, 1002, 1003, 1004]
     assert [seed for seed in why if "overspeed" in why[seed]] == [1016, 1017, 1018]
@@ -188,7 +205,7 @@ def test_no_failure_crowds_out_another(plan):
 
 
 def test_missing_values_are_null(results):
-    assert results.schema.equals(schema(ATO_CRITERIA))
+    assert results.schema.equals(schema(JUDGING))
     row = next(row for row in results.to_pylist() if row["ended"] == "ended_not_stopped")
     assert row["stop_error_m"] is row["signed_time_error_s"] is None
     assert row["itae"] == 2000
@@ -205,9 +222,7 @@ def part(tmp_path, results):
 
 
 def test_a_part_is_read_back(part, results):
-    assert read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA).replace_schema_metadata() == results.slice(
-        0, 20
-    )
+    assert read_part(part, "here", "ipfc", range(1000, 1020), JUDGING).replace_schema_metadata() == results.slice(0, 20)
 
 
 def test_the_same_rows_are_the_same_bytes(part, results):
@@ -220,7 +235,7 @@ def test_a_torn_part_is_noticed(part, share_kept):
     content = part.read_bytes()
     part.write_bytes(content[: int(len(content) * share_kept)])
     with pytest.raises(NotThePart, match="torn or damaged"):
-        read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
+        read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)
 
 
 def test_a_flipped_bit_changes_no_figure(part, results):
@@ -231,7 +246,7 @@ def test_a_flipped_bit_changes_no_figure(part, results):
         flipped[place] ^= 1
         part.write_bytes(flipped)
         try:
-            found = read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
+            found = read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)
         except NotThePart:
             noticed += 1
         else:
@@ -246,9 +261,9 @@ def test_a_part_of_other_runs_is_noticed(part, results):
         "of another law": ("here", "tpfc1", range(1000, 1020)),
     }.items():
         with pytest.raises(NotThePart, match=words):
-            read_part(part, *arguments, ATO_CRITERIA)
+            read_part(part, *arguments, JUDGING)
     with pytest.raises(NotThePart, match="with other seeds"):
-        read_part(part, "here", "ipfc", range(1000, 1021), ATO_CRITERIA)
+        read_part(part, "here", "ipfc", range(1000, 1021), JUDGING)
     part.write_bytes(file_bytes(results.drop_columns("wraps"), "here"))
     with pytest.raises(NotThePart, match="with other columns"):
-        read_part(part, "here", "ipfc", range(1000, 1020), ATO_CRITERIA)
+        read_part(part, "here", "ipfc", range(1000, 1020), JUDGING)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import sys
 import tomllib
@@ -25,6 +26,17 @@ def test_a_clone_and_a_wheel_install_into_the_python_that_runs(extra: str) -> No
     words = shlex.split(install_command(extra))
     assert words[:4] == [sys.executable, "-m", "pip", "install"]
     assert _names(words[4:]) == _names(_EXTRAS[extra])
+
+
+def test_dev_has_what_a_test_is_skipped_without() -> None:
+    asked = {
+        name
+        for file in (ROOT / "hil_tests").rglob("test_*.py")
+        for name in re.findall(r"importorskip\(\"(\w+)\"", file.read_text(encoding="utf-8"))
+    }
+    assert asked
+    assert asked <= set(_names(_EXTRAS["dev"]))
+    assert [word for word in _EXTRAS["dev"] if ">=" not in word] == []
 
 
 def test_pipx_injects(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,7 +59,7 @@ def test_it_brings_the_train_to_its_stop_in_every_arithmetic() -> None:
         direct_run(SCENARIO, RunSpec(law=LawSpec("pi", arithmetic))) for arithmetic in ("float64", "iq", "float32")
     )
     for run in (wide, fixed, single):
-        assert run.score.overspeed_mps == 0
+        assert run.score.extras["overspeed_mps"] == 0
         assert abs(run.score.signed["stop_error_m"] or 99) < 1
         assert run.score.values["itae"] < 5000
     assert fixed.arithmetic is not None

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hil_tests.support.closed_loop import stops_in_fixed_point
 from railhil.audit.shadow import compare_codes, shadow_run
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.laws.base import LawInputs
 from railhil.controller_node.laws.fuzzy_pid import FuzzyPid, FuzzyPidState
 from railhil.controller_node.laws.fuzzy_pid_constants import FuzzyPidParameters, rules
@@ -146,11 +146,7 @@ def test_no_traction_next_to_the_stop() -> None:
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    done = direct_run(load(name), RunSpec(law=LawSpec("fuzzy_pid", indexing=indexing)))
-    assert done.score.values["stop_error_m"] is not None
-    assert done.score.values["stop_error_m"] < 1
-    assert done.score.overspeed_mps == 0
-    assert done.arithmetic == Counters()
+    stops_in_fixed_point("fuzzy_pid", name, indexing, 1)
 
 
 def test_rules_help_the_train() -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hil_tests.support.closed_loop import stops_in_fixed_point
 from railhil.bench import direct_run
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.laws.base import NOTCH_RAW_Q, LawInputs
 from railhil.controller_node.laws.pfc_model import InternalModel
 from railhil.controller_node.laws.tdmc import Tdmc
@@ -162,11 +162,7 @@ def test_train_needs_the_ramp_in_the_correction() -> None:
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 @pytest.mark.parametrize("name", ["lvshun_tieshan", "yizhuang_01_songjiazhuang_xiaocun"])
 def test_train_stops_in_fixed_point_within_the_limits_of_speed(name: str, indexing: str) -> None:
-    done = direct_run(load(name), RunSpec(law=LawSpec("tdmc", indexing=indexing)))
-    assert done.score.values["stop_error_m"] is not None
-    assert done.score.values["stop_error_m"] < 0.5
-    assert done.score.overspeed_mps == 0
-    assert done.arithmetic == Counters()
+    stops_in_fixed_point("tdmc", name, indexing, 0.5)
 
 
 def test_a_speed_that_falls_to_zero_saturates_and_does_not_wrap() -> None:

@@ -224,7 +224,7 @@ def test_objective() -> None:
     assert run_cost(SCALE, with_values(GOOD, stop_error_m=1e6)) == pytest.approx(4.0 + TERM_MAX)
     never = with_values(GOOD, stop_error_m=None, punctuality_s=None)
     assert run_cost(SCALE, never) == pytest.approx(3.0 + 2 * TERM_MAX)
-    assert run_cost(SCALE, replace(GOOD, overspeed_mps=1 / 3.6)) == pytest.approx(5.0 + OVERSPEED + 1.0)
+    assert run_cost(SCALE, replace(GOOD, extras={"overspeed_mps": 1 / 3.6})) == pytest.approx(5.0 + OVERSPEED + 1.0)
     # Every run counts: one that never stops cannot hide behind a median.
     assert objective(SCALE, [GOOD] * 7 + [never]) == pytest.approx(5.0 + (2 * TERM_MAX - 2) / 8)
     with pytest.raises(ValueError, match="without scores"):

@@ -153,6 +153,8 @@ def test_tune_as_a_user_runs_it(
     told = json.loads(evaluated("--json"))
     assert (told["runs"], told["first_seed"], told["training_seeds"]) == (4, 1000, [])
     assert told["tuned"]["scores"].keys() == told["default"]["scores"].keys()
+    weak = evaluated("--set", "watch.emergency_ms=2000")
+    assert "watch weakened: emergency_ms 2000 (usual 1000)" in weak.splitlines()
     with pytest.raises(InputError, match="seed 3, on which these parameters were tuned"):
         evaluated("--first-seed", "2")
     assert "THESE ARE TRAINING RUNS: 2 of the seeds" in evaluated("--first-seed", "2", "--allow-training-seeds")

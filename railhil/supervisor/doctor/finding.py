@@ -26,6 +26,7 @@ def text_of(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8", errors="replace").strip()
     except OSError:
+        # Not in this kernel, or not for this user.
         return ""
 
 

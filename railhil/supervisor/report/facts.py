@@ -63,7 +63,10 @@ def _telemetry(document: Any) -> str:
         return "the controller has said nothing about its arithmetic"
     least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
     if "source" in document:
-        return ShownTelemetry(tuple(document["happened"]), least, document["cycles"], ()).sentence()
+        rows = tuple(document["quantities"])
+        return ShownTelemetry(
+            document["source"], tuple(document["happened"]), least, document["cycles"], rows
+        ).sentence()
     names = [item.name for item in fields(TelemetrySummary)]
     return TelemetrySummary(**{name: document[name] for name in names} | {"least_headroom": least}).sentence()
 

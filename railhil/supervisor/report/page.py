@@ -10,6 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file
+from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
@@ -46,6 +47,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
     return environment.get_template("report.html.j2").render(
         scenario=scenario,
         runs=runs,
+        watch=watch_sentence(scenario),
         notes=notes,
         columns=criteria,
         better=better_sentence(criteria),

@@ -11,10 +11,14 @@ from railhil.bus.telegrams import Event, RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
+from railhil.supervisor.status import interface_status, wrap_failure
 from railhil.supervisor.stops import PlannedStop, ScoredStop, Standstill, missed_stops
 from railhil.supervisor.trace import Trace
 from two_carts import SYSTEM
-from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
+from two_carts.wire import COMMANDS, INTERFACE, STATS, TRUTH
+
+#: Where the laws say what they and their arithmetic do.
+STATUS = interface_status(INTERFACE)
 
 
 @dataclass(frozen=True)
@@ -57,15 +61,16 @@ def score(scenario: Any, trace: Trace) -> Score:
     """Verdict on the end error; INVALID for a record without a regular end."""
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     if Event.ENDED_COMPLETE not in codes or trace.count(TRUTH.PORT) < 2:
-        return Score("INVALID", *unscored(CRITERIA), 0.0, ("run did not come to its end",), "record_incomplete")
+        return Score("INVALID", *unscored(CRITERIA), ("run did not come to its end",), "record_incomplete")
     places = np.array([trace.values(TRUTH.PORT, f"TruePos{unit}") for unit in (1, 2)])
     ride = Ride(scenario.task, trace.times_s(TRUTH.PORT), places)
     measured = {criterion.key: criterion.measure(ride) for criterion in CRITERIA}
     missed = [f"{item.title} {text}" for item in CRITERIA if (text := item.missed(scenario, measured[item.key]))]
     stops = _stops(ride)
     missed += missed_stops(stops)
+    missed += filter(None, [wrap_failure(trace, STATUS)])
     verdict = "FAIL" if missed else "PASS"
-    return Score(verdict, *scores(measured, CRITERIA), 0.0, tuple(missed), "ended_complete", stops)
+    return Score(verdict, *scores(measured, CRITERIA), tuple(missed), "ended_complete", stops=stops)
 
 
 def _stops(ride: Ride) -> tuple[ScoredStop, ...]:
@@ -98,7 +103,6 @@ JUDGING = Judging(
         ("position1_m", STATS[0].PORT, "Unit1Pos"),
         ("force1_n", COMMANDS[0].PORT, "Unit1Force"),
         ("force2_n", COMMANDS[1].PORT, "Unit2Force"),
-        ("stretch_m", LAW_STAT.PORT, "LawStretch"),
     ),
     asked=lambda scenario: f"{scenario.task.duration_s:g} s; allowed ±{scenario.task.error_max_m:g} m",
     facts=_facts,

@@ -1,0 +1,39 @@
+"""The check after every test of runs sees what it is there for."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.health import disturbed_runs
+
+
+@pytest.mark.parametrize(
+    ("pace", "counters", "missed_polls", "found"),
+    [
+        ("lockstep", {"sent": 5, "received": 7, "send_retries": 1}, 0, {}),
+        ("lockstep", {"rx_lost": 2, "crc": 0, "sequence": 1}, 0, {"rx_lost": 2, "sequence": 1}),
+        ("lockstep", {}, 3, {"missed_polls": 3}),
+        ("realtime", {}, 3, {}),
+    ],
+)
+def test_what_is_disturbed(
+    tmp_path_factory: pytest.TempPathFactory,
+    pace: str,
+    counters: dict[str, int],
+    missed_polls: int,
+    found: dict[str, int],
+) -> None:
+    # Not among the folders that the check itself looks into.
+    place = tmp_path_factory.mktemp("health")
+    (place / "run").mkdir()
+    run = {"pace": pace, "counters": counters, "timing": {"missed_polls": missed_polls}}
+    (place / "run" / "score.json").write_text(json.dumps({"run": run}))
+    assert disturbed_runs(place) == ({"run": found} if found else {})
+
+
+def test_folders_of_a_test_are_looked_into(tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    assert request.node.funcargs["tmp_path"] == tmp_path
+    assert {"healthy", "bench_runs"} <= set(request.fixturenames)

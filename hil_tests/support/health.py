@@ -1,0 +1,70 @@
+"""The health of the bus after every test: fixtures that the ``conftest.py`` of a folder of runs imports."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+from railhil.bench import BenchRun
+
+#: Counters of a node that say nothing bad.
+_HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox", "send_retries")
+
+
+def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
+    """The counters that are empty on a healthy bus."""
+    return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
+
+
+def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
+    """What the run folders anywhere below say of frames that were lost, refused or out of order, by their place.
+
+    In real time a poll may be missed because the machine is busy, which is what the verdict on its timing is for.
+    """
+    found = {}
+    for file in sorted(folder.rglob("score.json")):
+        run = json.loads(file.read_text(encoding="utf-8"))["run"]
+        counters = dict(run["counters"])
+        if run["pace"] == "lockstep" and run["timing"] is not None:
+            counters["missed_polls"] = run["timing"]["missed_polls"]
+        if apart := disturbed(counters):
+            found[str(file.parent.relative_to(folder))] = apart
+    return found
+
+
+@pytest.fixture(scope="session", autouse=True)
+def bench_runs() -> Iterator[list[BenchRun]]:
+    """Every run in this process, by whatever fixture."""
+    runs: list[BenchRun] = []
+    make = BenchRun.__init__
+
+    def noted(run: BenchRun, *given: object, **named: object) -> None:
+        make(run, *given, **named)  # type: ignore[arg-type]
+        runs.append(run)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(BenchRun, "__init__", noted)
+        yield runs
+
+
+@pytest.fixture(autouse=True)
+def healthy(
+    bench_runs: list[BenchRun], request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[None]:
+    """After every test: none of its runs has lost, refused or reordered anything, but for a test of such faults.
+
+    Its runs are those in this process and those whose folders stand in a folder that the test was given.
+    """
+    yield
+    found = [run.refused for run in bench_runs]
+    bench_runs.clear()
+    if request.node.get_closest_marker("faults") is not None:
+        return
+    assert not any(found), found
+    given = {value for value in request.node.funcargs.values() if isinstance(value, Path) and value.is_dir()}
+    for folder in given:
+        if folder.is_relative_to(tmp_path_factory.getbasetemp()):
+            assert disturbed_runs(folder) == {}, folder

@@ -1,0 +1,53 @@
+"""Where a controller says on the bus what its arithmetic and its law do: flags, and the notes that its system fixes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.telegrams import ControllerFlag
+from railhil.supervisor.notes import ToldNote
+from railhil.supervisor.trace import Trace
+
+#: How the failure of a run begins in which the controller's fixed point has wrapped.
+WRAP_FAILURE = "fixed-point wrap in the controller"
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.telegrams.ControllerFlag`, empty: none.
+
+    ``notes``: those that are the same for every law of the system; what a law declares of its own is told besides.
+    """
+
+    port: str
+    flags: str = ""
+    notes: tuple[ToldNote, ...] = ()
+
+
+def interface_status(interface: Any) -> Status | None:
+    """That of a system whose laws stand between the signals of an ``Interface``; None when it has no such telegram.
+
+    :param interface: a :class:`railhil.controller_node.vector.law.Interface`.
+    """
+    telegram = interface.status
+    if telegram is None:
+        return None
+    signals = dict(telegram.signals())
+    notes = []
+    for note in interface.notes:
+        signal = signals[note.field]
+        column = f"{note.name}_{signal.unit.replace('/', 'p')}" if signal.unit else note.name
+        notes.append(ToldNote(signal.name, column, note.name, "", signal.unit, signal.scale, False, ()))
+    flags = signals.get("overflow_flags")
+    return Status(telegram.PORT, "" if flags is None else flags.name, tuple(notes))
+
+
+def wrap_failure(trace: Trace, status: Status) -> str:
+    """The failure of a controller that says its arithmetic has wrapped: what it commands after that means nothing."""
+    if not status.flags:
+        return ""
+    wrapped = np.flatnonzero(trace.raw(status.port, status.flags) & ControllerFlag.WRAP)
+    return f"{WRAP_FAILURE}, reported at {trace.times_s(status.port)[wrapped[0]]:.2f} s" if len(wrapped) else ""
