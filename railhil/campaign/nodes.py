@@ -1,4 +1,4 @@
-"""Runs of a system that has no batch: each through the nodes of the bench, in this process."""
+"""Runs of a system without a batch: each through the nodes of the bench, in this process."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from railhil.batch.case import BatchResult, Case, column
 from railhil.bench import BenchRun, local_run
 from railhil.supervisor.judging import judging_of
 
-#: Hexadecimal digits of the frame log's hash that stand in the place of the notch digest.
+#: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
 DIGITS = 16
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
-    """Run a case with each seed; the digest of a run is the beginning of its frame log's SHA-256.
+    """Run a case with each seed; the digest of a run is the beginning of the SHA-256 of its frame log.
 
     :raises InputError: law, arithmetic, indexing or parameters do not fit.
     """
