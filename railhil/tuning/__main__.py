@@ -161,7 +161,7 @@ def _write(file: Path, text: str) -> None:
 
 
 def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> str | None:
-    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own.
+    """Print the last line: whether the tuned parameters are better on other runs; if not, the file gets the law's own.
 
     :returns: why the tuned ones were discarded, None if they were kept.
     """
