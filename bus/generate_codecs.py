@@ -1,7 +1,7 @@
 """Write ``codecs.py`` from the telegram classes: ``python -m railhil.bus.generate_codecs`` (or ``make dbc``).
 
-Every node packs or unpacks a telegram several times a tick, so each of them has straight-line code of its own. It does
-what :meth:`railhil.bus.layout.Telegram.encode` and ``decode`` say in a loop over the signals.
+Every node packs or unpacks telegrams several times per tick, so each telegram class has its own straight-line code,
+equivalent to :meth:`railhil.bus.layout.Telegram.encode` and ``decode``, which loop over the signals.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ T = TypeVar("T")
 
 
 def telegram_classes(*modules: ModuleType) -> list[type[Telegram]]:
-    """Telegram classes that the modules define, one for each port, in their order there."""
+    """Telegram classes defined in the modules, one for each port, in the order of definition."""
     classes = [kind for module in modules for kind in vars(module).values() if isinstance(kind, type)]
     own = [kind for kind in classes if issubclass(kind, Telegram) and "PORT" in vars(kind)]
-    # A layout that several ports share is a class, too: the last one that names a port is the port's own.
+    # A layout shared by several ports is also a class: the last class that names a port is the port's own.
     return list({kind.PORT: kind for kind in own}.values())
 
 
@@ -54,7 +54,7 @@ def _shift(kind: type[Telegram], entry: Signal) -> int:
 
 
 def _encode(kind: type[Telegram]) -> str:
-    """A value fits when nothing is left of it, moved into the unsigned range, above its signal's length."""
+    """A value fits if, after shifting into the unsigned range, no bits remain above its signal's length."""
     lines = [f"def encode_{_name(kind)}(telegram: Any) -> bytes:"]
     signals = kind.signals()
     lines += [f"    {name} = telegram.{name}" for name, _ in signals]
@@ -73,7 +73,7 @@ def _encode(kind: type[Telegram]) -> str:
 
 
 def _decode(kind: type[Telegram]) -> str:
-    """Two's complement: the sign bit turned, and its weight taken away again."""
+    """Two's complement: flip the sign bit, then subtract its weight."""
     lines = [f"def decode_{_name(kind)}(made: Callable[..., T], data: bytes) -> T:"]
     lines += ["    word = int.from_bytes(data)", "    return made("]
     for name, entry in kind.signals():

@@ -1,4 +1,4 @@
-"""What the controller's side of the bus is to its process, of whatever system."""
+"""The interface of the controller's side of the bus, of any system, as used by its process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.scenarios.run_spec import LawSpec
 
 
 class AnyController(Protocol):
-    """Reacts to frames; holds no socket, so it runs in a process or in memory alike."""
+    """Handles frames; it has no socket, so it runs in a process of its own or in memory."""
 
     ended: Event | None
 
@@ -19,15 +19,15 @@ class AnyController(Protocol):
         """Take one frame in bus order; returns the answer to a poll of the controller."""
 
     def was_out(self, wall_ns: int, /) -> None:
-        """The interface was out for ``wall_ns``, now frames come again."""
+        """Note that the interface was down for ``wall_ns`` and now delivers frames again."""
 
     @property
     def lockstep(self) -> bool:
-        """True while nothing says that time goes on by the wall clock."""
+        """True unless the pace is known to follow the wall clock."""
 
     @property
     def counters(self) -> Mapping[str, int]:
-        """What was refused or lost, by cause."""
+        """Counters of refused and lost frames, by cause."""
 
     @property
     def lost_messages(self) -> int:
@@ -35,16 +35,16 @@ class AnyController(Protocol):
 
     @property
     def lost_by_mailbox(self) -> Mapping[str, int]:
-        """Those by mailbox."""
+        """The same by mailbox."""
 
     @property
     def law(self) -> LawSpec:
-        """Law, arithmetic and indexing by their names."""
+        """Names of law, arithmetic and indexing."""
 
     @property
     def law_type(self) -> Any:
-        """Class of its law, for what that says of itself."""
+        """Class of its law, for the declarations in it."""
 
     @property
     def controller(self) -> Any:
-        """What computes, with ``counters``, ``cost`` and ``telemetry`` of its arithmetic; ``kept()``: its memory."""
+        """The object that computes, with ``counters``, ``cost`` and ``telemetry`` of its arithmetic; ``kept()``: its memory."""

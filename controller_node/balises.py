@@ -1,4 +1,4 @@
-"""Balises from the wire to the law: the telegram has 16 bits of the odometer, the law gets all of it."""
+"""Balises from the wire to the law: the telegram has 16 bits of the odometer, the law gets the full reading."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _WORD_MM = 0x1_0000
 class Balises:
     """The last balise that the law may use.
 
-    The low 16 bits say where the passing was modulo 65.536 m. It lies behind here and not behind the place where the
-    BALISE port was last heard, since the telegram of the balise before is repeated on the port's period: when that is
-    less than 65.536 m the bits say it exactly, otherwise the balise is not used. Before the first balise the port is
-    silent; the telegram of that one is taken to be not later than 65 m.
+    The low 16 bits give the position of the passing modulo 65.536 m. The passing lies between the position at which the
+    BALISE port was last received (the telegram of the previous balise is repeated on the port's period) and the current
+    position. If that distance is less than 65.536 m, the bits determine the passing exactly; otherwise the balise is
+    not used. Before the first balise the port is silent; its telegram is assumed to be at most 65 m late.
 
-    ``counters``: telegrams not used, by cause: ``balise_check`` (check variable not correct), ``balise_number`` (0 is
-    none), ``balise_late`` (the passing is not between the last telegram and here).
+    ``counters``: telegrams not used, by cause: ``balise_check`` (check variable not correct), ``balise_number`` (number
+    0), ``balise_late`` (the passing cannot be placed between the last telegram and the current position).
     """
 
     def __init__(self) -> None:
@@ -29,14 +29,14 @@ class Balises:
         #: For the law.
         self.last: BaliseReading[int] = NO_BALISE
         self._number = 0
-        # Where the port was last heard, the rearmost place that may have been; None before the first time.
+        # Lower bound of the position at which the port was last received; None before the first time.
         self._heard_mm: int | None = None
 
     def take(self, telegram: BalisePassed, here_01mm: int, within_01mm: int) -> None:
         """Take a BALISE telegram that passed the traffic store.
 
         :param here_01mm: position of the train, by its odometer.
-        :param within_01mm: by how much that may be off.
+        :param within_01mm: its possible error.
         """
         if telegram.check != CHECK_CORRECT:
             self.counters["balise_check"] += 1
@@ -50,7 +50,7 @@ class Balises:
         if self._number in (number_before, self.last.number):
             return
         furthest_mm = _WORD_MM - 1 - within_mm
-        # What lies under the train that has not moved was read when it rolled in.
+        # A balise under a train that has not moved was read when the train arrived.
         if before_mm is not None and here_mm > within_mm:
             furthest_mm = here_mm - before_mm
         behind_mm = (here_mm + within_mm - telegram.odometer_low_mm) % _WORD_MM - within_mm

@@ -69,7 +69,7 @@ def main(words: Sequence[str] | None = None) -> int:
     memory = None if namespace.memory_from is None else load_memory(namespace.memory_from)
     law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters, memory)
     if namespace.check:
-        # First what the law is, then whether it can be had as it was asked for.
+        # First load the law, then check whether it can be made as requested.
         print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)
         system.part("controller")(scenario, law)
         return 0
@@ -85,7 +85,7 @@ def main(words: Sequence[str] | None = None) -> int:
         with cycle("controller", namespace.realtime_priority):
             return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
     finally:
-        # Also when the run ended early: what was measured until then is evidence.
+        # Also if the run ended early: the values measured until then are evidence.
         if namespace.telemetry is not None:
             finish_undisturbed()
             write_telemetry(node, namespace.telemetry)

@@ -1,4 +1,4 @@
-"""The controller as its process sees it: whole numbers from the bus in, notch code out, once per control period."""
+"""The controller without the bus: integers from the bus in, notch code out, once per control period."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from railhil.scenarios.run_spec import LawSpec
 
 @dataclass(frozen=True, slots=True)
 class ControlOutput:
-    """What one control period gives.
+    """The result of one control period.
 
     ``notch_code``: 1/256 notch, inside the notch range. ``notes``: the law's notes as CTL_STAT holds them, in the order
     of :attr:`~railhil.controller_node.laws.base.Law.notes`. ``error_raw``: set-point minus speed, km/h, Q20.
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
-    ``cycles``: estimated C28x cycles of this step, as of every other, program in RAM, 0 for float64.
+    ``cycles``: estimated C28x cycles of a step (the same for every step), program in RAM, 0 for float64.
     """
 
     notch_code: int
@@ -61,13 +61,13 @@ class BatchOutput:
 def _watched(
     scenario: Scenario, law: LawSpec, arithmetic: Arithmetic[Any], may_wrap: bool = False
 ) -> tuple[ControlLoop[Any], LawProgram, Telemetry, Cost]:
-    """A control loop whose arithmetic notes its quantities, its record, what takes them, and what a step costs."""
+    """A control loop whose arithmetic notes its quantities, its recorded program, its telemetry and the cost of a step."""
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
     program = record(scenario, law, wide=arithmetic.wide)
     if not arithmetic.wide and not may_wrap:
         period_s, notch_max = scenario.timing.control_period_ns / 1e9, scenario.train.notch_max
         refuse_wraps(program, loop.law, f"at {period_s:g} s and {notch_max:g} notches")
-    # From here on: the constants of the law are made by now.
+    # Start here, because the constants of the law have been made by now.
     arithmetic.noted = []
     price = cost_of(program, arithmetic, scenario.timing.control_period_ns)
     return loop, program, Telemetry(program.quantities), price
@@ -76,7 +76,7 @@ def _watched(
 def _failed(
     loop: ControlLoop[Any], telemetry: Telemetry, arithmetic: Arithmetic[Any], error: Exception, function: str
 ) -> InputError:
-    """The line for a law that has raised while it drove, after the last quantity that it had named in this period."""
+    """The error line for a law that raised during a run, with the last quantity that it named in this period."""
     named = telemetry.quantities[: len(arithmetic.noted or ())]
     return law_fault(loop.name, type(loop.law), error, function, named[-1].name if named else None)
 
@@ -87,9 +87,9 @@ class Controller:
     ``telemetry`` is up to date after each :meth:`step`; ``cost`` is that of every control period.
 
     :param law: a registered law (entry point group ``railhil.laws``) and how it is run; in ``iq`` (C28x fixed point)
-        there is no float between the arguments of :meth:`step` and its result. None: the usual one.
-    :param arithmetic: a fresh one in the place of the one that ``law`` names.
-    :param may_wrap: make also one of a law of which an operation may wrap.
+        there is no float between the arguments of :meth:`step` and its result. None: the default law.
+    :param arithmetic: a fresh one to use instead of the one named by ``law``.
+    :param may_wrap: accept a law in which an operation may wrap.
     :raises scenarios.errors.InputError: one of the names is unknown, the parameters are not those of the law, or a
         fixed-point format of the law may wrap for this scenario. In :meth:`step` and :meth:`sent`: the law has raised.
     """
@@ -107,7 +107,7 @@ class Controller:
         self._loop, self.program, self.telemetry, self.cost = _watched(scenario, law, self._number, may_wrap)
         self._code: int | None = None
         self.law = self._loop.law
-        #: What the law tells of itself.
+        #: The law's notes.
         self.notes = self.law.notes
 
     def step(
@@ -134,7 +134,7 @@ class Controller:
             notch_code=code,
             notes=tuple([on_wire(note, number.raw(value, note.q)) for note, value in told]),
             overflow_flags=number.counters.flags,
-            # The law is straight-line: the cost of one step is the cost of every step.
+            # A law has no branches: every step costs the same.
             cycles=self.cost.cycles,
             error_raw=number.raw(error, SPEED_Q),
         )
@@ -162,10 +162,10 @@ class Controller:
         return self._loop.kept()
 
     def sent(self, notch_code: int) -> None:
-        """Tell the law the notch (1/256) really sent, when it is not the one that :meth:`step` answered.
+        """Tell the law the notch (1/256) really sent, if it differs from the result of :meth:`step`.
 
-        The internal model is driven by what the train was told; without a call it takes the answer of ``step``.
-        Before the first step there is nothing to tell.
+        The internal model is driven by the notch really sent; without a call it uses the result of ``step``. Before the
+        first step the call has no effect.
         """
         if self._code is not None and notch_code != self._code:
             self._code = notch_code
@@ -220,7 +220,7 @@ class BatchController:
         )
 
     def sent(self, notch_code: NDArray[np.int64]) -> None:
-        """As :meth:`Controller.sent`, for all trains, after the first step."""
+        """Like :meth:`Controller.sent`, for all trains, after the first step."""
         try:
             self._loop.sent(self._number.from_raw(notch_code, NOTCH_Q))
         except Exception as fault:

@@ -1,4 +1,4 @@
-"""What one control period of a law costs on the TMS320F28335, against the time that it has."""
+"""The cost of one control period of a law on the TMS320F28335, relative to the available time."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ from railhil.controller_node.program.model import LawProgram
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """Operations and estimated C28x cycles of one control period; a law is straight-line, so it is also the worst one.
+    """Operations and estimated C28x cycles of one control period; a law has no branches, so this is also the worst
+    case.
 
-    ``cycles`` has program and data in RAM and is 0 for an arithmetic that the chip does not have (float64).
+    ``cycles`` has program and data in RAM and is 0 for an arithmetic that the chip does not support (float64).
     """
 
     operations: dict[str, int]

@@ -1,4 +1,4 @@
-"""Between the mailboxes and the law: which speed telegrams count, and what the watch makes of the law's notch."""
+"""The guard between mailboxes and law: accepts or refuses speed telegrams, and lets the watch limit the law's notch."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from railhil.controller_node.speed_watch import (
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 
-#: Raw speeds beyond this are no speeds of a train on this bench (0.1 mm/s, 150 m/s).
+#: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).
 SPEED_MAX_01MMPS = 1_500_000
 _NS_PER_MS = 1_000_000
 
@@ -29,8 +29,9 @@ _NS_PER_MS = 1_000_000
 class Guard:
     """Feeds the watch with every TRN_SPEED telegram and asks it for the notch to send.
 
-    :param counter: what stamped the messages; default: one at the bit rate of the port table.
-    :param odometer: is told every accepted speed; a position lost brakes the train. Default: one that nobody needs.
+    :param counter: the counter that provides the time stamps; default: one at the bit rate of the port table.
+    :param odometer: gets every accepted speed; when it loses the position, the train brakes. Default: one that is not
+        needed by the law.
 
     ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``)
     and ``gap`` for accepted ones after lost ones.
@@ -66,7 +67,7 @@ class Guard:
         """
         life = self._life.judge(telegram.life)
         if not life.fresh:
-            # A repeated or old telegram is no news: the age goes on growing.
+            # A repeated or old telegram carries no new information: the age keeps growing.
             self.counters[life.value] += 1
             self._observe(Reception.NONE, now_ns)
             return
@@ -92,17 +93,17 @@ class Guard:
         if age_ns is None:
             age_ns = self._age.ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
-        # In the order of its fields: this runs at every tick, and names take twice as long.
+        # Positional arguments: this runs at every tick, and keyword arguments take twice as long.
         seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, self._odometer.lost(now_ns))
         self._state = observe(self._ladder, self._state, seen)
 
     def look(self, now_ns: int) -> None:
-        """Look at the age of the last speed, at ``now_ns``."""
+        """Check the age of the last speed, at ``now_ns``."""
         self._observe(Reception.NONE, now_ns)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""
-        # Also in the tick of a good telegram: the limit may have come after it.
+        # Also in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
         elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS
         self._sent_ns = now_ns

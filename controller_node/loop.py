@@ -1,4 +1,4 @@
-"""A law with its set-points and its state on one arithmetic: wire values in, the law's answer out."""
+"""A law with its set-points and its state on one arithmetic: wire values in, the law's outputs out."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from railhil.controller_node.setpoint import SetPoints
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: km/h per 0.1 mm/s, scaled by 2^40: the one product that turns the wire's speed into Q20 is exact to 1e-9.
+#: km/h per 0.1 mm/s, scaled by 2^40: the single product that converts the wire's speed to Q20 is exact to 1e-9.
 _KMH_PER_01MMPS = Constant("kmh_per_01mmps", 3.6e-4, 40, "unit conversion")
 
-#: Positions are limited to this before the law sees them (0.1 mm, 200 km), so that they and their differences fit
-#: into 32 bits. A law that uses the position is refused for a longer run.
+#: Limit of the positions passed to the law (0.1 mm, 200 km), so that they and their differences fit into 32 bits. A law
+#: that uses the position is refused for a longer run.
 POSITION_MAX_01MM = 2_000_000_000
 
 
 def limited_01mm(position_mm: int) -> int:
-    """A position from the wire as the law is given it."""
+    """A position from the wire, as passed to the law."""
     position_01mm = position_mm * 10
     if -POSITION_MAX_01MM <= position_01mm <= POSITION_MAX_01MM:
         return position_01mm
@@ -40,7 +40,8 @@ NO_BALISE: BaliseReading[int] = BaliseReading(0, 0, 0)
 
 @contextmanager
 def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Iterator[None]:
-    """Whatever a law raises while it is made, or a horizon for which there is no memory, is one line about the law."""
+    """Turn any exception raised while a law is made, or a horizon too large for the memory, into one line about the
+    law."""
     try:
         yield
     except InputError:
@@ -57,7 +58,7 @@ def _starting(name: str, kind: type[Law[Any, Any]], scenario: Scenario) -> Itera
 class ControlLoop(Generic[T]):
     """Law, set-points and state on one arithmetic; operands are those of the arithmetic, wire values whole numbers.
 
-    :param arithmetic: a fresh one; the one that ``law`` names is not looked at.
+    :param arithmetic: a fresh one; the one named by ``law`` is ignored.
     :raises scenarios.errors.InputError: an unknown law or indexing, a law that cannot be made for this scenario or
         does not work with this indexing, parameters or a memory that are not those of the law.
     """
@@ -70,7 +71,7 @@ class ControlLoop(Generic[T]):
     ) -> None:
         self.arithmetic = arithmetic
         self._scenario = scenario
-        #: Under which the law was asked for.
+        #: Name by which the law was requested.
         self.name = name = law.controller
         kind, indexing = load(name), law.indexing
         if indexing in INDEXINGS and indexing not in kind.indexings:
@@ -92,7 +93,7 @@ class ControlLoop(Generic[T]):
     def inputs(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
     ) -> LawInputs[T]:
-        """Wire values (whole numbers) and set-points as the law takes them."""
+        """Wire values (integers) and set-points as inputs of the law."""
         ar = self.arithmetic
         product = ar.mpy(ar.from_raw(speed_01mmps, 0), self._kmh, _KMH_PER_01MMPS.q - SPEED_Q)
         speed = ar.note("speed", product, SPEED_Q, "km/h")

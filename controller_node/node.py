@@ -63,12 +63,12 @@ def mailboxes() -> tuple[Mailbox, ...]:
 
 
 class ControllerNode:
-    """Reacts to frames; holds no socket, so it runs in a process or in memory alike.
+    """Handles frames; it has no socket, so it runs in a process of its own or in memory.
 
     :param law: with a task period, the mailboxes are read by a task of that period; else each at once, by interrupt.
-    :param controller: what computes the notch; None: the law.
-    :param bit_rate: of the bus in bit/s, clocks the time stamps; None: that of the port table.
-    :raises InputError: an option that the chip cannot have.
+    :param controller: computes the notch instead of the law; None: the law.
+    :param bit_rate: of the bus in bit/s, for the time stamps; None: that of the port table.
+    :raises InputError: an option that the chip does not support.
     """
 
     #: What computes the notch.
@@ -107,10 +107,10 @@ class ControllerNode:
         self._overruns = 0
         self._notch_life = 0
         self._stat_life = 0
-        # Twice the quantity of the law that the next CTL_STAT is about, plus one when its maximum is shown.
+        # Twice the index of the quantity reported by the next CTL_STAT, plus one if its maximum is reported.
         self._shown = 0
         mailboxes_read = None
-        #: The CAN module with its mailboxes; None with CAN FD, which the chip does not know.
+        #: The CAN module with its mailboxes; None with CAN FD, which the chip does not support.
         self.ecan: Ecan | None = None
         if not fd:
             mailboxes_read = Receiver(mailboxes(), counter, law.task_period_ms * _NS_PER_MS)
@@ -145,17 +145,18 @@ class ControllerNode:
 
     @property
     def counters(self) -> dict[str, int]:
-        """What was refused or lost, by cause."""
+        """Counters of refused and lost frames, by cause."""
         watched = (self.responder.store, self.guard, self._odometer, self._balises, self.ecan)
         return {cause: count for part in watched if part is not None for cause, count in part.counters.items()}
 
     @property
     def lockstep(self) -> bool:
-        """True while nothing says that time goes on by the wall clock."""
+        """True unless the pace is known to follow the wall clock."""
         return not self._clock.rate
 
     def was_out(self, wall_ns: int) -> None:
-        """The interface was out for ``wall_ns``, now frames come again: the watch must see how old the speed is."""
+        """The interface was down for ``wall_ns`` and now delivers frames again: the watch must see how old the speed
+        is."""
         self._clock.silence(wall_ns)
         self.guard.look(self._clock.now_ns)
 
@@ -220,7 +221,7 @@ class ControllerNode:
             note3=output.notes[told["Note3"]] if "Note3" in told else 0,
             step_count=self._steps & 0xFFFF,
             step_cycles=min(output.cycles, _UINT16_MAX),
-            # Shifted left by the headroom, the larger extreme fills an int32.
+            # After a left shift by the headroom, the larger extreme fills an int32.
             telemetry_extreme=(extreme_raw << headroom_bits) >> 16,
             telemetry_index=index,
             telemetry_maximum=maximum,

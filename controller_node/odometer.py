@@ -1,15 +1,15 @@
-"""How far the controller trusts TRN_POS: the odometer beside a position reckoned from the speed, in whole numbers.
+"""Plausibility check of TRN_POS: the odometer compared with dead reckoning from the speed, in integers.
 
-The reckoned position goes on with the accepted speeds and follows the odometer with the time constant
-``FOLLOWING_NS``; a telegram that fits is one nearer to it than::
+The dead-reckoned position integrates the accepted speeds and follows the odometer with the time constant
+``FOLLOWING_NS``; a telegram is plausible if its odometer is nearer to it than::
 
-    TOLERANCE_M + resolution + speed * hold age + what the reckoning itself may be off by
+    TOLERANCE_M + resolution + speed * hold age + possible error of the dead reckoning
 
 The last part grows with time (resolution and noise of the speed) and with the age of the speed (``ACCEL_MAX_MPS2``) and
-shrinks as telegrams that fit come in. The law is given the odometer itself while the telegrams come on their period and
-fit; otherwise the reckoned position, until ``GOOD_RUN`` telegrams in a row have fitted. After ``RECKONING_MAX_NS`` of
-that the position is lost. Nothing makes the odometer right again but telegrams that fit: one that has jumped and then
-goes on evenly is as wrong as before.
+shrinks with each plausible telegram. The law gets the odometer itself while telegrams arrive on time and are plausible;
+otherwise it gets the dead-reckoned position until ``GOOD_RUN`` plausible telegrams in a row. After ``RECKONING_MAX_NS``
+of dead reckoning the position is lost. Only plausible telegrams restore the odometer: one that has jumped and then
+continues evenly stays wrong.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.scenarios.model import Scenario
 
-#: Longest time on a reckoned position (reaction to the loss of position only: 1 s, then service brake).
+#: Longest time on dead reckoning (reaction to the loss of position only: 1 s, then service brake).
 RECKONING_MAX_NS = 1_000_000_000
-#: Telegrams in a row that must fit before the odometer counts again; as many as end the service brake.
+#: Plausible telegrams in a row before the odometer is used again; the same number as ends the service brake.
 GOOD_RUN = 10
-#: With this time constant the reckoned position follows the odometer: a position that creeps away is off by the
-#: creep of so long.
+#: Time constant with which the dead-reckoned position follows the odometer: a slow drift causes an error of the drift
+#: over this time.
 FOLLOWING_NS = 1_000_000_000
-#: Where a standing train with perfect sensors may seem to be off.
+#: Tolerance for a standing train with perfect sensors.
 TOLERANCE_M = 0.1
-#: No train gathers or loses speed faster: steel on steel gives 0.2 g.
+#: Largest acceleration or deceleration of any train: adhesion of steel on steel allows 0.2 g.
 ACCEL_MAX_MPS2 = 2.0
 
 _NS_PER_S = 1_000_000_000
@@ -42,13 +42,13 @@ _NS_PER_MS = 1_000_000
 class Odometer:
     """Position for the law, and whether it can be relied upon.
 
-    Reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and 200 km fit into 64 bits.
+    Dead-reckoned lengths are in 1e-13 m (0.1 mm/s times ns): no product is rounded, and 200 km fit into 64 bits.
 
     ``counters``: TRN_POS telegrams refused, by cause: ``position_duplicate``, ``position_out_of_order``,
-    ``position_check`` (check variable not correct), ``position_jump`` (does not fit).
+    ``position_check`` (check variable not correct), ``position_jump`` (not plausible).
 
-    :param task_period_ns: between two readings of the mailboxes; a telegram may be older by that.
-    :param needed: False for a law that does not use the position: then it is never lost.
+    :param task_period_ns: time between two readings of the mailboxes, by which a telegram may be older.
+    :param needed: False for a law that does not use the position; the position is then never lost.
     """
 
     def __init__(self, scenario: Scenario, task_period_ns: int = 0, *, needed: bool = False) -> None:
@@ -65,11 +65,11 @@ class Odometer:
         self._begun = False
         self._heard = False
         self._run = GOOD_RUN
-        # The last telegram that fitted (0.1 mm), when it came, and when the odometer was last believed.
+        # The last plausible telegram (0.1 mm), its arrival, and when the odometer was last used.
         self._reading_01mm = 0
         self._fitted_ns = 0
         self._trusted_ns = 0
-        # Reckoned position and what it may be off by, at which time; the last speed, and its time.
+        # Dead-reckoned position, its possible error and time; the last speed and its time.
         self._place = 0
         self._slack = 0
         self._at_ns = 0
@@ -83,7 +83,7 @@ class Odometer:
             self._at_ns = self._speed_ns = self._fitted_ns = self._trusted_ns = at_ns
             self._speed_01mmps = speed_01mmps
         self._reckon(at_ns)
-        # It went evenly from one reading to the other: the half of the difference is still missing.
+        # The speed changed linearly between the readings: half of the difference is still missing.
         if at_ns > self._speed_ns:
             self._place += (speed_01mmps - self._speed_01mmps) * (at_ns - self._speed_ns) // 2
         self._speed_01mmps, self._speed_ns = speed_01mmps, at_ns
@@ -92,7 +92,7 @@ class Odometer:
         """Take a TRN_POS telegram that passed the traffic store, received at ``at_ns``."""
         life = self._life.judge(telegram.life)
         if not life.fresh:
-            # No news: the odometer goes on ageing.
+            # No new information: the odometer keeps ageing.
             self.counters[f"position_{life.value}"] += 1
             return
         self._life.accept(telegram.life)
@@ -103,7 +103,7 @@ class Odometer:
         self._reckon(at_ns)
         reading_01mm = limited_01mm(telegram.odometer_mm)
         if not self._heard:
-            # The first one: there is nothing yet that it could contradict.
+            # The first telegram: there is nothing yet to compare it with.
             self._heard = True
             self._place, self._fitted_ns = reading_01mm * _NS_PER_S, at_ns
         off = reading_01mm * _NS_PER_S - self._place
@@ -123,26 +123,26 @@ class Odometer:
             self._trusted_ns = at_ns
 
     def at(self, now_ns: int) -> int:
-        """Position for the law in 0.1 mm: the odometer, or what is reckoned in its place."""
+        """Position for the law in 0.1 mm: the odometer, or the dead-reckoned position."""
         if self._heard and self._run == GOOD_RUN and now_ns - self._fitted_ns <= self._in_time_ns:
             return self._reading_01mm
         return self.reckoned(now_ns)[0]
 
     def reckoned(self, now_ns: int) -> tuple[int, int]:
-        """Reckoned position at ``now_ns``, and within what the odometer would fit; 0.1 mm."""
+        """Dead-reckoned position at ``now_ns``, and the tolerance for the odometer; 0.1 mm."""
         self._reckon(now_ns)
         place_01mm = self._place // _NS_PER_S
         return min(max(place_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
 
     def lost(self, now_ns: int) -> bool:
-        """True when the law needs a position and has had none but a reckoned one for too long."""
+        """True when the law needs a position and has had only a dead-reckoned one for too long."""
         return self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
 
     def _tolerance(self) -> int:
         return self._exact + self._speed_01mmps * self._hold_ns + self._slack
 
     def _reckon(self, at_ns: int) -> None:
-        """Carry the position on with the last speed. A clock that was set back is waited for."""
+        """Advance the position with the last speed. After the clock was set back, wait until it has caught up."""
         step_ns = at_ns - self._at_ns
         if step_ns <= 0 or not self._begun:
             return

@@ -1,4 +1,4 @@
-"""The loop of the controller process: frames from its link to the node, the node's answers back."""
+"""The loop of the controller process: passes frames from its link to the node, and the node's answers back."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from railhil.bus.link import Link
 from railhil.common.patience import LATER_S, PATIENCE_S
 from railhil.controller_node.any_controller import AnyController
 
-#: Realtime: a controller that hears nothing at all for this long on the wall clock ends.
+#: Real time: a controller that receives nothing for this long on the wall clock ends.
 SILENCE_S = 3.0
-#: Before the first frame it waits longer: the other nodes may be started by hand, on a machine with a load of its own.
+#: Before the first frame it waits longer: the other nodes may be started by hand, on a loaded machine.
 FIRST_FRAME_S = 300.0
 
 
 def serve(
     node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> None:
-    """Answer the bus administrator until the run has ended, also over outages of the interface.
+    """Answer the bus administrator until the run has ended, including during outages of the interface.
 
     :param appear_s: wall time for its first frame.
-    :param patience_s: its own with the other nodes, in lockstep.
-    :raises BusLost: the bus is gone.
-    :raises PeerSilent: nothing came for too long.
+    :param patience_s: its patience with the other nodes, in lockstep.
+    :raises BusLost: the bus has been lost.
+    :raises PeerSilent: nothing was received for too long.
     """
     heard_s = time.monotonic()
     limit_s, heard = appear_s, False
@@ -40,7 +40,7 @@ def serve(
         if frames:
             heard, heard_s, limit_s = True, now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
         elif endpoint.is_down:
-            # The link itself gives up after a time.
+            # The link itself gives up after some time.
             heard_s = now_s
         elif heard and node.lockstep and endpoint.has_ended("plant"):
             raise PeerSilent("controller waits for the bus administrator, which has ended")
@@ -51,7 +51,7 @@ def serve(
 def run_controller(
     node: AnyController, endpoint: Link, *, appear_s: float = FIRST_FRAME_S, patience_s: float = PATIENCE_S
 ) -> int:
-    """As :func:`serve`, then leave the bus; returns an exit code."""
+    """Like :func:`serve`, then leave the bus; returns an exit code."""
     try:
         serve(node, endpoint, appear_s=appear_s, patience_s=patience_s)
     finally:

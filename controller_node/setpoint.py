@@ -1,14 +1,14 @@
 """Set-points of the target speed curve for the control law, now and over the law's horizon.
 
-Tables are made before the run from the exact curve; in an IQ arithmetic a look-up is integer only.
+Tables are made before the run from the exact curve; in an IQ arithmetic a look-up uses only integers.
 
 ``time``: v*(k Ts), as eqs. (11) to (19) of the IPFC paper are printed. After the planned stop the last deceleration
-continues (virtual negative speed) down to -100 km/h, which asks for the strongest brake as any lower speed would.
+continues (virtual negative speed) down to -100 km/h, which requests the strongest brake, as any lower speed would.
 
-``distance``: v*(x) and preview v*(t*(x) + i Ts), where t*(x) is when the target passes x. The target's positions are
-tabulated every sixteenth of a control period, and t* is interpolated linearly between them: off by at most
-a (Ts/16)^2 / 8 in position, 0.1 mm at 1 m/s2 and 0.5 s. At rest the curve has no distance to be indexed by, so the
-first metres are indexed by time.
+``distance``: v*(x) and preview v*(t*(x) + i Ts), where t*(x) is the time at which the target passes x. The target's
+positions are tabulated every sixteenth of a control period, and t* is interpolated linearly between them: off by at
+most a (Ts/16)^2 / 8 in position, 0.1 mm at 1 m/s2 and 0.5 s. At rest the distance does not advance, so the first metres
+are indexed by time.
 """
 
 from __future__ import annotations
@@ -27,16 +27,16 @@ from railhil.controller_node.laws.base import SPEED_Q
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
 
-#: Position from which on the distance indexing uses the distance.
+#: Position from which the distance indexing uses the distance.
 DISTANCE_FROM_M = 5.0
 
 #: Table entries per control period of the distance indexing.
 _PER_PERIOD = 16
 #: Fraction of a table cell.
 _FRACTION_Q = 20
-#: Virtual speeds after the stop go no lower, km/h.
+#: Lower limit of the virtual speeds after the stop, km/h.
 _VIRTUAL_MIN_KMH = -100.0
-#: Half a unit of the format: what fixed point holds as zero is zero in float64 too.
+#: Half an LSB of the format: a value that is zero in fixed point is zero in float64 too.
 _REST_KMH = 0.5**SPEED_Q / 2
 _KMH = 3.6
 _01MM = 1e4
@@ -44,8 +44,8 @@ _01MM = 1e4
 
 def _speed_constants(name: str, target: Target, times_s: NDArray[np.float64]) -> list[Constant]:
     speeds = np.maximum(target.speed_mps(times_s) * _KMH, _VIRTUAL_MIN_KMH)
-    # The sum of the curve's pieces leaves some 1e-14 km/h of either sign at the stop: it is rest in every arithmetic,
-    # because a law may ask whether the set-point is below zero.
+    # Summing the curve's pieces leaves about 1e-14 km/h of either sign at the stop. It is set to zero in every
+    # arithmetic, because a law may test whether the set-point is below zero.
     speeds[abs(speeds) < _REST_KMH] = 0.0
     return [Constant(f"{name}[{i}]", float(speed), SPEED_Q) for i, speed in enumerate(speeds)]
 
@@ -75,7 +75,7 @@ class SetPoints(Generic[T]):
         """Set-point of control period ``k`` and those of the next ``horizon`` periods.
 
         ``position_01mm`` is the measured position in 0.1 mm (whole numbers in every arithmetic). Beyond the end of the
-        timetable plus the overtime of the plan, and before 0, the last or first entries hold.
+        timetable plus the overtime of the plan, and before 0, the last or first entries apply.
         """
         ar = self._ar
         first = ar.index(k, self._last_k)
@@ -89,7 +89,7 @@ class SetPoints(Generic[T]):
 
 
 class _DistanceTable(Generic[T]):
-    """v*(t*(x) + i Ts); times are counted back from the stop, so that the last entry is the stopping point."""
+    """v*(t*(x) + i Ts); times are counted backwards from the stop, so that the last entry is the stopping point."""
 
     def __init__(self, arithmetic: Arithmetic[T], target: Target, period_s: float, horizon: int) -> None:
         if target.stop_position_m <= DISTANCE_FROM_M:
@@ -110,17 +110,17 @@ class _DistanceTable(Generic[T]):
         self._zero = arithmetic.const(Constant("zero", 0.0, 0))
         self._one = arithmetic.const(Constant("one", 1.0, _FRACTION_Q))
         self._one_01mm = arithmetic.const(Constant("one_01mm", 1.0, 0))
-        #: Where the distance indexing begins, 0.1 mm.
+        #: Position at which the distance indexing begins, 0.1 mm.
         self.from_01mm = arithmetic.const(Constant("from", DISTANCE_FROM_M * _01MM, 0))
 
     def at(self, position_01mm: T) -> list[Any]:
         ar = self._ar
         index = ar.locate(self._position, position_01mm)
         begin = ar.at(self._position, index)
-        # Next to the stop neighbours can share a tenth of a millimetre.
+        # Close to the stop, neighbouring entries may have the same position (0.1 mm).
         length = ar.maximum(ar.sub(ar.at(self._position, index, 1), begin), self._one_01mm)
         fraction = ar.div(ar.clip(ar.sub(position_01mm, begin), length, self._zero), length, _FRACTION_Q)
-        # At most 1 already; said again for whoever bounds the product below without knowing that.
+        # Already at most 1; repeated for the interval analysis of the product below.
         fraction = ar.minimum(fraction, self._one)
         points = []
         for offset in self._offsets:

@@ -13,12 +13,12 @@ SERVICE_BRAKE  age > service brake, or the channel is lost       ramp to the ful
 EMERGENCY      age > emergency while moving, or overspeed        full brake, emergency flag    never in a run
 ============== ================================================= ============================= =====================
 
-A level is entered at once and only upwards; every leave leads to NORMAL or to what the same moment demands. "In a row"
-ends with a bad telegram and with an age above hold. After a level above HOLD the notch comes back
-on the ramp of the service brake, so that no release of the brake is a jump into traction.
+A level is entered at once and only upwards; leaving a level leads to NORMAL or to the level that the current state
+demands. A bad telegram or an age above hold ends "in a row". After a level above HOLD the notch returns on the ramp of
+the service brake, so that releasing the brake never jumps into traction.
 
-Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts follow common practice for vital
-data on a train bus and are ours.
+Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts are our own and follow common
+practice for vital data on a train bus.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from railhil.scenarios.model import Scenario
 
 GOOD_AFTER_TRACTION_CUT = 5
 GOOD_AFTER_SERVICE_BRAKE = 10
-#: So many bad telegrams among the last :data:`RECENT` cut traction.
+#: Number of bad telegrams among the last :data:`RECENT` that cuts traction.
 BAD_FOR_TRACTION_CUT = 3
 RECENT = 10
-#: How fast the service brake comes and goes, m/s3.
+#: How fast the service brake builds up and is released, m/s3.
 SERVICE_BRAKE_JERK_MPS3 = 0.75
 
 _CODES_PER_NOTCH = 256
@@ -51,7 +51,7 @@ class SpeedWatchLevel(IntEnum):
 
 
 class Reception(IntEnum):
-    """What became of TRN_SPEED since the last look."""
+    """Reception of TRN_SPEED since the last observation."""
 
     NONE = 0
     GOOD = 1
@@ -72,7 +72,7 @@ class Ladder(NamedTuple):
 
     @classmethod
     def of(cls, scenario: Scenario) -> Ladder:
-        """Ladder of a scenario; the service brake is the notch that gives the train's service braking."""
+        """Ladder of a scenario; the service brake is the notch that gives the train's service deceleration."""
         limits, train = scenario.watch, scenario.train
         codes_per_mps2 = _CODES_PER_NOTCH * train.inertial_mass_kg / train.force_per_notch_n
         full_code = round(train.notch_max * _CODES_PER_NOTCH)
@@ -93,10 +93,10 @@ class Ladder(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """One look at the world: at every telegram, and at every tick without one.
+    """One observation, made at every telegram, and at every tick without one.
 
-    ``age_ms`` of the last accepted telegram (0 with a good one), ``standstill`` by that telegram. ``channel_lost``: the
-    position that the law needs is lost.
+    ``age_ms``: age of the last accepted telegram (0 with a good one); ``standstill``: according to that telegram;
+    ``channel_lost``: the position that the law needs is lost.
     """
 
     age_ms: int
@@ -109,9 +109,9 @@ class Seen(NamedTuple):
 class SpeedWatchState(NamedTuple):
     """Memory of the watch.
 
-    ``good_run`` good telegrams in a row (counted to the most needed), ``recent`` the last telegrams, newest in bit 0,
-    1 = bad, ``code`` the notch last sent (1/256), ``kept_code`` the braking to keep during TRACTION_CUT (<= 0),
-    ``returning`` while the notch comes back on the ramp.
+    ``good_run`` good telegrams in a row (counted up to the largest number needed), ``recent`` the last telegrams,
+    newest in bit 0, 1 = bad, ``code`` the notch last sent (1/256), ``kept_code`` the braking to keep during
+    TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp.
     """
 
     level: SpeedWatchLevel = SpeedWatchLevel.NORMAL
@@ -123,7 +123,7 @@ class SpeedWatchState(NamedTuple):
 
 
 def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchState:
-    """State after one look."""
+    """State after one observation."""
     recent = state.recent
     if (
         state.level is SpeedWatchLevel.NORMAL
@@ -132,7 +132,7 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
         and not (seen.overspeed or seen.channel_lost)
         and (seen.telegram is Reception.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
     ):
-        # A healthy channel that has been so for a while: nothing to remember, and this is nearly every look.
+        # A channel that has been healthy for some time: nothing changes. This is nearly always the case.
         return state
     if seen.telegram is not Reception.NONE:
         recent = (recent << 1 | (seen.telegram is Reception.BAD)) & _RECENT_MASK
@@ -151,7 +151,7 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
 
 def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
     if level is SpeedWatchLevel.EMERGENCY:
-        # Nothing on this bench resets it.
+        # There is no reset on this bench.
         return False
     if level is SpeedWatchLevel.SERVICE_BRAKE:
         return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
@@ -161,13 +161,13 @@ def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
 
 
 def _demanded(ladder: Ladder, recent: int, seen: Seen) -> SpeedWatchLevel:
-    """Level that this look alone demands."""
+    """Level demanded by this observation alone."""
     bad = seen.telegram is Reception.BAD
     if seen.overspeed or (seen.age_ms > ladder.emergency_ms and not seen.standstill):
         return SpeedWatchLevel.EMERGENCY
     if seen.age_ms > ladder.service_brake_ms or seen.channel_lost:
         return SpeedWatchLevel.SERVICE_BRAKE
-    # Only a bad telegram brings the count into play: an old burst must not cut traction again after a good run.
+    # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
     if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms:
         return SpeedWatchLevel.TRACTION_CUT
     if bad or seen.age_ms > ladder.hold_ms:
@@ -180,8 +180,8 @@ def command(
 ) -> tuple[SpeedWatchState, int, bool]:
     """The notch to send instead of the law's.
 
-    :param law_code: the law's last answer, 1/256 notch, inside the notch range.
-    :param elapsed_ms: since the last notch was sent.
+    :param law_code: the law's last result, 1/256 notch, inside the notch range.
+    :param elapsed_ms: time since the last notch was sent.
     :returns: state, notch code, emergency brake flag.
     """
     last = state.code
@@ -190,8 +190,8 @@ def command(
     if level is SpeedWatchLevel.EMERGENCY:
         code = -ladder.full_code
     elif level is SpeedWatchLevel.SERVICE_BRAKE:
-        # A law or a kept notch that brakes harder than the service brake is not released.
-        # Nor does traction go on while the ramp begins: the ladder may come here from any level in one look.
+        # If the law or a kept notch brakes harder than the service brake, that notch is kept.
+        # Traction must not continue while the ramp begins: the ladder may reach this level from any other in one step.
         braking = min(last, 0)
         code = min(law_code, max(-ladder.service_code, braking - ramp), braking)
     elif level is SpeedWatchLevel.TRACTION_CUT:
@@ -201,7 +201,7 @@ def command(
     else:
         code = min(law_code, last + ramp) if returning else law_code
         returning = code < law_code
-    # A clock that was set back makes the ramp run backwards for one notch.
+    # If the clock was set back, the ramp runs backwards for one notch.
     code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)

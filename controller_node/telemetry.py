@@ -1,6 +1,6 @@
-"""What every named quantity of a law has done: extremes, headroom, wraps, saturations, divisions by zero.
+"""Telemetry of every named quantity of a law: extremes, headroom, wraps, saturations, divisions by zero.
 
-Fidelity demand: each variable of a fixed-point controller reports its range in use and every event that falsified it.
+Requirement: each variable of a fixed-point controller reports its used range and every event that corrupted it.
 The values come from :meth:`~railhil.controller_node.arithmetic.base.Arithmetic.note`, the events from the arithmetic
 itself.
 """
@@ -25,9 +25,10 @@ VALUE_BITS = 31
 class QuantityTelemetry:
     """One quantity since the start, ``minimum`` and ``maximum`` in ``unit``; None before the first step.
 
-    ``used_bits``: of the largest size of the raw value, without the sign (INT32_MIN uses all 31); ``headroom_bits``:
-    those left of 31. Raw values and bits are None in an arithmetic without formats. ``steps`` counts control periods;
-    over N trains the extremes are those of all and an event counts once for each train that it hit.
+    ``used_bits``: bits of the largest magnitude of the raw value, without the sign (INT32_MIN uses all 31);
+    ``headroom_bits``: the rest of 31. Raw values and bits are None in an arithmetic without formats. ``steps`` counts
+    control periods; over N trains the extremes are those of all trains, and an event counts once for each affected
+    train.
     """
 
     name: str
@@ -67,10 +68,10 @@ class Telemetry:
         self._events = {kind: [0] * len(self.quantities) for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)}
 
     def take(self, arithmetic: Arithmetic[Any]) -> None:
-        """Take over what the arithmetic has noted in one control period, and what went wrong in it.
+        """Take the quantities that the arithmetic has noted in one control period, and the events in it.
 
-        An event belongs to the quantity that was noted next, since it fell into its making, and after the last note
-        to the last one. Between two periods (the law is told the notch really sent) there are events only.
+        An event is assigned to the quantity noted next, because it occurred during its computation; after the last
+        note, to the last one. Between two periods (when the law is told the notch really sent) there are only events.
 
         :raises ValueError: the values noted are not as many as the quantities (or none), or nothing is noted at all.
         """
@@ -97,7 +98,7 @@ class Telemetry:
         if self.steps == 0:
             self._lows, self._highs = list(lows), list(highs)
         else:
-            # In this form twice as fast as min() and max(): this runs in every control period.
+            # Twice as fast as min() and max(): this runs in every control period.
             self._lows = [new if new < old else old for new, old in zip(lows, self._lows, strict=True)]
             self._highs = [new if new > old else old for new, old in zip(highs, self._highs, strict=True)]
         self.steps += 1

@@ -19,7 +19,7 @@ from railhil.controller_node.telemetry import QuantityTelemetry
 
 
 def _row(row: QuantityTelemetry) -> dict[str, Any]:
-    """A row as JSON can hold it: an infinite extreme of a float arithmetic becomes null."""
+    """A row with JSON-compatible values: an infinite extreme of a float arithmetic becomes null."""
     return {
         key: None if isinstance(value, float) and not math.isfinite(value) else value
         for key, value in asdict(row).items()
@@ -27,9 +27,9 @@ def _row(row: QuantityTelemetry) -> dict[str, Any]:
 
 
 def law_document(name: str, law: Any) -> dict[str, Any]:
-    """What a law says of itself; seeds as the arguments of Python's ``range``, by name of the scenario.
+    """A law's declarations; seeds as the arguments of Python's ``range``, by name of the scenario.
 
-    :param name: under which it was asked for; ``law``: its class.
+    :param name: the name by which it was requested; ``law``: its class.
     """
     return {
         "law": name,
@@ -43,11 +43,11 @@ def law_document(name: str, law: Any) -> dict[str, Any]:
 
 
 def telemetry_document(node: AnyController) -> dict[str, Any]:
-    """Everything that the controller knows about its arithmetic so far; times in us.
+    """All telemetry of the controller's arithmetic so far; times in us.
 
-    ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is that of
-    the control period with the program in flash, where every step costs twice as much as in RAM. ``memory``, of a law
-    that keeps one: its key and values.
+    ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is the
+    share of the control period with the program in flash, where every step takes twice as long as from RAM.
+    ``memory``, of a law that keeps one: its key and values.
     """
     controller, law = node.controller, node.law
     counters, cost = controller.counters, controller.cost
@@ -89,9 +89,9 @@ def _memory(controller: Any) -> dict[str, Any]:
 
 
 def check_writable(path: Path) -> None:
-    """Complain before the run, not after it.
+    """Check before the run whether the file can be written.
 
-    :raises InputError: the file cannot be made there.
+    :raises InputError: the file cannot be created there.
     """
     try:
         wholefile.check_writable(path)
@@ -103,7 +103,7 @@ def check_writable(path: Path) -> None:
 def write_telemetry(node: AnyController, path: Path) -> None:
     """Write the document whole or not at all.
 
-    A disk that is full by now costs the file and gives a line on stderr: the run itself was sound.
+    If the disk is full, the file is lost and a line is printed to stderr, but the run itself is still valid.
     """
     text = json.dumps(telemetry_document(node), indent=2, allow_nan=False) + "\n"
     try:

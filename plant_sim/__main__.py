@@ -8,7 +8,7 @@ from railhil.common.exit_codes import guarded
 
 
 def main() -> int:
-    """The command; its modules are loaded here, so that Ctrl-C while they are ends as it does later."""
+    """The command; its modules are loaded here, so that Ctrl-C during loading ends it like later."""
     from railhil.plant_sim import command
 
     return command.main()

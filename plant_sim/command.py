@@ -55,8 +55,8 @@ def _check_timing_file(path: Path, pace: str) -> None:
 def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
     """Run the plant to its end.
 
-    :param priority: SCHED_FIFO priority to ask for, 0 for normal scheduling.
-    :param timing_file: where to write the timing of a realtime run, also of one that ends early.
+    :param priority: SCHED_FIFO priority to request, 0 for normal scheduling.
+    :param timing_file: where to write the timing of a real-time run, even if it ends early.
     """
     try:
         with cycle("plant", priority):
@@ -72,7 +72,7 @@ def main(words: Sequence[str] | None = None) -> int:
     namespace = parse(arguments(), words)
     if namespace.timing_file is not None:
         _check_timing_file(namespace.timing_file, namespace.pace)
-    # Which law answers is nothing to the plant.
+    # The plant does not depend on the law.
     run = RunSpec.from_namespace(namespace, LawSpec())
     scenario = run.load()
     choice = choose_bus(namespace)

@@ -1,4 +1,4 @@
-"""The train's own watch of NOTCH_CMD: a reaction ladder that stops the train when nobody commands it any more.
+"""The train's own watch of NOTCH_CMD: a reaction ladder that stops the train when commands no longer arrive.
 
 ============== ========================================= =================================== ========================
 level          entered when                              what the train does                 left on
@@ -13,8 +13,8 @@ EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at o
                emergency command, safety loop open
 ============== ========================================= =================================== ========================
 
-The age is the simulation time since the last accepted command; "in a row" means that no command came later than the
-hold limit after the one before it. Every leave leads to NORMAL. The thresholds are scenario data
+The age is the simulation time since the last accepted command; "in a row" means that each command came within the hold
+limit after the previous one. Leaving any level leads to NORMAL. The thresholds are scenario data
 (:class:`railhil.scenarios.model.WatchLimits`).
 
 The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
@@ -33,7 +33,7 @@ from railhil.scenarios.model import WatchLimits
 GOOD_AFTER_TRACTION_CUT = 5
 #: Good commands in a row that end SERVICE_BRAKE of a moving train.
 GOOD_AFTER_SERVICE_BRAKE = 10
-#: How fast the service brake comes and goes.
+#: How fast the service brake builds up and is released.
 SERVICE_BRAKE_JERK_MPS3 = 0.75
 
 _NS_PER_MS = 1_000_000
@@ -50,7 +50,7 @@ class CommandWatchLevel(IntEnum):
 
 
 class WatchTicks(NamedTuple):
-    """Greatest age in base ticks that is still below each level."""
+    """Largest age in base ticks that is still below each level."""
 
     hold: int
     traction_cut: int
@@ -59,19 +59,20 @@ class WatchTicks(NamedTuple):
 
 
 class CommandWatchState(NamedTuple):
-    """Level, age of the last accepted command in ticks, accepted commands in a row (counted to the most needed)."""
+    """Level, age of the last accepted command in ticks, accepted commands in a row (counted up to the largest number
+    needed)."""
 
     level: CommandWatchLevel
     age_ticks: int
     good: int
 
 
-#: Before the first accepted command the brake holds the train.
+#: Until the first command is accepted, the brake holds the train.
 INITIAL = CommandWatchState(CommandWatchLevel.SERVICE_BRAKE, 0, 0)
 
 
 def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
-    """Limits in whole ticks: an age of so many ticks or fewer is within the limit in ms."""
+    """Limits in whole ticks: an age of at most this many ticks is within the limit in ms."""
     return WatchTicks(
         limits.hold_ms * _NS_PER_MS // base_tick_ns,
         limits.traction_cut_ms * _NS_PER_MS // base_tick_ns,
@@ -99,7 +100,7 @@ def watch_step(
         age = 0
         good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
     if level == CommandWatchLevel.EMERGENCY or emergency:
-        # None is stronger. Compiled, a level is a number, as in the last line.
+        # There is no stronger level. In compiled code a level is a number, as in the last line.
         return CommandWatchState(larger(level, CommandWatchLevel.EMERGENCY), age, good)
     if _may_leave(level, good, moving, below_limit):
         level = CommandWatchLevel.NORMAL
@@ -133,10 +134,10 @@ def watch_brake_mps2(
     step_s: float,
     service_mps2: float,
 ) -> float:
-    """Braking that the watch demands over the next step, in m/s2 on the inertial mass; infinite: the whole brake.
+    """Deceleration that the watch demands over the next step, in m/s2 on the inertial mass; infinite: full brake force.
 
-    :param brake_mps2: what it demanded over the last step.
-    :param braking_now_mps2: braking already there, on which the service brake builds up without a dip.
+    :param brake_mps2: the demand over the last step.
+    :param braking_now_mps2: present deceleration, from which the service brake builds up without a dip.
     """
     if level == CommandWatchLevel.EMERGENCY:
         return inf

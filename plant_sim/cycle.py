@@ -1,16 +1,16 @@
-"""What happens in a tick, in which order, and when a run is over: the same for every bench.
+"""The order of events in a tick and the end of a run, shared by every bench.
 
 At the instant of each tick
 
-1. the plant's ports that are due are published with the readings of this instant, first the one that opens the tick for
-   all nodes (the contract's ``clock_port``);
-2. what has happened since the tick before is reported: balises, departure, stop, emergency brake;
-3. the ports of others that are due are polled: SUP_CMD, NOTCH_CMD, CTL_STAT; the train takes the command;
-4. a run whose time has come ends (:class:`railhil.plant_sim.any_plant.Ending`);
-5. else the train goes on to the next tick.
+1. the plant's ports that are due are published with the readings of this instant, starting with the one that opens the
+   tick for all nodes (the contract's ``clock_port``);
+2. events since the previous tick are reported: balises, departure, stop, emergency brake;
+3. the ports of other nodes that are due are polled: SUP_CMD, NOTCH_CMD, CTL_STAT; the train takes the command;
+4. the run ends if its end condition is met (:class:`railhil.plant_sim.any_plant.Ending`);
+5. otherwise the train advances to the next tick.
 
-The plant process (:mod:`railhil.plant_sim.node`) does it on a bus, ``coupled_run`` (:mod:`railhil.bench`) with a law
-alone. The batch (:mod:`railhil.batch.kernel`) has a compiled copy, and tests that it gives the same runs.
+The plant process (:mod:`railhil.plant_sim.node`) uses it on a bus, ``coupled_run`` (:mod:`railhil.bench`) with only a
+law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check that it gives the same runs.
 """
 
 from __future__ import annotations
@@ -27,36 +27,36 @@ from railhil.plant_sim.milestones import Milestones
 
 
 class Surroundings(Protocol):
-    """What the train meets on its run: a bus with the other nodes, or whatever stands in for them."""
+    """The environment of the train in a run: a bus with the other nodes, or a substitute."""
 
-    #: What ended the run; None while it goes on.
+    #: The event that ended the run; None while it continues.
     ended: Event | None
-    #: True when nobody commands the train any more.
+    #: True when the train no longer gets commands.
     controller_lost: bool
-    #: Through which RUN_EVENT goes.
+    #: Sends RUN_EVENT.
     milestones: Milestones
 
     def begin(self) -> None:
-        """The instant of the tick has come, or is waited for."""
+        """Begin the tick, after waiting for its instant if necessary."""
 
     def publish(self, telegram: Telegram, /) -> None:
-        """A telegram of the plant."""
+        """Publish a telegram of the plant."""
 
     def report(self, event: Happened, /) -> None:
-        """Something has happened to the plant."""
+        """Report an event of the plant."""
 
     def poll(self, port: Port, /) -> None:
-        """Ask for a telegram of another node, and do what it says."""
+        """Poll a telegram of another node, and act on it."""
 
     def finish(self) -> None:
-        """All of the tick's telegrams have been published and asked for."""
+        """Finish the tick after all its telegrams have been published and polled."""
 
     def end(self, event: Event, /) -> None:
-        """The run is over: :attr:`ended` is set."""
+        """End the run: set :attr:`ended`."""
 
 
 class TickedPlant(Protocol):
-    """What the loop asks of a plant."""
+    """What the loop needs from a plant."""
 
     tick: int
 
@@ -64,14 +64,14 @@ class TickedPlant(Protocol):
         """Simulate one base tick."""
 
     def drain_events(self) -> Sequence[Happened]:
-        """What has happened since the last call."""
+        """Events since the last call."""
 
 
 class TickLoop:
     """One run of a plant, tick by tick.
 
-    :param makers: what makes the telegram of each published port, None when there is nothing to be sent.
-    :param polled: ports of the other nodes, in the order in which they are asked.
+    :param makers: for each published port, the function that makes its telegram, or None when nothing is to be sent.
+    :param polled: ports of the other nodes, in the order of the polls.
     :param clock_port: the port that opens the tick.
     """
 
@@ -94,7 +94,7 @@ class TickLoop:
         self._ending = ending
 
     def run(self) -> None:
-        """Go through the ticks until the run has ended.
+        """Execute ticks until the run has ended.
 
         :raises PlantError: the simulation has failed.
         """
@@ -112,7 +112,7 @@ class TickLoop:
                 ending.happened(happened.kind, tick)
                 around.report(happened)
             for period, port in self._polled:
-                # An answer may end the run: then the other nodes are leaving.
+                # An answer may end the run; the other nodes then leave the bus.
                 if tick % period == 0 and around.ended is None:
                     around.poll(port)
             around.finish()

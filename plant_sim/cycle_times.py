@@ -1,6 +1,6 @@
-"""How well a realtime run has kept its time, measured where time is made: lateness of each tick, latency of each poll.
+"""Timing of a real-time run, measured in the plant, which sets the pace: lateness of each tick, latency of each poll.
 
-Kept in memory while the run goes on, written as a table when it has ended.
+Kept in memory during the run, and written as a table at its end.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from pathlib import Path
 
 from railhil.common.whole_file import whole_file
 
-#: Event of a tick in the table; the others are the names of the ports polled.
+#: Name of a tick's event in the table; other events are named by the port polled.
 TICK = "tick"
-#: In place of a latency: no answer within the reply time-out, or one that was refused.
+#: Instead of a latency: no answer within the reply time-out, or a refused one.
 MISSED_NS = -1
 
 
@@ -26,13 +26,13 @@ class PlantTiming:
         self._names = [TICK]
 
     def began(self, tick: int, lateness_ns: int) -> None:
-        """A tick began, so long after its absolute deadline on the monotonic clock."""
+        """Note that a tick began with this lateness after its absolute deadline on the monotonic clock."""
         self._ticks.append(tick)
         self._events.append(0)
         self._ns.append(lateness_ns)
 
     def polled(self, tick: int, port: str, answer_ns: int) -> None:
-        """A port was polled; from the poll to the answer it took ``answer_ns``, or :data:`MISSED_NS`."""
+        """Note a poll of a port, with the time from poll to answer, ``answer_ns``, or :data:`MISSED_NS`."""
         if port not in self._names:
             self._names.append(port)
         self._ticks.append(tick)

@@ -6,14 +6,14 @@
 
 ``F`` is the signed force of the actuator (first-order lag with pole ``p``), ``u`` the notch and ``K`` the force per
 notch; ``W`` is Davis resistance plus grade averaged over the train length. ``clip`` keeps the force within the
-traction limit ``smaller(F_max, P_max / v, curve(v))`` and the brake limit. A brake holds the train and never pushes it
-back: ``v >= 0``.
+traction limit ``smaller(F_max, P_max / v, curve(v))`` and the brake limit. A brake holds the train and never moves it
+backwards: ``v >= 0``.
 
 Source: plant of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, with Davis resistance, force limits and grade added.
 
 Within a step the notch is constant, so the actuator is solved exactly (mean force included); the motion uses the
-midpoint rule with a predicted middle (second order). Departure, stop and the crossing of a force limit are found
-inside the step, so the whole run is of second order in the step.
+midpoint rule with a predicted midpoint (second order). Departure, stop and the crossing of a force limit are located
+within the step, so the whole run is of second order in the step.
 
 The batch compiles all functions here (:mod:`railhil.common.compilable` says what they may be made of).
 """
@@ -38,8 +38,8 @@ class Lag(NamedTuple):
 class Window(NamedTuple):
     """What the train's protection leaves of the forces.
 
-    ``traction`` False takes all traction away; ``brake_min_n`` is a braking force applied whatever the actuator says
-    (infinite: everything the brake has).
+    ``traction`` False removes all traction; ``brake_min_n`` is a braking force applied whatever the actuator does
+    (infinite: full brake force).
     """
 
     traction: bool
@@ -52,7 +52,8 @@ FREE = Window(True, 0.0)
 class Motion(NamedTuple):
     """State of the train: front position, speed, actuator force before clipping (traction positive).
 
-    ``accel_mps2`` is the mean acceleration of the step before; it only predicts the speed in the middle of the next.
+    ``accel_mps2`` is the mean acceleration of the previous step; it is only used to predict the speed at the midpoint
+    of the next.
     """
 
     position_m: float
@@ -65,7 +66,7 @@ AT_REST = Motion(0.0, 0.0, 0.0, 0.0)
 
 
 class Step(NamedTuple):
-    """Result of one step: the state at its end and the part of it (s from its start) in which the train moved."""
+    """Result of one step: the state at its end and the duration (s from its start) for which the train moved."""
 
     motion: Motion
     moving_from_s: float
@@ -81,7 +82,7 @@ def lag(pole_per_s: float, step_s: float) -> Lag:
 
 @compilable
 def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) -> tuple[float, float]:
-    """Least and greatest force on the train at a speed, traction positive."""
+    """Smallest and largest force on the train at a speed, traction positive."""
     low_n = -effort_limit_n(constants.brake, speed_mps)
     traction, brake_min_n = window
     if brake_min_n > 0.0:
@@ -93,7 +94,7 @@ def force_bounds_n(constants: TrainConstants, window: Window, speed_mps: float) 
 def clipped_mean_n(first_n: float, last_n: float, mean_n: float, low_n: float, high_n: float) -> float:
     """Mean of a force clipped to ``low_n..high_n`` while it runs from ``first_n`` to ``last_n`` with mean ``mean_n``.
 
-    Exact when no bound is crossed; on a crossing the force is taken as linear in time (second order).
+    Exact if no bound is crossed; otherwise the force is taken as linear in time (second order).
     """
     if low_n <= first_n <= high_n and low_n <= last_n <= high_n:
         return mean_n
@@ -160,7 +161,8 @@ def _mean_acceleration(
     mean_n: float,
     step_s: float,
 ) -> float:
-    """Mean acceleration over a step: mean force, resistance and limits at the speed and position in its middle."""
+    """Mean acceleration over a step: mean force, with resistance and limits at the speed and position of its
+    midpoint."""
     position_m, speed_mps, actuator_n, accel_mps2 = motion
     half_s = 0.5 * step_s
     middle_mps = speed_mps + accel_mps2 * half_s
@@ -203,7 +205,7 @@ def _to_rest(
 def _waiting_s(
     constants: TrainConstants, grades: GradeTable, window: Window, motion: Motion, steady_n: float, lag_step: Lag
 ) -> float:
-    """How long a standing train still stands in this step (the whole step: it does not depart)."""
+    """How long a standing train remains standing in this step (the whole step if it does not depart)."""
     against_n = resistance_n(constants, 0.0, mean_grade_permil(grades, motion.position_m))
     low_n, high_n = force_bounds_n(constants, window, 0.0)
     actuator_n = motion.actuator_n
@@ -225,7 +227,7 @@ def _from_rest(
     lag_step: Lag,
     waiting_s: float,
 ) -> Step:
-    """A step that begins at rest: the actuator moves on alone until the force overcomes the resistance."""
+    """A step that begins at rest: only the actuator advances until the force overcomes the resistance."""
     position_m, _, actuator_n, _ = motion
     step_s = lag_step.step_s
     next_n = steady_n + (actuator_n - steady_n) * lag_step.decay

@@ -1,4 +1,4 @@
-"""What happens to a train inside a tick, at its exact instant."""
+"""Events of a train inside a tick, with their exact instants."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def effort_table(effort: Effort) -> EffortLimit:
 
 
 def train_constants(train: Train) -> TrainConstants:
-    """Constants of a train; Davis coefficients are turned from N/kN and km/h into N and m/s."""
+    """Constants of a train; Davis coefficients are converted from N/kN and km/h to N and m/s."""
     weight_kn = train.mass_kg * train.gravity_mps2 / 1000.0
     return TrainConstants(
         train.inertial_mass_kg,
@@ -40,10 +40,10 @@ def train_constants(train: Train) -> TrainConstants:
 
 
 def grade_rows(grade_permil: Profile, length_m: float) -> tuple[Floats, Floats, Floats]:
-    """Breakpoints of ``(height(x) - height(x - length)) / length``, height being the integral of the grade.
+    """Breakpoints of ``(height(x) - height(x - length)) / length``, where height is the integral of the grade.
 
-    :returns: the fields of a :class:`GradeTable` as arrays of shape (rows,); all but the first of shape (N, rows) when
-        the grades of the profile are arrays over N runs.
+    :returns: the fields of a :class:`GradeTable` as arrays of shape (rows,); all except the first of shape (N, rows)
+        when the grades of the profile are arrays over N runs.
     """
     mean = MeanGrade(grade_permil, length_m)
     from_m = mean.breakpoints_m

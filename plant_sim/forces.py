@@ -44,7 +44,7 @@ class GradeTable(NamedTuple):
 
 @compilable
 def mean_grade_permil(table: GradeTable, front_m: float) -> float:
-    """Grade averaged over the train with its front at ``front_m``; held before the first and after the last row."""
+    """Grade averaged over the train with its front at ``front_m``; constant before the first and after the last row."""
     row = bisect_right(table.from_m, front_m) - 1
     if row < 0:
         return table.permil[0]
@@ -53,7 +53,7 @@ def mean_grade_permil(table: GradeTable, front_m: float) -> float:
 
 @compilable
 def effort_limit_n(table: EffortLimit, speed_mps: float) -> float:
-    """Greatest force at a speed: ``min(F_max, P_max / v, curve(v))``, the curve held at both ends."""
+    """Largest force at a speed: ``min(F_max, P_max / v, curve(v))``, with the curve constant beyond its ends."""
     limit_n = table.force_max_n
     if limit_n * speed_mps > table.power_max_w:
         limit_n = table.power_max_w / speed_mps

@@ -1,4 +1,4 @@
-"""The train's gate for NOTCH_CMD: nothing that fails a check here ever reaches the actuators."""
+"""The train's gate for NOTCH_CMD: a command that fails a check here never reaches the actuators."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from railhil.bus.telegrams import NotchCmd
 
 
 class CommandGate:
-    """Whitelist of NOTCH_CMD telegrams: fresh life sign, check variable correct, notch in range.
+    """Accepts NOTCH_CMD telegrams only with a fresh life sign, a correct check variable and a notch in range.
 
     Refusals are counted by cause: ``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``; ``gap``
     counts accepted telegrams that came after lost ones.
@@ -22,7 +22,7 @@ class CommandGate:
         self._life = LifeSign()
 
     def accept(self, command: NotchCmd) -> bool:
-        """True when the command may act."""
+        """True when the command is accepted."""
         life = self._life.judge(command.life)
         if not life.fresh:
             return self._refuse(life.value)
@@ -42,5 +42,5 @@ class CommandGate:
 
     @staticmethod
     def emergency(command: NotchCmd) -> bool:
-        """Everything but a clear "false" applies the emergency brake (ANTIVALENT2)."""
+        """Anything other than a valid "false" applies the emergency brake (ANTIVALENT2)."""
         return command.emergency != FLAG_FALSE

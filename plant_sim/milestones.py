@@ -1,4 +1,4 @@
-"""RUN_EVENT on the bus: every milestone numbered and repeated, so that no single frame decides a verdict."""
+"""RUN_EVENT on the bus: every milestone is numbered and repeated, so that no single frame decides a verdict."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _NUMBER_MASK = 0xFFFF
 class Milestones:
     """Sends each milestone :data:`railhil.bus.telegrams.EVENT_COPIES` times under one number.
 
-    The first telegram leaves at once, the others each :data:`railhil.bus.telegrams.EVENT_SPACING_NS` later (in whole
-    ticks, at least one). The milestone that ends the run has no later: all its telegrams leave at once, after what is
-    still to be repeated of those before it.
+    The first telegram is sent at once, the others at intervals of :data:`railhil.bus.telegrams.EVENT_SPACING_NS` (in
+    whole ticks, at least one). For the milestone that ends the run there is no later tick: all its telegrams are sent
+    at once, after the outstanding repetitions of earlier milestones.
 
     :param publish: queues a telegram for the bus.
     """
@@ -28,13 +28,13 @@ class Milestones:
         self._due: list[tuple[int, RunEvent]] = []
 
     def reached(self, tick: int, event: int, instant_01ms: int, position_01mm: int) -> None:
-        """A milestone of the train, told at ``tick``."""
+        """Send a milestone of the train at ``tick``."""
         telegram = self._numbered(event, instant_01ms, position_01mm)
         self._publish(telegram)
         self._due += [(tick + copy * self._spacing_ticks, telegram) for copy in range(1, EVENT_COPIES)]
 
     def repeat(self, tick: int) -> None:
-        """Send what is due at ``tick``."""
+        """Send the repetitions due at ``tick``."""
         if self._due:
             for due_tick, telegram in self._due:
                 if due_tick <= tick:
@@ -42,7 +42,7 @@ class Milestones:
             self._due = [item for item in self._due if item[0] > tick]
 
     def end(self, event: Event, instant_01ms: int, position_01mm: int) -> None:
-        """The milestone that ends the run."""
+        """Send the milestone that ends the run."""
         for _, telegram in self._due:
             self._publish(telegram)
         self._due = []

@@ -23,7 +23,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 
-#: Polls of the last status until one is answered, in realtime or on a disturbed bus.
+#: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
 
 
@@ -36,11 +36,11 @@ class Refused(BusError):
 class PlantNode:
     """One run of the plant on one endpoint.
 
-    :param run: its law is nothing to the plant.
+    :param run: the run; its law is not used by the plant.
     :param appear_s: how long the other nodes may take to appear, on the wall clock.
-    :param reply_ns: realtime: an answer to a poll that comes later than this, on the wall clock, is a missed one.
-    :param silence_ns: realtime: a supervisor that is silent for this long on the wall clock is lost; at a slow pace it
-        has longer.
+    :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
+    :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
+        the limit is longer.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class PlantNode:
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
         schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
-        #: As :class:`railhil.plant_sim.cycle.Surroundings` of the plant.
+        #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
         self.publish = self.administrator.publish
         self.ended: Event | None = None
         plant = self.plant
@@ -91,14 +91,14 @@ class PlantNode:
         self._loop = TickLoop(plant, plant.ending, schedule, self, plant.makers, asked, contract.clock_port.name)
         self.controller_lost = False
         self._silence = ""
-        # Of the newest telegram of each status in the record.
+        # Counts of the newest telegram of each status in the record.
         self._status_ticks = dict.fromkeys(plant.statuses, -1)
         self._appear_s = appear_s
         supervisor_period_ns = schedule.ticks(SupCmd.PORT) * self._tick_ns
         self._supervisor = SupervisorWatch(
             endpoint, supervisor_period_ns, run.wall_rate, silence_ns=silence_ns, patience_s=run.patience_s
         )
-        # Of the current tick: a plant that has failed has no position any more.
+        # Position of the current tick, because a plant that has failed no longer has one.
         self._position_01mm = 0
 
     @property
@@ -109,7 +109,7 @@ class PlantNode:
     # -- before the run -------------------------------------------------------------------------------------------
 
     def handshake(self) -> None:
-        """Wait for controller and supervisor, compare what everybody is about to run, wait for the start.
+        """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
 
         :raises PeerSilent: a node did not appear.
         :raises Refused: the nodes disagree.
@@ -136,7 +136,7 @@ class PlantNode:
             raise Refused("the supervisor did not start the run")
 
     def _demand(self, port: Port) -> None:
-        """A poll that must be answered, whatever the pacing."""
+        """A poll that must be answered, regardless of the pacing."""
         for _ in range(200):
             if self.administrator.poll(port):
                 return
@@ -155,7 +155,8 @@ class PlantNode:
         try:
             self._run()
         except (KeyboardInterrupt, SystemExit):
-            # Nobody else tells a controller on another machine, or a board: it would take the next run for this one.
+            # A controller on another machine, or a board, learns of the end only from this: otherwise it would take the
+            # next run for this one.
             self._announce(Event.ENDED_BY_SUPERVISOR)
             self.administrator.flush()
             raise
@@ -173,7 +174,7 @@ class PlantNode:
             self.end(Event.ENDED_PLANT_ERROR)
             raise
 
-    # -- what the plant meets (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
+    # -- the plant's environment (railhil.plant_sim.cycle.Surroundings) ----------------------------------------------
 
     def begin(self) -> None:
         """Wait for the instant of the tick."""
@@ -194,12 +195,12 @@ class PlantNode:
             self.milestones.reached(self.plant.tick, number, event.instant_01ms, event.position_01mm)
 
     def finish(self) -> None:
-        """In realtime nothing waits for the next poll."""
+        """In real time, do not hold telegrams back until the next poll."""
         if self._pacer.rate:
             self.administrator.flush()
 
     def poll(self, port: Port) -> None:
-        """Poll a port, and do what the answer says; a controller that is lost is not asked any more."""
+        """Poll a port, and act on the answer; a lost controller is no longer polled."""
         if self.controller_lost and port.source == "controller":
             return
         polled_ns = time.monotonic_ns()
@@ -209,7 +210,7 @@ class PlantNode:
         except PeerSilent as silence:
             if port.source != "controller":
                 self._supervisor_lost(silence)
-            # The plant must stop by itself: time goes on without the controller, and the train's watch brakes.
+            # The train must stop by itself: time continues without the controller, and the train's watch brakes.
             self.controller_lost, self._silence = True, str(silence)
             return
         now_wall_ns = time.monotonic_ns()
@@ -237,13 +238,13 @@ class PlantNode:
                 self.end(Event.ENDED_BY_SUPERVISOR)
 
     def _controller_silent(self) -> bool:
-        """True when the plant stands because nobody commanded it."""
+        """True when the plant stands because it got no commands."""
         now_ns = self.plant.tick * self._tick_ns
         ages_ns = [self._store.read(telegram, now_ns)[1] for telegram in self.plant.commands.values()]
         return self.controller_lost or self.plant.is_abandoned(max(ages_ns, default=0))
 
     def _supervisor_lost(self, silence: PeerSilent) -> NoReturn:
-        """Nobody records any more: tell the controller, and end."""
+        """The run is no longer recorded: tell the controller, and end."""
         self._announce(Event.ENDED_SUPERVISOR_LOST)
         self.administrator.flush()
         raise silence
@@ -254,9 +255,10 @@ class PlantNode:
         self.milestones.end(event, instant_01ms, self._position_01mm)
 
     def end(self, event: Event) -> None:
-        """Last status and last event; the final poll tells that the supervisor has recorded everything."""
+        """Last status and last event; the answer to the final poll shows that the supervisor has recorded
+        everything."""
         if event is not Event.ENDED_REFUSED:
-            # Nodes that disagree may not speak the same wire.
+            # Nodes that disagree may use different wire contracts.
             self._last_status()
         if event in (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED) and self._controller_silent():
             event = Event.ENDED_CONTROLLER_LOST
@@ -264,7 +266,7 @@ class PlantNode:
         self.administrator.poll(self._sup_port)
 
     def _last_status(self) -> None:
-        """Status of the last tick: what has gone wrong in the controller since its last poll stands in the record."""
+        """Poll the status in the last tick, so that errors in the controller since its last poll are recorded."""
         for port in self._statuses:
             for _ in range(LAST_STATUS_POLLS):
                 if self.controller_lost or self._status_ticks[port.name] == self.plant.tick:

@@ -18,18 +18,18 @@ from railhil.scenarios.profiles import front_speed_limit
 
 #: Notch codes per notch.
 NOTCH_LSB_PER_NOTCH = 256
-#: An applied parking brake holds on this grade.
+#: Grade up to which an applied parking brake holds the train.
 PARKING_BRAKE_PERMIL = 40.0
 
-#: Pieces of a tick shorter than this are not worth a step of their own.
+#: Parts of a tick shorter than this are not simulated as a separate step.
 SLIVER_TICKS = 1e-9
 
 
 class Plant:
     """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
 
-    All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is that of the run;
-    the noise of the speed sensor is drawn per tick, whether it is read or not.
+    All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is the run's; the noise
+    of the speed sensor is drawn in every tick, whether it is read or not.
     """
 
     def __init__(self, scenario: Scenario, seed: int) -> None:
@@ -67,7 +67,7 @@ class Plant:
 
         self._sensors = AxleSensors(scenario.sensors, seed)
         self._balises = deque(sorted(scenario.line.balises, key=lambda balise: (balise.true_m, balise.number)))
-        # The balise under the waiting train was read when the train rolled in.
+        # The balise under the waiting train was read when it arrived.
         while self._balises and self._balises[0].true_m <= 0.0:
             self._pass_balise(self._balises.popleft(), 0.0)
 
@@ -120,7 +120,7 @@ class Plant:
         return events
 
     def _protect(self) -> None:
-        """Let the watch and the interlocks decide what forces the coming tick may use."""
+        """Let the watch and the interlocks determine the allowed forces of the coming tick."""
         position_m, speed_mps, actuator_n, _ = self._motion
         if position_m >= self._limit_to_m:
             self._limit_mps, self._limit_to_m = _limit_from(self._front_limit, position_m)
@@ -163,11 +163,11 @@ class Plant:
             brake_min_n = max(brake_min_n, self._parking_brake_n)
         self._window = Window(traction, brake_min_n)
         if not traction and actuator_n > 0.0:
-            # The contactors are open: when they close again, traction builds up from nothing.
+            # The contactors are open: when they close again, traction builds up from zero.
             self._motion = self._motion._replace(actuator_n=0.0)
 
     def _move(self, from_tick: float, ticks: float) -> None:
-        """Simulate a tick or a part of it with the notch as it is now."""
+        """Simulate a tick or a part of it with the present notch."""
         before = self._motion
         full = self._full_lag
         lag_step: Lag = full if ticks == 1.0 else dynamics.lag(self._train.actuator_pole_per_s, ticks * self._step_s)
@@ -185,7 +185,8 @@ class Plant:
             self._pass_balise(
                 self._balises.popleft(), (from_tick - self.tick) * self._step_s + moving_from_s + passed_s
             )
-        # By the speed, not by the distance: far from 0 the position of a creeping train no longer grows in a step.
+        # Decided by the speed, not by the distance: far from 0, the floating-point position of a creeping train no
+        # longer changes in a step.
         if motion.speed_mps <= 0.0 < before.speed_mps and position_m - self._leg_from_m >= STOP_LEG_MIN_M:
             self._leg_from_m = position_m
             self._event("stopped", (from_tick - self.tick) * self._step_s + moving_to_s, position_m)
@@ -206,11 +207,11 @@ class Plant:
         odometer_mm = self._sensors.odometer_between_mm(balise.true_m)
         self._event("balise", after_s, balise.true_m, balise, odometer_mm)
 
-    # -- what the sensors read ------------------------------------------------------------------------------------
+    # -- sensor readings ------------------------------------------------------------------------------------
 
     @property
     def speed_01mmps(self) -> int:
-        """Speed that the axle sensor reads, in 0.1 mm/s."""
+        """Speed measured by the axle sensor, in 0.1 mm/s."""
         return self._sensors.speed_01mmps(self._motion.speed_mps)
 
     @property
@@ -220,14 +221,14 @@ class Plant:
 
     @property
     def effort_fraction(self) -> float:
-        """Force as a fraction of the greatest traction (positive) or braking force (negative) at standstill."""
+        """Force as a fraction of the maximum traction (positive) or braking force (negative) at standstill."""
         force_n = self._applied_n
         effort = self._train.traction if force_n >= 0.0 else self._train.brake
         return force_n / effort.force_max_n
 
     @property
     def notch_acting(self) -> int:
-        """Notch that drives the actuator now, in 1/256; no traction notch while traction is blocked."""
+        """Notch acting on the actuator now, in 1/256; never a traction notch while traction is blocked."""
         return self._acting_code if self._window.traction else min(self._acting_code, 0)
 
     @property
@@ -269,7 +270,8 @@ class Plant:
 
     @property
     def _applied_n(self) -> float:
-        # Three readings of a tick are about this force; state and window are immutable, so the same ones have the same.
+        # Three readings of a tick use this force; state and window are immutable, so identical objects give the same
+        # force.
         of = self._motion, self._window
         if of[0] is not self._applied_of[0] or of[1] is not self._applied_of[1]:
             self._applied_of, self._applied = of, dynamics.applied_n(self._constants, self._window, self._motion)
@@ -277,5 +279,5 @@ class Plant:
 
 
 def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:
-    """Speed limit at a position and the position to which it holds."""
+    """Speed limit at a position, and the position up to which it applies."""
     return profile_value(profile, position_m), next((at_m for at_m, _ in profile if at_m > position_m), inf)

@@ -1,4 +1,4 @@
-"""When the run of a train is over."""
+"""The end of a train's run."""
 
 from __future__ import annotations
 
@@ -6,39 +6,40 @@ from railhil.bus.telegrams import Event
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Scenario
 
-#: The record goes on this long after the stop, so that it shows the standstill.
+#: Recording continues for this long after the stop, so that it shows the standstill.
 AFTER_STOP_S = 1.0
-#: No train brakes longer than this after its controller was lost.
+#: Longest time to wait for a train to stop after its controller was lost.
 BRAKING_MAX_NS = 300_000_000_000
 
 
 class RunEnd:
-    """When a run of a train is over: some time after it has stopped, or when the timetable is over and it has not.
+    """Determines when a train's run is over: some time after the train has stopped, or after the timetable's end if it
+    has not.
 
-    A train whose controller is lost may still be braking when the timetable is over; once it stands, nobody will ever
-    move it again.
+    A train whose controller is lost may still be braking at the end of the timetable; once it stands, it will not move
+    again.
 
-    :param plant: whose standstill counts then; None where no controller is ever lost.
+    :param plant: its standstill counts in that case; None if the controller cannot be lost.
     """
 
     def __init__(self, scenario: Scenario, plant: Plant | None = None) -> None:
         plan, tick_ns = scenario.plan, scenario.timing.base_tick_ns
-        #: Last tick at which a stop is waited for.
+        #: Last tick at which a stop is awaited.
         self.last_tick = round((plan.running_time_s + plan.overtime_max_s) * 1e9 / tick_ns)
         self.after_stop_ticks = max(1, round(AFTER_STOP_S * 1e9 / tick_ns))
-        #: Before this tick no run ends whose controller is there.
+        #: No run with a live controller ends before this tick.
         self.due_tick = self.last_tick + 1
         self._braking_ticks = BRAKING_MAX_NS // tick_ns
         self._has_stopped = False
         self._plant = plant
 
     def happened(self, kind: str, tick: int) -> None:
-        """The train may have stopped before this tick; only the first stop counts."""
+        """Note a stop before this tick; only the first stop counts."""
         if kind == "stopped" and not self._has_stopped:
             self._has_stopped, self.due_tick = True, tick + self.after_stop_ticks
 
     def reached(self, tick: int, controller_lost: bool) -> Event | None:
-        """The event that ends the run at this tick, None when it goes on."""
+        """The event that ends the run at this tick, None if the run continues."""
         if self._has_stopped:
             return Event.ENDED_COMPLETE if tick >= self.due_tick else None
         over = tick >= self.due_tick

@@ -1,12 +1,12 @@
 """Shortest running time: a flat-out run under speed limits and braking curves.
 
-The train pulls with its whole traction limit until it meets the ceiling, keeps to the ceiling as far as its force
-allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic
-(the deceleration is given, the force follows), resistance and traction are those of :mod:`railhil.plant_sim.forces`.
-There is no actuator lag: the result is a bound, to be compared with published running times.
+The train accelerates at its traction limit until it reaches the speed ceiling, follows the ceiling as far as its force
+allows, and brakes at its service deceleration so that every lower limit and the stop are met. Braking is kinematic (the
+deceleration is given, the force results from it), resistance and traction are those of :mod:`railhil.plant_sim.forces`.
+There is no actuator lag: the result is a lower bound, to be compared with published running times.
 
 Integration over distance: ``d(v^2)/dx = 2 a(v, x)``, midpoint rule; cells end at every change of limit and at every
-point where braking from one limit to another begins, and are finer behind the departure, where speed changes fastest.
+point where braking from one limit to another begins, and are finer after the departure, where speed changes fastest.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from railhil.scenarios.profiles import front_speed_limit
 
 #: Length of an integration cell; halving it moves the railtoolkit times by less than 0.002 %.
 CELL_M = 2.0
-#: Cells behind the departure: so many over so many metres, growing evenly from the first to the last.
+#: Cells after the departure: their number and total length in metres; their lengths grow linearly.
 _DEPARTURE_CELLS = 50
 _DEPARTURE_M = 20.0
 
@@ -44,7 +44,7 @@ def flat_out_run(train: Train, line: Line, distance_m: float, cell_m: float = CE
     """The fastest run from standstill at position 0 to a stop at ``distance_m``.
 
     :returns: points at the cell ends, from departure to stop; the last one holds the running time.
-    :raises CannotMove: the train does not get away, or comes to a standstill on a grade.
+    :raises CannotMove: the train cannot start, or comes to a standstill on a grade.
     :raises ValueError: ``distance_m`` or ``cell_m`` is not above 0.
     """
     if not distance_m > 0.0 or not cell_m > 0.0:
@@ -66,12 +66,12 @@ def flat_out_run(train: Train, line: Line, distance_m: float, cell_m: float = CE
 
 
 def running_time_s(train: Train, line: Line, distance_m: float) -> float:
-    """Time of :func:`flat_out_run` in s; raises what that raises."""
+    """Time of :func:`flat_out_run` in s; raises the same errors."""
     return flat_out_run(train, line, distance_m)[-1].time_s
 
 
 def _drops(limit: Profile, distance_m: float) -> list[tuple[float, float]]:
-    """Targets of braking ``(position, speed^2)``: every lower limit on the way, and the stop."""
+    """Braking targets ``(position, speed^2)``: every lower limit on the way, and the stop."""
     drops = [(at_m, after**2) for (_, before), (at_m, after) in pairwise(limit) if after < before]
     return [drop for drop in drops if 0.0 < drop[0] < distance_m] + [(distance_m, 0.0)]
 
@@ -79,7 +79,7 @@ def _drops(limit: Profile, distance_m: float) -> list[tuple[float, float]]:
 def _edges(
     limit: Profile, drops: list[tuple[float, float]], distance_m: float, braking_mps2: float, cell_m: float
 ) -> list[float]:
-    """Cell ends: an even division, a finer one at the start, the changes of limit, the starts of braking to a drop."""
+    """Cell ends: a uniform grid, a finer one at the start, the changes of limit, the points where braking begins."""
     cells = max(1, round(distance_m / cell_m))
     edges = {distance_m * cell / cells for cell in range(cells + 1)}
     edges.update(_DEPARTURE_M * (cell / _DEPARTURE_CELLS) ** 2 for cell in range(1, _DEPARTURE_CELLS))
@@ -108,7 +108,7 @@ def _pulled_mps(constants: TrainConstants, grades: GradeTable, from_m: float, to
     grade = mean_grade_permil(grades, (from_m + to_m) / 2)
     squared = speed_mps**2
     middle_mps = speed_mps
-    # Twice: first with the speed at the start, then with the one in the middle of the cell.
+    # Two passes: first with the speed at the start, then with that in the middle of the cell.
     for _ in range(2):
         net_n = effort_limit_n(constants.traction, middle_mps) - resistance_n(constants, middle_mps, grade)
         end = squared + 2.0 * net_n / constants.mass_kg * (to_m - from_m)

@@ -1,4 +1,4 @@
-"""Axle sensors of the train: speed and odometer, with worn wheel, noise and resolution.
+"""Axle sensors of the train: speed and odometer, with wheel wear, noise and resolution.
 
 The batch compiles the two readings (:mod:`railhil.common.compilable` says what they may be made of).
 """
@@ -9,13 +9,13 @@ from railhil.common.compilable import compilable
 from railhil.scenarios import streams
 from railhil.scenarios.model import Sensors
 
-#: Speed noise is drawn in blocks of so many ticks.
+#: Speed noise is drawn in blocks of this many ticks.
 _NOISE_BLOCK = 4096
 
 
 @compilable
 def speed_reading_01mmps(speed_mps: float, noise_mps: float, wheel_factor: float, lsb_mps: float) -> int:
-    """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and none runs backwards."""
+    """Reading of a true speed >= 0, in 0.1 mm/s. A standing axle reads 0, and the reading is never negative."""
     if speed_mps <= 0.0:
         return 0
     counts = round((speed_mps * wheel_factor + noise_mps) / lsb_mps)
@@ -29,7 +29,7 @@ def odometer_reading_mm(position_m: float, wheel_factor: float, lsb_m: float) ->
 
 
 class AxleSensors:
-    """Readings of one run. Speed noise is drawn per tick from its own stream, whether anybody reads it or not."""
+    """Readings of one run. Speed noise is drawn in every tick from its own stream, whether it is read or not."""
 
     def __init__(self, sensors: Sensors, seed: int) -> None:
         self.sensors = sensors
@@ -39,7 +39,7 @@ class AxleSensors:
         self.noise_mps = self._block_mps[0]
 
     def begin_tick(self, tick: int) -> None:
-        """Take the noise of a tick; ticks come in order from 1 (that of tick 0 is there from the start)."""
+        """Take the noise of a tick; ticks come in order from 1 (the noise of tick 0 is drawn at the start)."""
         index = tick % _NOISE_BLOCK
         if index == 0:
             self._block_mps = self._next_block_mps()

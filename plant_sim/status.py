@@ -1,4 +1,4 @@
-"""Train status and the interlocks between it and the forces."""
+"""Train status, and the interlocks by which it acts on the forces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ LINE_VOLTAGE_MIN_PERCENT = 200 / 3
 
 @dataclass(slots=True)
 class TrainStatus:
-    """State of the train's equipment; a healthy train by default. Setting a field acts from the next step on.
+    """State of the train's equipment; a healthy train by default. Setting a field takes effect from the next step on.
 
     ``line_voltage_percent`` is of nominal, ``fault`` the code 0..15 of PLT_STAT (0 = none).
     """

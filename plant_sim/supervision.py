@@ -1,4 +1,4 @@
-"""Whether the supervisor is still there: without a recorder a run ends."""
+"""Watches whether the supervisor is still there: without a recorder a run ends."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Protocol
 from railhil.bus.link import Endpoint
 from railhil.common.patience import PATIENCE_S
 
-#: Realtime: wall time without an answer after which it counts as lost.
+#: Real time: wall time without an answer after which it counts as lost.
 SILENCE_NS = 2_000_000_000
 #: Poll periods without an answer after which it counts as lost: two missed polls in a row, however slow the run.
 _PERIODS = 2.5
 
 
 class RunEndpoint(Endpoint, Protocol):
-    """An endpoint that can say that it is itself the reason for the silence."""
+    """An endpoint that knows whether it is itself the cause of the silence."""
 
     @property
     def is_down(self) -> bool:
@@ -27,8 +27,8 @@ class SupervisorWatch:
 
     :param period_ns: simulation time between two polls of the supervisor.
     :param rate: simulated seconds per wall second, 0 in lockstep.
-    :param silence_ns: realtime: wall time that it may be silent at least.
-    :param patience_s: that of the bus administrator in lockstep, where an answer may be damaged but is never late.
+    :param silence_ns: real time: minimum wall time for which it may be silent.
+    :param patience_s: the bus administrator's patience in lockstep, where an answer may be damaged but is never late.
     """
 
     def __init__(
@@ -46,16 +46,16 @@ class SupervisorWatch:
         self._was_down = False
 
     def begin(self) -> None:
-        """A poll of any port begins: an interface that is down now may be back at its end."""
+        """Note the beginning of a poll of any port: an interface that is down now may be back at its end."""
         self._was_down = self._endpoint.is_down
 
     def end(self, now_ns: int) -> None:
-        """That poll is over, at ``now_ns`` of the monotonic clock."""
+        """Note the end of that poll, at ``now_ns`` of the monotonic clock."""
         if self._was_down or self._endpoint.is_down:
             self._heard_ns = now_ns
 
     def heard(self, now_ns: int) -> None:
-        """The supervisor has answered."""
+        """Note that the supervisor has answered."""
         self._heard_ns = now_ns
 
     def is_lost(self, now_ns: int) -> bool:

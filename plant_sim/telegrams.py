@@ -1,4 +1,4 @@
-"""From the plant's state to the telegrams that the train puts on the bus."""
+"""Makes the train's telegrams from the plant's state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from railhil.scenarios.target import Target
 
 #: 100 % of a BIPOLAR2.16 value.
 _BIPOLAR_FULL = 0x4000
-#: The target speed is worked out for so many ticks at once: for a single one numpy takes as long as for a hundred.
+#: The target speed is computed for this many ticks at once: numpy takes as long for one as for a hundred.
 _TARGET_TICKS = 1024
 
 
@@ -38,7 +38,7 @@ class TrainTelegrams:
         self._rate_10th = rate_to_10th(rate)
         self._life: dict[str, int] = {}
         self._balise: BalisePassed | None = None
-        #: Maker of each published port.
+        #: For each published port, the function that makes its telegram.
         self.makers: dict[str, Callable[[], Telegram | None]] = {
             TrnSpeed.PORT: self._speed,
             TimeSync.PORT: self._time,
@@ -143,7 +143,7 @@ class TrainTelegrams:
 
 
 def _limit_under_train(limits: Profile, front_m: float, length_m: float) -> float:
-    """Lowest limit under the train: a higher one holds only when the rear has passed its board."""
+    """Lowest limit under the train: a higher one applies only when the rear has passed its board."""
     here = profile_value(limits, front_m)
     rear = profile_value(limits, front_m - length_m)
     between = (limit for at_m, limit in limits if front_m - length_m < at_m <= front_m)

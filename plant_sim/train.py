@@ -40,17 +40,17 @@ class TrainOnBus(Plant):
         return self.gate.counters
 
     def take(self, telegram: Telegram) -> None:
-        """NOTCH_CMD, if it passes the gate."""
+        """Take NOTCH_CMD if it passes the gate."""
         assert isinstance(telegram, NotchCmd)
         if self.gate.accept(telegram):
             self.command(telegram.notch_256th, self.gate.emergency(telegram))
 
     def telegram_of(self, event: Any) -> Telegram | None:
-        """BALISE for a balise."""
+        """BALISE for a balise passing."""
         if event.balise is None:
             return None
         return self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)
 
     def is_abandoned(self, command_age_ns: int) -> bool:
-        """The train's watch had reached the emergency age."""
+        """Whether the train's watch had reached the emergency age."""
         return command_age_ns > self._abandoned_ns

@@ -1,6 +1,6 @@
 """railhil: a hardware-in-the-loop bench for train controllers.
 
-As a library: docs/library.md. What is named here is loaded when it is first used.
+Use as a library: docs/library.md. Modules are loaded when a name is first used.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ from railhil.supervisor.trace import Trace, trace_of
 
 @dataclass(slots=True)
 class BenchRun:
-    """What a run without sockets gives: trace and score, the log's hash, and the counters of each node."""
+    """Result of a run without sockets: trace and score, the log's hash, and the counters of each node."""
 
     trace: Trace
     score: Score
@@ -54,9 +54,9 @@ class BenchRun:
     frames_sha256: str = ""
     ended: Event | None = None
     counters: dict[str, dict[str, int]] = field(default_factory=dict)
-    #: What the controller's process would write into ``telemetry.json``.
+    #: Content that the controller's process would write to ``telemetry.json``.
     telemetry: dict[str, Any] = field(default_factory=dict)
-    #: Of the law's arithmetic over the whole run; only of a direct run.
+    #: Event counters of the law's arithmetic over the whole run; only for a direct run.
     arithmetic: Counters | None = None
 
     @property
@@ -66,7 +66,7 @@ class BenchRun:
 
     @property
     def refused(self) -> dict[str, int]:
-        """Everything that any node refused, beyond ports without a mailbox: empty on a healthy bus."""
+        """Everything that any node refused, except frames of ports without a mailbox: empty on a healthy bus."""
         found: dict[str, int] = {}
         for node, counters in self.counters.items():
             for cause, count in counters.items():
@@ -84,11 +84,11 @@ def local_run(
     wire: Callable[[Frame], list[Frame]] | None = None,
     controller: Any = None,
 ) -> BenchRun:
-    """One run through codec and stores, of whatever system.
+    """One run through codec and stores, for any system.
 
-    :param spec: None: the usual law of the system in lockstep, seed 0.
-    :param wire: what the bus does to a frame on its way to the controller (faults); default: nothing.
-    :param controller: what computes the commands in the place of the law of the run.
+    :param spec: None: the system's default law in lockstep, seed 0.
+    :param wire: applied to each frame on its way to the controller (faults); default: no change.
+    :param controller: computes the commands instead of the run's law.
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
@@ -126,7 +126,7 @@ def plant_beside(
 ) -> PlantNode:
     """The plant of a run in this process: its :meth:`~railhil.plant_sim.node.PlantNode.run` is the run.
 
-    :param wire: as :func:`local_run`.
+    :param wire: as in :func:`local_run`.
     """
 
     def to_controller(frame: Frame) -> list[Frame]:
@@ -136,7 +136,7 @@ def plant_beside(
 
 
 def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:
-    """:func:`local_run` without a folder: of the record only the hash is left."""
+    """:func:`local_run` without a run folder: only the hash of the record is kept."""
     with tempfile.TemporaryDirectory(prefix="railhil-") as folder:
         run = local_run(scenario, Path(folder), spec, controller=controller)
     run.log = None
@@ -144,9 +144,9 @@ def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controlle
 
 
 def direct_run(scenario: Scenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:
-    """One run with plant and controller coupled by their wire integers, telegrams only for the score.
+    """One run with plant and controller coupled by their wire integers, with telegrams only for the score.
 
-    :param controller: what computes the notch in the place of the law of the run.
+    :param controller: computes the notch instead of the run's law.
     """
     spec = spec or RunSpec()
     law = controller or Controller(scenario, spec.law)
@@ -158,8 +158,8 @@ def direct_run(scenario: Scenario, spec: RunSpec | None = None, controller: Any 
 def coupled_schedule(scenario: Scenario) -> Schedule:
     """Periods of the ports for a run without a bus.
 
-    :raises InputError: the speed is sent less often than NOTCH_CMD is polled: then the law sees an old one, and the
-        controller's watch acts, which only the nodes have.
+    :raises InputError: the speed is sent less often than NOTCH_CMD is polled: the law would then see an old speed, and
+        the controller's watch, which only the nodes have, would act.
     """
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
     speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
@@ -177,12 +177,12 @@ def coupled_run(
 ) -> BenchRun:
     """One run of the plant under any law.
 
-    As on the bus, the law takes its step in the first poll of NOTCH_CMD of a new control period, with the position as
-    TRN_POS last gave it. There is no reaction ladder in the controller.
+    As on the bus, the law is stepped at the first poll of NOTCH_CMD of a new control period, with the position of the
+    last TRN_POS. There is no reaction ladder in the controller.
 
     :param law: control period k, speed in 0.1 mm/s, position in 0.1 mm, last balise -> notch code (1/256).
-    :param spec: of its law only the set-points that it follows, for the score.
-    :raises InputError: as :func:`coupled_schedule`.
+    :param spec: from its law only the kind of set-points is used, for the score.
+    :raises InputError: like :func:`coupled_schedule`.
     """
     spec = spec or RunSpec()
     actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
@@ -197,7 +197,7 @@ def coupled_run(
 
 
 class _Coupled:
-    """A law in place of the bus: the readings go to it as they are, telegrams go into the trace.
+    """A law instead of the bus: it gets the readings directly, and telegrams go into the trace.
 
     See :class:`railhil.plant_sim.cycle.Surroundings`.
     """
@@ -214,7 +214,7 @@ class _Coupled:
         self._tick_ns, self._control_ns = scenario.timing.base_tick_ns, scenario.timing.control_period_ns
         self._now_ns = 0
         self.milestones = Milestones(self.publish, self._tick_ns)
-        # Control period of the last step, and its answer.
+        # Control period of the last step, and its notch.
         self._k, self._code = -1, 0
         self._position_01mm = 0
         self._balise = NO_BALISE
@@ -226,7 +226,7 @@ class _Coupled:
         self.trace.add(telegram.PORT, self._now_ns, telegram.encode())
 
     def read_position(self) -> None:
-        """TRN_POS is due: nobody needs more of it."""
+        """TRN_POS is due: read the position; the telegram itself is not needed."""
         self._position_01mm = limited_01mm(self._plant.odometer_mm)
 
     def report(self, event: Any) -> None:
@@ -239,7 +239,7 @@ class _Coupled:
             self.milestones.reached(self._plant.tick, kind, event.instant_01ms, event.position_01mm)
 
     def poll(self, port: Port) -> None:
-        """NOTCH_CMD: the law takes its step in the first poll of a control period."""
+        """NOTCH_CMD: step the law at the first poll of a control period."""
         k = self._now_ns // self._control_ns
         if k > self._k:
             self._k, self._code = k, self._law(k, self._plant.speed_01mmps, self._position_01mm, self._balise)
@@ -247,7 +247,7 @@ class _Coupled:
         self.publish(NotchCmd(self._code))
 
     def finish(self) -> None:
-        """Nothing waits to be sent."""
+        """Nothing to send."""
 
     def end(self, event: Event) -> None:
         self.ended = event

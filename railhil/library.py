@@ -1,6 +1,6 @@
-"""The bench as a library: ``railhil.run``, ``railhil.open_run``, ``railhil.campaign`` and what they give.
+"""The bench as a library: ``railhil.run``, ``railhil.open_run``, ``railhil.campaign`` and their results.
 
-Everything goes the way of the commands: the same folders, hashes and verdicts.
+The functions work like the commands: the same folders, hashes and verdicts.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ __all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals
 
 #: Scenario keys to set: a mapping, or ``KEY=VALUE`` as on the command line.
 Settings = Mapping[str, Any] | Sequence[str]
-#: A file, what was read from one, or values of the law's parameters by name.
+#: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
 
 
 class RecordedEvent(NamedTuple):
-    """A milestone of a run: its name, when it happened (simulation time) and the true position of the train."""
+    """A milestone of a run: its name, its simulation time and the true position of the train."""
 
     name: str
     time_s: float
@@ -116,9 +116,9 @@ class Outcome:
 
     @cached_property
     def spec(self) -> RunSpec:
-        """What was run: ``railhil.run(outcome.spec)`` makes it again.
+        """The description of the run: ``railhil.run(outcome.spec)`` repeats it.
 
-        :raises InputError: the folder has no certificate that says it.
+        :raises InputError: the folder has no certificate with a description.
         """
         path = self.folder / CERTIFICATE
         if not self.certificate:
@@ -134,7 +134,7 @@ class Outcome:
 
     @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """Milestones in the order of the record, each once."""
+        """Milestones in the order of the record, without repetitions."""
         columns = (
             self.trace.raw(RunEvent.PORT, "RunEvent"),
             self.trace.values(RunEvent.PORT, "EventTime"),
@@ -155,13 +155,13 @@ def _outcome(
 
 def _settings(given: Settings) -> tuple[str, ...]:
     if isinstance(given, Mapping):
-        # Values of JSON are values of TOML, but for tables and null, which no key has.
+        # JSON values are TOML values, except tables and null, which no key has.
         given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
     return tuple(setting(text) for text in given)
 
 
 def _parameters(given: Parameters | None, law: str) -> ParameterSet | None:
-    """Parameters; values without a file count as read from the run folder, which will hold them."""
+    """Parameters; values given without a file count as read from the run folder, where they will be written."""
     if given is None or isinstance(given, ParameterSet):
         return given
     if isinstance(given, Mapping):
@@ -187,9 +187,10 @@ def run(
 ) -> Outcome:
     """Make one run, record and score it.
 
-    :param scenario: shipped name, path of a TOML file, or all of a run: then only ``out`` is looked at.
-    :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` takes.
-    :param memory: file with the law's memory from run to run: begun with, and kept there after a good run.
+    :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``out`` is used.
+    :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
+        choose.
+    :param memory: file with the law's memory from run to run: read at the beginning, replaced after a valid run.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
@@ -200,7 +201,7 @@ def run(
         law = LawSpec(controller, arithmetic, indexing, _parameters(parameters, controller))
         spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
         spec = replace(spec, memory_file=None if memory is None else str(Path(memory).resolve()))
-    # Whatever it came from, it is what a file could say.
+    # Whatever its source, it is checked like a file.
     checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
     spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
     loaded = spec.load()
@@ -220,9 +221,9 @@ def run(
 
 
 def open_run(folder: str | Path) -> Outcome:
-    """A run from its folder, judged again from the log alone; also of version 0.1.0, and from another machine.
+    """A run from its folder, judged again from the log alone; also from version 0.1.0 or from another machine.
 
-    :raises InputError: there is no record, or its parts do not fit together.
+    :raises InputError: there is no record, or its parts do not belong together.
     """
     record = checked_record(str(folder), None)
     found = judging_of(record.scenario).score(record.scenario, record.trace)
@@ -235,17 +236,17 @@ class CampaignOutcome:
 
     folder: Path
     summary: Mapping[str, Any] = field(repr=False)
-    #: Of its system.
+    #: How its system judges runs.
     judging: Judging = field(repr=False)
 
     @property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What its runs are judged by."""
+        """The criteria by which its runs are judged."""
         return self.judging.criteria
 
     @property
     def laws(self) -> tuple[str, ...]:
-        """The laws as the tables name them, the one that the others are held against first."""
+        """The laws as named in the tables, the baseline of the comparison first."""
         return tuple(self.summary["laws"])
 
     @cached_property
@@ -293,9 +294,10 @@ def campaign(
     """Perturbed runs of one or several laws on the same seeds (needs the extra ``campaign``).
 
     :param laws: their names, or ``("all",)``.
-    :param parameters: parameter files, each of one of the laws; ``both``: these laws with their own ones, too.
+    :param parameters: parameter files, each for one of the laws; ``both``: run these laws also with their own
+        parameters.
     :param jobs: processes; -1: one per core.
-    :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); one that was begun goes on.
+    :param out: its folder (default ``runs/<utc>-<scenario>-campaign``); an incomplete campaign is resumed.
     :raises InputError: anything that is not allowed, in one line.
     """
     from railhil.campaign.extras import need

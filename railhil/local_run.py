@@ -1,4 +1,5 @@
-"""``railhil run --bus local``: a whole run in this process, with folder, certificate and bytes of one over a bus."""
+"""``railhil run --bus local``: a complete run in this process, with the same folder, certificate and bytes as over a
+bus."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ from railhil.supervisor.trace import Trace, trace_of
 
 
 class LocalRun:
-    """As :class:`railhil.supervisor.run.Run`, without hub and processes.
+    """Like :class:`railhil.supervisor.run.Run`, without hub and processes.
 
     :param folder: existing run folder; log and telemetry go there.
     :param started_ns: monotonic time from which the wait for the first frame is counted.
@@ -60,14 +61,14 @@ class LocalRun:
         self._started_ns = time.monotonic_ns() if started_ns is None else started_ns
 
     def _poll(self, sim_time_s: float) -> None:
-        """At each poll of SUP_CMD: what the recorder of a bus does beside its frames."""
+        """At each poll of SUP_CMD: what the recorder on a bus does in addition to recording."""
         self.stop.check()
         self.log.flush()
         if self._on_progress is not None:
             self._on_progress(sim_time_s)
 
     def execute(self) -> RunResult:
-        """The whole run. A signal ends it as INVALID, with what was recorded.
+        """Make the complete run. A signal ends it as INVALID, with the frames recorded so far.
 
         :raises InputError: the law cannot be made, or does not fit the scenario.
         """
@@ -86,7 +87,7 @@ class LocalRun:
             return self._result(sha256, line, code)
 
     def _run(self) -> tuple[str, int]:
-        """Why the record is no whole run, and its exit code; empty and PASS when it is one."""
+        """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
         node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
         plant = plant_beside(self.scenario, self.spec, node, self.session)
         try:
@@ -94,7 +95,7 @@ class LocalRun:
         except (PeerSilent, PlantError) as error:
             return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
         except (BusError, InputError) as error:
-            # Nodes that do not agree, or a law that raises.
+            # Nodes that disagree, or a law that raises.
             return "; ".join(self.session.disagreements) or str(error), USAGE
         finally:
             write_telemetry(node, self.folder / TELEMETRY)

@@ -1,10 +1,10 @@
-"""What a control law may compute with: one interface, several number systems.
+"""The operations available to a control law: one interface, several number systems.
 
 A law is straight-line code of these operations. Comparisons yield a condition that only :meth:`Arithmetic.where`
-consumes, so that the same lines run on one train, on arrays over N trains, or under a recorder that writes C.
+consumes, so the same code runs on one train, on arrays over N trains, or under a recorder that writes C.
 
-Every quantity has a Q format, the number of fraction bits of its int32 (value = raw / 2^Q). Formats stand as
-arguments where they decide a result; arithmetics with a wide format (float64) do not look at them.
+Every quantity has a Q format, the number of fraction bits of its int32 (value = raw / 2^Q). Formats are arguments where
+they affect a result; arithmetics with a wide format (float64) ignore them.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any, ClassVar, Generic, TypeAlias, TypeVar
 INT32_MIN = -(2**31)
 INT32_MAX = 2**31 - 1
 
-#: Bits of :attr:`Counters.flags`, as CTL_STAT carries them.
+#: Bits of :attr:`Counters.flags`, as in CTL_STAT.
 WRAP = 1
 SATURATION = 2
 DIVISION_BY_ZERO = 4
@@ -26,7 +26,7 @@ DIVISION_BY_ZERO = 4
 #: ``float``, ``int``, or a numpy array of either (one element per train).
 T = TypeVar("T")
 
-#: ``bool`` or an array of them, as the comparisons of the arithmetic give it.
+#: ``bool`` or an array of them, the result of a comparison.
 Condition: TypeAlias = Any
 
 
@@ -43,7 +43,7 @@ class Constant:
     q: int
     #: Where the value comes from: equation, parameter, limit.
     origin: str = field(default="", compare=False)
-    #: Integer that stands for the value in Q ``q``.
+    #: Integer that represents the value in Q ``q``.
     raw: int = field(init=False)
 
     def __post_init__(self) -> None:
@@ -59,13 +59,13 @@ class Constant:
 
     @property
     def relative_error(self) -> float:
-        """Size of the rounding error over that of the value, 0 for the value 0."""
+        """Magnitude of the rounding error relative to that of the value, 0 for the value 0."""
         return abs(self.rounding_error / self.value) if self.value else 0.0
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A function on 0..1 that a law evaluates: exactly where that is possible, else from 257 samples.
+    """A function on 0..1 for use in a law: evaluated exactly where possible, else from 257 samples.
 
     The table is interpolated linearly: argument in Q ``q_in`` (at least 8), result in Q ``q_out``.
     """
@@ -85,7 +85,7 @@ class Curve:
 
 @dataclass(slots=True)
 class Counters:
-    """What went wrong in an arithmetic since it was made; wide arithmetics keep zeros."""
+    """Events in an arithmetic since it was made; always zero in wide arithmetics."""
 
     wraps: int = 0
     saturations: int = 0
@@ -102,7 +102,7 @@ class Counters:
 
 
 class Arithmetic(ABC, Generic[T]):
-    """Operations a law is made of. Named after TI's IQmath where that has the operation."""
+    """The operations of a law, named after TI's IQmath where it has the operation."""
 
     #: Name used on the command line and in every record of a run.
     name: ClassVar[str]
@@ -112,17 +112,17 @@ class Arithmetic(ABC, Generic[T]):
 
     def __init__(self) -> None:
         self.counters = Counters()
-        #: Takes every noted quantity in order, when somebody watches.
+        #: List that collects every noted quantity in order, if telemetry is on.
         self.noted: list[T] | None = None
         #: While ``noted`` is a list, each wrap, saturation or division by zero: quantities noted so far, kind, count.
-        #: It belongs to the quantity that is noted next.
+        #: It is assigned to the quantity that is noted next.
         self.events: list[tuple[int, int, int]] = []
 
     def note(self, name: str, a: T, q: int, unit: str = "") -> T:
         """Name ``a`` (in Q ``q``) as a quantity of the law; returns it unchanged.
 
-        Names, formats and order of the notes are the same in every step. They are what telemetry, the audit and the
-        exported C call the quantity.
+        Names, formats and order of the notes are the same in every step. Telemetry, the audit and the exported C use
+        these names.
         """
         if self.noted is not None:
             self.noted.append(a)
@@ -144,11 +144,11 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def raw(self, a: T, q: int) -> T:
-        """Integer that stands for ``a`` in Q ``q`` (``a`` is in that format already): for the wire and telemetry."""
+        """Integer that represents ``a`` in Q ``q`` (``a`` is already in that format): for the wire and telemetry."""
 
     @abstractmethod
     def from_raw(self, raw: Any, q: int) -> T:
-        """The operand that an integer in Q ``q`` stands for: the inverse of :meth:`raw`."""
+        """The operand represented by an integer in Q ``q``: the inverse of :meth:`raw`."""
 
     @abstractmethod
     def convert(self, a: T, q_from: int, q_to: int) -> T:
@@ -156,7 +156,7 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def quantise(self, a: T, q_from: int, q_to: int) -> T:
-        """Nearest multiple of 2^-q_to, ties upward; ``q_to`` < ``q_from``. Changes the value in every arithmetic."""
+        """Nearest multiple of 2^-q_to, ties upward; ``q_to`` < ``q_from``. Quantises in every arithmetic."""
 
     @abstractmethod
     def add(self, a: T, b: T) -> T:
@@ -172,7 +172,7 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def abs(self, a: T) -> T:
-        """Size of a, wrapping (INT32_MIN stays)."""
+        """Absolute value of a, wrapping (INT32_MIN stays)."""
 
     @abstractmethod
     def mpy(self, a: T, b: T, q: int) -> T:
@@ -204,7 +204,7 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def sat(self, a: T, upper: T, lower: T) -> T:
-        """``_IQsat`` as a format limit: counted when it acts."""
+        """``_IQsat`` as a format limit: counted when it limits."""
 
     @abstractmethod
     def clip(self, a: T, upper: T, lower: T) -> T:
@@ -224,7 +224,7 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def where(self, condition: Condition, a: T, b: T) -> T:
-        """a where the condition holds, else b; both are evaluated."""
+        """a where the condition is true, else b; both are evaluated."""
 
     @abstractmethod
     def curve(self, curve: Curve, a: T) -> T:
@@ -240,8 +240,8 @@ class Arithmetic(ABC, Generic[T]):
 
     @abstractmethod
     def index(self, k: Any, last: int) -> Any:
-        """Index of a table from a whole number: ``k`` inside 0..``last``."""
+        """Table index from an integer: ``k`` limited to 0..``last``."""
 
     @abstractmethod
     def locate(self, table: Any, a: T) -> Any:
-        """Index of the last entry <= a of an increasing table, at least 0 and at most the last but one."""
+        """Index of the last entry <= a of an increasing table, at least 0 and at most the last index minus one."""

@@ -1,21 +1,22 @@
-"""Single precision of the C28x floating-point unit (FPU32): its facts, what follows from them, and one train.
+"""Single precision of the C28x floating-point unit (FPU32): specification, consequences, and the version for one train.
 
-Facts from TI's FPU guide SPRUEO2 and workshop notes, in own words: IEEE 754 single format; a denormal is zero, -0 is
+Specification, after TI's FPU guide SPRUEO2 and workshop notes: IEEE 754 single format; a denormal is zero, -0 is
 +0, NaN is infinity; rounding to nearest even, or toward zero while the mode bit STF.RNDF32 is clear (``float32`` and
-``float32-truncated``); products and sums are rounded each for itself, there is no fused multiply-add. Division is
-that of TI's fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The estimate's table is not
-published, so a quotient is near the target's, not equal to it. Ours is within 1.76 * 2^-23 of the exact quotient
-(cut: 3.51 * 2^-23), relative to it, while no step under- or overflows. In units of 2^-24 (cut: 2^-23) the last Newton
-step leaves at most 0.5 from b * r below 1 and 1 from 2 - b * r, its product 1 and that with the numerator 1: 3.5.
-The error of the estimate, at most 2^-8, is squared twice: 2^-32. How far the target's lies from ours is not known.
+``float32-truncated``); products and sums are rounded separately, there is no fused multiply-add. Division is
+that of TI's fast RTS library: an 8-bit reciprocal estimate, two Newton steps, one product. The table of the estimate is
+not published, so a quotient is close to the target's, not equal to it. The relative error of railhil's quotient is at
+most 1.76 * 2^-23 (truncated: 3.51 * 2^-23), provided that no step under- or overflows. Derivation, in units of 2^-24
+(truncated: 2^-23): the last Newton step contributes at most 0.5 from b * r below 1 and 1 from 2 - b * r, its product 1
+and the product with the numerator 1, together 3.5. The error of the estimate, at most 2^-8, is squared twice: 2^-32.
+The distance to the target's quotient is not known.
 
-Readings where the documents are silent: NaN becomes *plus* infinity; a result that rounds to a denormal is zero; an
-overflow is infinite when rounding to nearest and the largest number when rounding toward zero (IEEE 754); a number by
-infinity is 0; the root is correctly rounded.
+Assumptions where the documents are silent: NaN becomes *plus* infinity; a result that rounds to a denormal is zero; an
+overflow is infinite when rounding to nearest and the largest number when rounding toward zero (IEEE 754); a number
+divided by infinity is 0; the root is correctly rounded.
 
-One train holds ``float`` whose values are single precision, N trains float32 arrays (``float32_batch``); both give the
-same bits. Every operand comes from an operation here (``const``, ``table``, ``from_raw``, ``operand``, ...) and is
-therefore a normal number, +0 or infinite: only results need looking at.
+For one train operands are ``float`` with single-precision values, for N trains float32 arrays (``float32_batch``); both
+give the same bits. Every operand comes from an operation here (``const``, ``table``, ``from_raw``, ``operand``, ...)
+and is therefore a normal number, +0 or infinite: only results need checking.
 """
 
 from __future__ import annotations
@@ -33,18 +34,18 @@ from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithm
 FLT_MIN = 2.0**-126
 FLT_MAX = (2.0 - 2.0**-23) * 2.0**127
 
-#: Bits behind the leading one of the reciprocal estimate.
+#: Bits after the leading one of the reciprocal estimate.
 ESTIMATE_BITS = 7
 MANTISSA_BITS = 24
 #: Last cell of a curve of 257 samples.
 LAST_CELL = 255.0
 
-# A double stored here is rounded to nearest even by the processor.
+# The processor rounds a double stored here to nearest even.
 _single = array("f", [0.0])
 
 
 def nearest(value: float) -> float:
-    """A double rounded to the nearest single the unit knows: no denormal, no -0, no NaN."""
+    """A double rounded to the nearest single that the unit supports: no denormal, no -0, no NaN."""
     _single[0] = value
     rounded = _single[0]
     if FLT_MIN <= abs(rounded) <= FLT_MAX:
@@ -55,7 +56,7 @@ def nearest(value: float) -> float:
 
 
 def toward_zero(value: float) -> float:
-    """As :func:`nearest`, the digits behind the 24th cut off."""
+    """Like :func:`nearest`, but truncated after the 24th bit."""
     size = abs(value)
     if FLT_MIN <= size <= FLT_MAX:
         mantissa, exponent = math.frexp(value)
@@ -73,10 +74,10 @@ def rounding_error(constant: Constant) -> float:
 
 
 class Single(Arithmetic[T]):
-    """What follows from the rounded sum and product, for one number and for arrays.
+    """Operations derived from the rounded sum and product, for one number and for arrays.
 
-    A double holds the product of two singles exactly, and its sum, quotient and root round on to a single without
-    harm (53 >= 2 * 24 + 2 bits), so intermediate doubles are no wider operation than the target's.
+    A double holds the product of two singles exactly, and rounding its sum, quotient or root again to a single is
+    innocuous (53 >= 2 * 24 + 2 bits), so intermediate doubles are not more precise than the target.
     """
 
     name: ClassVar[str] = "float32"
@@ -84,7 +85,7 @@ class Single(Arithmetic[T]):
 
     @abstractmethod
     def operand(self, value: Any) -> T:
-        """A real number as an operand: rounded as an operation rounds."""
+        """A real number as an operand, rounded like the result of an operation."""
 
     @abstractmethod
     def _estimate(self, a: T) -> T:
@@ -146,7 +147,7 @@ class Float32(Single[float]):
         return nearest(value)
 
     def const(self, constant: Constant) -> float:
-        # The compiler rounds constants, to nearest whatever the mode of the unit.
+        # The compiler rounds constants to nearest, whatever the mode of the unit.
         return nearest(constant.value)
 
     def raw(self, a: float, q: int) -> Any:
@@ -158,7 +159,7 @@ class Float32(Single[float]):
 
     def quantise(self, a: float, q_from: int, q_to: int) -> float:
         # On the target: scale, F32TOI32, correct by one where the fraction left is >= 0.5 or < -0.5, scale; a number of
-        # 2^23 and more is whole. All these steps are exact, x + 0.5 in single precision is not: 0.49999997 gives 1.
+        # 2^23 or more is an integer. All these steps are exact; x + 0.5 in single precision is not: 0.49999997 gives 1.
         return math.ldexp(math.floor(math.ldexp(a, q_to) + 0.5), -q_to) if abs(a) <= FLT_MAX else a
 
     def add(self, a: float, b: float) -> float:
@@ -218,8 +219,8 @@ class Float32Truncated(Float32):
 
     def add(self, a: float, b: float) -> float:
         total = a + b
-        # The double itself is rounded: what it lost (Knuth's TwoSum, exact) tells whether it lies too far out. With an
-        # infinite operand the loss is NaN, and no comparison holds.
+        # The double itself is rounded: the exact rounding error (Knuth's TwoSum) shows whether its magnitude is too
+        # large. With an infinite operand that error is NaN, and every comparison is false.
         b_part = total - a
         lost = (a - (total - b_part)) + (b - b_part)
         if lost * total < 0:

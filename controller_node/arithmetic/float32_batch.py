@@ -26,7 +26,7 @@ class Float32Batch(Single[Singles]):
     """Single precision for N trains, rounding to nearest even; operands are float32 of shape (N,) or common to all."""
 
     def _fit(self, value: Any) -> Any:
-        """Doubles rounded as an operation rounds."""
+        """Doubles rounded like the result of an operation."""
         with np.errstate(over="ignore", under="ignore"):
             rounded = np.asarray(value, dtype=np.float64).astype(np.float32)
         return self._known(rounded)

@@ -1,4 +1,4 @@
-"""IEEE double precision: the reference every other arithmetic is compared with.
+"""IEEE double precision: the reference for every other arithmetic.
 
 Formats are ignored, nothing wraps or saturates. A division by zero gives infinity with the sign of the numerator and
 0 / 0 plus infinity, as in float32. One train (plain ``float``) and N trains (float64 arrays) give equal bits: both
@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 
 
 class _Double(Arithmetic[T]):
-    """What is the same for one float and for arrays of them."""
+    """The operations that are the same for one float and for arrays."""
 
     name: ClassVar[str] = "float64"
     wide: ClassVar[bool] = True
@@ -148,7 +148,7 @@ class Float64Batch(_Double[Floats]):
         return np.where(condition, a, b)
 
     def curve(self, curve: Curve, a: Floats) -> Floats:
-        # Each number once: trains of one scenario often have the same.
+        # Evaluate each distinct number once: trains of one scenario often have equal values.
         values = np.ascontiguousarray(a, dtype=np.float64)
         bits, places = np.unique(values.view(np.int64), return_inverse=True)
         return np.array([curve.function(x) for x in bits.view(np.float64).tolist()])[places].reshape(np.shape(a))

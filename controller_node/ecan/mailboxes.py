@@ -1,9 +1,9 @@
 """The mailbox table: which CAN identifier the controller receives or sends through which of the eCAN's 32 mailboxes.
 
-Made from the port table, checked at start. A telegram of several blocks takes one mailbox for each of its CAN frames.
-The order of the numbers is the chip's own: what is read together is read in ascending order, so a telegram's
+The table is made from the port table and checked at start. A telegram of several blocks takes one mailbox for each of
+its CAN frames. The order of the numbers follows the chip: mailboxes are read in ascending order, so a telegram's
 receive mailboxes ascend to the trailer; of several waiting frames the highest mailbox number is sent first (with equal
-priority level), so its transmit mailboxes descend. The poll has the highest number: it is looked for first.
+priority level), so its transmit mailboxes descend. The poll has the highest number because that one is matched first.
 
 Source: TI SPRU074F and SPRUI07, chapter eCAN (mailbox layout, acceptance, transmit order).
 """
@@ -61,8 +61,8 @@ class Mailbox:
 def mailbox_table(contract: Contract, received: Sequence[Port], sent: Sequence[Port]) -> tuple[Mailbox, ...]:
     """The mailboxes of a node, in the order of their numbers.
 
-    :param received: ports that the node sinks, most urgent first.
-    :param sent: ports that it sources.
+    :param received: ports that the node receives, most urgent first.
+    :param sent: ports that it sends.
     :raises ContractError: the ports do not fit, see :func:`check_table`.
     """
     parts = [(port.name, *part) for port in received for part in _parts(port)]
@@ -87,7 +87,7 @@ def _parts(port: Port) -> list[tuple[str, int]]:
 
 
 def check_table(table: Sequence[Mailbox], contract: Contract, received: Sequence[Port], sent: Sequence[Port]) -> None:
-    """Check that the chip can hold the table, and that it says what the port table says.
+    """Check that the table fits into the chip, and that it agrees with the port table.
 
     :raises ContractError: one line with the mailbox, what was found and what is allowed.
     """
@@ -135,7 +135,7 @@ def _check_pair(one: Mailbox, other: Mailbox) -> None:
         return
     if one.transmit != other.transmit:
         raise _wrong(f"{one}: identifier", f"{one.can_id:#x} in both directions ({other})", "one direction")
-    # The highest number wins, and only a protected mailbox ever leaves a frame to the next one.
+    # The highest number wins, and only a protected mailbox leaves a frame to the next one.
     if one.transmit or max(one, other, key=lambda mailbox: mailbox.number).overwrite:
         raise _wrong(f"{one}: identifier", f"{one.can_id:#x}, also matched by {other}", "identifiers of its own")
 
@@ -151,7 +151,7 @@ def _check_covered(table: Sequence[Mailbox], port_name: str, can_id: int, transm
 
 
 def _check_deaf(table: Sequence[Mailbox], port: Port) -> None:
-    """A port that the node does not sink (the simulated truth, its own answers) must match no receive mailbox."""
+    """A port that the node does not receive (the simulated truth, its own answers) must match no receive mailbox."""
     for mailbox in table:
         for can_id in port.can_ids:
             if not mailbox.transmit and mailbox.accepts(can_id):

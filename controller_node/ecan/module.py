@@ -1,9 +1,9 @@
-"""Receiving as the eCAN does it: acceptance by mailbox, one frame per mailbox, a time stamp with each.
+"""Reception as in the eCAN: acceptance by mailbox, one frame per mailbox, a time stamp with each.
 
-There is no FIFO. A frame goes to the matching mailbox with the highest number. When that one still holds a frame that
-nobody has read, the newer frame overwrites it and the mailbox's lost flag (RML) is set; a mailbox with overwrite
-protection (OPC) keeps the old frame and leaves the new one to the next matching mailbox, and when there is none the
-frame is lost *without any flag*.
+There is no FIFO. A frame goes to the matching mailbox with the highest number. If that mailbox still holds an unread
+frame, the newer frame overwrites it and the mailbox's lost flag (RML) is set; a mailbox with overwrite protection (OPC)
+keeps the old frame and leaves the new one to the next matching mailbox, and when there is none the frame is lost
+*without any flag*.
 
 Source: TI SPRU074F, section 2.16 (overwrite protection) and chapter 3 (receiving); SPRUI07, chapter 13.
 """
@@ -17,7 +17,7 @@ from railhil.controller_node.ecan.mailboxes import MAILBOXES_MAX, Mailbox
 from railhil.controller_node.ecan.timestamp import BitCounter
 
 _STANDARD_IDS = 0x800
-#: An error frame is no message, and a CAN FD frame is a broken one to a classic CAN module.
+#: An error frame is not a message, and to a classic CAN module a CAN FD frame is a faulty one.
 _NEVER = ERROR | FD | BRS
 
 
@@ -25,12 +25,13 @@ class Ecan:
     """Receive side of one module.
 
     ``lost``: for each mailbox number, frames that were overwritten unread (each sets RML, whose interrupt counts).
-    ``lost_unseen``: frames that found only protected mailboxes, of which the chip itself tells nothing.
+    ``lost_unseen``: frames that found only protected mailboxes, which the chip itself does not report.
     ``no_mailbox``: frames that no mailbox accepts; the node never sees them.
     ``stamps``: for each mailbox number, the time stamp of its newest frame in bit times.
 
     :param table: the node's mailboxes, receive and transmit.
-    :param by_interrupt: numbers of those that an interrupt reads before the next frame can come: they are never full.
+    :param by_interrupt: numbers of the mailboxes that an interrupt reads before the next frame can arrive: they are
+        never full.
     """
 
     def __init__(self, table: Sequence[Mailbox], counter: BitCounter, by_interrupt: Collection[int] = ()) -> None:
@@ -44,7 +45,8 @@ class Ecan:
         self._kept = [number not in by_interrupt for number in range(MAILBOXES_MAX)]
         self._full: list[Frame | None] = [None] * MAILBOXES_MAX
         self._now_ns, self._now_bits = 0, 0
-        # A standard identifier -> numbers of the mailboxes that match it, highest first; only those that match.
+        # Standard identifier -> numbers of the matching mailboxes, highest first; identifiers without a match are left
+        # out.
         matching = {can_id: self._numbers(can_id, False) for can_id in range(_STANDARD_IDS)}
         self._matching = {can_id: numbers for can_id, numbers in matching.items() if numbers}
 
@@ -55,7 +57,7 @@ class Ecan:
 
     @property
     def counters(self) -> dict[str, int]:
-        """What did not reach a reader, by cause; causes that have not come are left out."""
+        """Frames that did not reach a reader, by cause; causes with a count of zero are left out."""
         counts = {
             "lost_messages": self.lost_messages,
             "lost_unseen": self.lost_unseen,
@@ -69,7 +71,7 @@ class Ecan:
     def receive(self, frame: Frame, now_ns: int) -> int:
         """Take a frame from the bus; returns the number of the mailbox that took it, -1 for none.
 
-        A remote frame is taken like a data frame: what to do with it is left to the reader, as on the chip.
+        A remote frame is accepted like a data frame: as on the chip, the reader decides what to do with it.
         """
         can_id, _, flags = frame
         if not flags:
@@ -87,7 +89,7 @@ class Ecan:
             if self._kept[number]:
                 self._full[number] = frame
             if now_ns != self._now_ns:
-                # Several frames come in one tick.
+                # Several frames arrive in one tick.
                 self._now_ns, self._now_bits = now_ns, self._counter.at(now_ns)
             self.stamps[number] = self._now_bits
             return number
@@ -95,7 +97,8 @@ class Ecan:
         return -1
 
     def read(self, number: int) -> Frame | None:
-        """Empty a mailbox: the frame that it held, None when it was empty; its time stamp stays in ``stamps``."""
+        """Empty a mailbox; returns the frame that it held, None when it was empty. Its time stamp stays in
+        ``stamps``."""
         frame = self._full[number]
         self._full[number] = None
         return frame

@@ -1,8 +1,8 @@
-"""Who reads the mailboxes, and when: interrupts at once, or a task with a period.
+"""Reading of the mailboxes: at once by interrupts, or by a periodic task.
 
-By default every mailbox is read by interrupt, before the next frame can come, and nothing is ever lost. With a task
-period the data mailboxes are read by a task at its instants only; what comes between overwrites. The polls of the bus
-administrator and the bench's own telegrams (time, end of the run) are read by interrupt in both cases.
+By default every mailbox is read by interrupt, before the next frame can arrive, and nothing is lost. With a task period
+the data mailboxes are read only at the task's instants; frames that arrive in between overwrite each other. The polls
+of the bus administrator and the bench's own telegrams (time, end of the run) are read by interrupt in both cases.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Receiver:
         at_once = {box.number for box in receiving}.difference(self._task_numbers)
         self.ecan = Ecan(table, counter, at_once)
         self._counter = counter
-        # By mailbox number: what the store has said of its newest frame, when somebody has asked.
+        # By mailbox number: the store's check of its newest frame, if it was made.
         self._checked: dict[int, FrameCheck | None] = {}
         self._task_period_ns = task_period_ns
         self._task_slot = -1
@@ -52,7 +52,7 @@ class Receiver:
     def read_due(self, now_ns: int) -> Sequence[tuple[Frame, FrameCheck | None, int, int]]:
         """The task: once per period, read every mailbox that holds a frame, in ascending order.
 
-        :returns: the frame, its check if there was one, when it came (simulation time, ns), and its time stamp.
+        :returns: the frame, its check if there was one, its arrival (simulation time, ns), and its time stamp.
         """
         slot = now_ns // self._task_period_ns
         if slot == self._task_slot:

@@ -1,4 +1,4 @@
-"""Time stamps of messages in bit times, and the age of a message by them.
+"""Time stamps of messages in bit times, and the age of a message derived from them.
 
 Source: TI SPRU074F and SPRUI07, chapter eCAN (time stamp counter, message object time stamps).
 """
@@ -9,7 +9,8 @@ from math import gcd
 
 _COUNTER_MASK = 0xFFFF_FFFF
 _HALF_TURN = 1 << 31
-#: A stamp may lie this far ahead: TIME_SYNC can set the bench's clock back by what repeated polls had put it ahead.
+#: A time stamp may lie this far in the future: TIME_SYNC can set the clock back after repeated polls had advanced it
+#: too far.
 _AHEAD_BITS = 1 << 20
 _OLDEST_BITS = _COUNTER_MASK - _AHEAD_BITS
 _NS_PER_S = 1_000_000_000
@@ -33,7 +34,8 @@ class BitCounter:
         return now_ns * self._bits // self._ns & _COUNTER_MASK
 
     def age_ns(self, stamp: int, now_ns: int) -> int:
-        """Age of a stamp in ns, exact to one bit time, modulo one turn of the counter; 0 for a stamp just ahead."""
+        """Age of a time stamp in ns, exact to one bit time, modulo the counter's range; 0 for a stamp slightly in the
+        future."""
         bits = now_ns * self._bits // self._ns - stamp & _COUNTER_MASK
         return bits * self._ns // self._bits if bits <= _OLDEST_BITS else 0
 
@@ -41,8 +43,9 @@ class BitCounter:
 class MessageAge:
     """Age of the newest message that was accepted, from its time stamp.
 
-    A stamp older than half a turn of the counter would look young again after the turn: an age that has once been
-    that high stays so until a message is accepted. For that it must be asked more often than every half turn.
+    A time stamp older than half the counter's range would look fresh again after the wrap; therefore an age that has
+    once reached that value stays there until a message is accepted. For this, :meth:`ns` must be called more often than
+    every half range.
     """
 
     def __init__(self, counter: BitCounter) -> None:
@@ -56,7 +59,7 @@ class MessageAge:
         self._expired = False
 
     def ns(self, now_ns: int) -> int:
-        """Age in ns; half a turn when it is, or has been, that or more."""
+        """Age in ns; half the counter's range if it is, or has been, that or more."""
         counter = self._counter
         age_ns = counter.age_ns(self._stamp, now_ns)
         if age_ns >= counter.half_turn_ns:

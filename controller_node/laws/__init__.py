@@ -1,4 +1,4 @@
-"""Control laws, found by the entry point group ``railhil.laws``: a name and the class behind it."""
+"""Control laws, registered by name in the entry point group ``railhil.laws``."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def names() -> list[str]:
 
 
 def load(name: str) -> type[Law[Any, Any]]:
-    """Class of the law of that name, of railhil's own train. Raises InputError as :func:`find`."""
+    """Class of the law of that name, for railhil's own system. Raises InputError like :func:`find`."""
     law: type[Law[Any, Any]] = find(name, GROUP, Law)
     try:
         slots(law.notes)
@@ -32,10 +32,10 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
     """Class of a law of any system.
 
     :param group: entry point group of the laws of that system.
-    :param base: what they inherit from.
+    :param base: their base class.
 
-    Raises :class:`~railhil.common.errors.InputError` (one line, with the names there are) for an unknown name, or an
-    entry point that cannot be imported or is no law.
+    Raises :class:`~railhil.common.errors.InputError` (one line, with the existing names) for an unknown name, or an
+    entry point that cannot be imported or is not a law.
     """
     found = entries(group)
     if name not in found:
@@ -44,7 +44,7 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
     try:
         law = found[name].load()
     except Exception as error:
-        # Code that somebody plugs in may raise anything.
+        # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
         raise InputError("controller", name, found[name].value, "an entry point that can be imported", cause) from error
     if not (isinstance(law, type) and issubclass(law, base)):

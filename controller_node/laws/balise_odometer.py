@@ -1,12 +1,12 @@
-"""Where the train is, from a wheel of unknown circumference and balises that are surveyed to a few centimetres.
+"""Position of the train, from a wheel of unknown circumference and balises surveyed to a few centimetres.
 
-The odometer o starts with the run and is off by one factor, so that the true position is o (1 + w). Every balise says
-that its surveyed position s should be o (1 + w), and w is the least squares fit to all of them::
+The odometer o starts at 0 and has a constant scale error, so that the true position is o (1 + w). At every balise o (1
++ w) should equal the surveyed position s, and w is the least squares fit to all of them::
 
     z = o / D      w = sum z (s - o) / D / (lambda + sum z^2)
 
 with D the planned distance and lambda the weight of the nominal wheel. The error at the stop is that of a weighted mean
-of all balises, not that of the last one, and a balise that was missed is one equation fewer, nothing else.
+of all balises, not that of the last one, and a missed balise is only one equation fewer.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Place(NamedTuple, Generic[T]):
 
 
 class BaliseOdometer(Generic[T]):
-    """The odometer with its wheel corrected."""
+    """The odometer with the wheel error corrected."""
 
     def __init__(self, arithmetic: Arithmetic[T], table: IpfcPlusConstants, distance_m: float) -> None:
         self._ar = ar = arithmetic
@@ -70,7 +70,7 @@ class BaliseOdometer(Generic[T]):
         return BaliseState(self._zero, self._prior, self._zero)
 
     def step(self, state: BaliseState[T], track: TrackInputs[T]) -> tuple[BaliseState[T], Place[T]]:
-        """Take in a balise that is new."""
+        """Include a new balise."""
         ar, zero = self._ar, self._zero
         number, surveyed, passed = track.balise
         surveyed = ar.clip(surveyed, self._odometer_max, zero)
@@ -81,7 +81,7 @@ class BaliseOdometer(Generic[T]):
         believed = ar.clip(error, self._wheel_max, self._wheel_min)
         errors = ar.add(state.errors, ar.rmpy(share, believed, _SHARE_BY_ERROR_TO_SUM))
         errors = ar.clip(errors, self._sum_max, self._sum_min)
-        # A balise that is not where any wheel could have put it is not taken in, nor is one seen already.
+        # A balise whose error no wheel could explain is ignored, as is one already included.
         new = ar.gt(ar.abs(ar.sub(number, state.number)), zero)
         reach = ar.add(ar.rmpy(share, self._wheel_max, SHARE_Q), self._slack)
         likely = ar.gt(reach, ar.abs(error))

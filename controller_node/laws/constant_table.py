@@ -1,9 +1,9 @@
 """Constant table of a law as data: computed offline, checked into the package, loaded without linear algebra.
 
 A law keeps its constants in a frozen dataclass. A field, with :func:`held` as its metadata, is a ``Constant``, a tuple
-of them or a tuple of such tuples. A constant is called after its place: ``deviation_max``, ``free[3]``,
-``model[0][2]``. The file holds one row per constant, head lines that say for which operating point it was computed,
-and a check sum::
+of them or a tuple of such tuples. A constant is named after its position: ``deviation_max``, ``free[3]``,
+``model[0][2]``. The file has one row per constant, header lines with the operating point for which it was computed, and
+a check sum::
 
     # law: ipfc
     ...
@@ -28,7 +28,7 @@ from railhil.controller_node.arithmetic.base import Constant
 
 FOLDER = Path(__file__).parent / "tables"
 COLUMNS = ("name", "q", "raw", "value", "rounding_error", "relative_error", "origin")
-#: A constant held less exactly than this deserves a look.
+#: A constant with a larger relative rounding error is reported.
 COARSE = 1e-4
 
 _TITLE = "# Constants of a control law, written by python -m railhil.controller_node.laws.generate, not by hand."
@@ -57,7 +57,7 @@ def flatten(table: Any) -> tuple[Constant, ...]:
 
 
 def build(kind: type[Table], values: Mapping[str, Any]) -> Table:
-    """A table from plain numbers: per field one, or nested sequences of them.
+    """A table from plain numbers: for each field a number, or nested sequences of numbers.
 
     Raises ``ValueError`` when a number does not fit the format of its field.
     """
@@ -72,10 +72,10 @@ def build(kind: type[Table], values: Mapping[str, Any]) -> Table:
 
 
 def rebuild(kind: type[Table], constants: Sequence[Constant]) -> Table:
-    """The table that :func:`flatten` made these constants from, by their names.
+    """The table from which :func:`flatten` made these constants, by their names.
 
-    Raises ``ValueError`` (name, then what is wrong) for a name without a field, a field without a constant, and a
-    name that is not the one of its place.
+    Raises ``ValueError`` (name, then what is wrong) for a name without a field, a field without a constant, and a name
+    that does not match its position.
     """
     declared = [item.name for item in fields(kind)]  # type: ignore[arg-type]
     found: dict[str, Any] = {}
@@ -110,7 +110,7 @@ def _nested(leaves: list[tuple[tuple[int, ...], Constant]]) -> Any:
 
 
 def coarse(constants: Iterable[Constant], limit: float = COARSE) -> tuple[Constant, ...]:
-    """Constants whose format holds them with a relative error above ``limit``."""
+    """Constants with a relative rounding error above ``limit``."""
     return tuple(constant for constant in constants if constant.relative_error > limit)
 
 
@@ -128,7 +128,7 @@ def _row(constant: Constant) -> list[str]:
 
 @dataclass(frozen=True)
 class LawTable(Generic[Table]):
-    """The checked-in table of one law: its operating point, and how to compute a table at any."""
+    """The checked-in table of one law: its operating point, and how to compute a table for any other."""
 
     law: str
     kind: type[Table]
@@ -141,7 +141,7 @@ class LawTable(Generic[Table]):
 
     @property
     def path(self) -> Path:
-        """Where the table lies."""
+        """Path of the table's file."""
         return self.folder / f"{self.law}.csv"
 
     def make(self, parameters: Any, control_period_s: float, notch_max: float) -> Table:
@@ -156,7 +156,7 @@ class LawTable(Generic[Table]):
         return self.compute(parameters, control_period_s, notch_max)
 
     def text(self) -> str:
-        """The file, computed."""
+        """The computed text of the file."""
         constants = flatten(self.compute(self.parameters, self.control_period_s, self.notch_max))
         body = io.StringIO()
         writer = csv.writer(body, lineterminator="\n")
@@ -187,7 +187,7 @@ class LawTable(Generic[Table]):
         rows = list(csv.reader(io.StringIO(body)))
         head = dict(line[2:].strip().split(": ", 1) for line in comments if ": " in line)
         expected = self._head(max(len(rows) - 1, 0), body)
-        # The check sum last: a row that is wrong in itself is named.
+        # Compare the check sum last, so that an invalid row is named.
         for key in ("law", "control_period_s", "notch_max", "parameters"):
             self._expect(key, head.get(key), expected[key])
         self._expect("columns", ",".join(rows[0] if rows else []), ",".join(COLUMNS))
@@ -207,7 +207,7 @@ class LawTable(Generic[Table]):
             raise InputError(self.path, key, Words() if found is None else found, allowed, _HINT)
 
     def _constant(self, row: list[str], formats: Mapping[str, int]) -> Constant:
-        """The constant of a row in which everything follows from its value and its field."""
+        """The constant of a row, checked to be consistent with its value and its field."""
         name = row[0] if row else ""
         self._expect(name, f"{len(row)} columns", f"{len(COLUMNS)} columns")
         q = formats.get(name.partition("[")[0])

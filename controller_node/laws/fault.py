@@ -1,4 +1,4 @@
-"""What a law that fails is told: where in its text, after which quantity, and what to use instead."""
+"""The error message for a law that fails: where in its source, after which quantity, and what to use instead."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ _ALLOWED = "operations of the arithmetic on operands, formats that agree, no bra
 
 
 def _folders(kind: type[Any]) -> set[Path]:
-    """Folders of the files in which a law and what it inherits from are written."""
+    """Folders of the source files of a law and its base classes."""
     found = set()
     for part in kind.__mro__:
         if hasattr(part, "step") and not inspect.isabstract(part):
             try:
                 found.add(Path(inspect.getfile(part)).resolve().parent)
             except (OSError, TypeError):
-                # Made without a file, in a console: it has no place to name.
+                # Defined in a console, without a file: there is no location to name.
                 continue
     return found
 
 
 def place(kind: type[Any], error: BaseException) -> str:
-    """Where in the text of a law an exception came from, ``FILE:LINE``; empty when no line of it was involved."""
+    """Location in a law's source where an exception was raised, ``FILE:LINE``; empty if no line of it was involved."""
     folders = _folders(kind)
     at = ""
     for frame in traceback.extract_tb(error.__traceback__):
@@ -36,15 +36,15 @@ def place(kind: type[Any], error: BaseException) -> str:
 
 
 def _beginning(kind: type[Any], function: str) -> str:
-    """Where a function of a law begins, ``FILE:LINE``: the place of a failure over what it has answered."""
+    """Where a function of a law begins, ``FILE:LINE``: the location reported for a wrong result."""
     code = getattr(getattr(kind, function, None), "__code__", None)
     return f"{code.co_filename}:{code.co_firstlineno}" if code is not None else kind.__qualname__
 
 
 def law_fault(name: str, kind: type[Any], error: Exception, function: str, quantity: str | None) -> InputError:
-    """The one line for an exception that a law has raised, or that its answer has caused.
+    """The one-line message for an exception raised by a law, or caused by its result.
 
-    :param name: under which the law was asked for.
+    :param name: the name by which the law was requested.
     :param function: name of the law's function that was called.
     :param quantity: the last quantity that the law had named, None for none.
     """

@@ -2,21 +2,21 @@
 
 The textbook law, one of the comparators of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, who name it without its
 equations: error e and change ec are each described by seven triangular sets NB..PB, 49 rules say how far each gain
-moves from its middle, and
+moves from its nominal value, and
 
     du = Kp ec + Ki Ts e + Kd / Ts (ec - ec before)
 
-Inference by products, defuzzified by the centre of singletons. Neighbouring triangles add up to 1, so the 49 products
-do too and the centroid has no divisor. An increment has no memory but the notch really sent: nothing winds up at the
-end of the notch range.
+Product inference, defuzzification by the centre of singletons. Neighbouring triangles add up to 1, and so do the 49
+products, so the centroid needs no division. The only memory of the incremental form is the notch really sent, so there
+is no wind-up at the end of the notch range.
 
-No traction is asked for in the last two seconds before the stop, that is, once the set-point ahead is below zero. With
-set-points by time this hardly ever acts. By distance they fall as the root of the distance left: a train a little
-behind would be driven up to them again, and over the stopping point.
+No traction is requested in the last two seconds before the stop, that is, once the future set-point is below zero. With
+set-points by time this hardly ever acts. With set-points by distance they fall with the square root of the remaining
+distance: a train slightly too slow would be accelerated again and overrun the stopping point.
 
-Rules: see ``fuzzy_pid_constants``. They mirror, so the law answers (-e, -ec) with the opposite notch. The tables that
-are most often reprinted (Kp from PB at e = ec = NB down to NB at e = ec = PB) do not: with them a train that is too
-slow has other gains than one that is too fast.
+Rules: see ``fuzzy_pid_constants``. They are symmetric, so (-e, -ec) gives the opposite notch. The tables most often
+reprinted (Kp from PB at e = ec = NB down to NB at e = ec = PB) are not: with them a train that is too slow has other
+gains than one that is too fast.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class FuzzyPid(Law[T, FuzzyPidState[T]]):
 
     @property
     def horizon(self) -> int:
-        """The PID needs the set-point of its own period only; those ahead say that the stop is near."""
+        """The PID needs only the set-point of its own period; future ones show that the stop is near."""
         return self._horizon
 
     @property
@@ -89,11 +89,11 @@ class FuzzyPid(Law[T, FuzzyPidState[T]]):
         return self.table.entries()
 
     def start(self, inputs: LawInputs[T]) -> FuzzyPidState[T]:
-        """Earlier errors are taken to equal the first."""
+        """Earlier errors are assumed equal to the first."""
         ar = self._ar
         error = ar.sub(inputs.set_point, inputs.speed)
         if not ar.wide:
-            # The step that follows counts what the limit of the format did.
+            # Saturation by the format limit is counted in the following step.
             error = ar.clip(error, self._error_max, self._error_min)
         return FuzzyPidState(error, self._zero, self._zero)
 
@@ -116,7 +116,7 @@ class FuzzyPid(Law[T, FuzzyPidState[T]]):
         increment = ar.note("increment", ar.dot(gains, (change, error, bend), _GAIN_TO_NOTCH), NOTCH_RAW_Q, "notch")
         notch_raw = ar.add(ar.convert(state.notch, NOTCH_Q, NOTCH_RAW_Q), increment)
         notch_raw = ar.note("notch_raw", notch_raw, NOTCH_RAW_Q, "notch")
-        # No traction next to the stop.
+        # No traction close to the stop.
         upper = ar.where(ar.gt(self._zero, inputs.preview[-1]), self._zero, self._notch_max)
         clipped = ar.clip(notch_raw, upper, self._notch_min)
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
@@ -130,13 +130,14 @@ class FuzzyPid(Law[T, FuzzyPidState[T]]):
         found = []
         for middle, span, rows in zip(self._gains, self._spans, self._rules, strict=True):
             by_error = [ar.dot(row, in_change, _GAIN_TO_GAIN) for row in rows]
-            # Inside -1..1 already, because memberships add up to 1; said again for whoever bounds what follows.
+            # Already inside -1..1, because memberships add up to 1; repeated for the interval analysis.
             share = ar.clip(ar.dot(by_error, in_error, _GAIN_TO_GAIN), self._one, ar.neg(self._one))
             found.append(ar.add(middle, ar.rmpy(span, share, _GAIN_TO_GAIN)))
         return found
 
     def _memberships(self, value: T, big: T, scale: T) -> list[T]:
-        """How far a value (km/h, Q20) belongs to each of NB..PB (Q24); beyond the outer peaks it belongs to those."""
+        """Membership of a value (km/h, Q20) in each of NB..PB (Q24); beyond the outer peaks it is 1 in the outer
+        set."""
         ar = self._ar
         scaled = ar.rmpy(ar.clip(value, big, ar.neg(big)), scale, _SPEED_TO_SCALED)
         scaled = ar.clip(scaled, self._peaks[-1], self._peaks[0])

@@ -1,6 +1,6 @@
 """Parameters of the fuzzy PID law, its rules, and the table of constants made from them.
 
-Gains are those of continuous time, so that they hold at every control period (see ``fuzzy_pid``).
+Gains are those of continuous time, so that they are valid for every control period (see ``fuzzy_pid``).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from railhil.controller_node.laws.constant_table import LawTable, build, flatten
 #: Gains per control period, memberships, scaled inputs, outputs of the rules.
 GAIN_Q = 24
 
-#: Fixed-point limits of the error and of its second difference, km/h: beyond them only when a speed suddenly reads
+#: Fixed-point limits of the error and of its second difference, km/h, exceeded only when a speed reading is suddenly
 #: wrong.
 ERROR_MAX_KMH = 100.0
 BEND_MAX_KMH = 20.0
@@ -27,9 +27,10 @@ BEND_MAX_KMH = 20.0
 PEAKS = (-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0)
 
 # Rules after Zhao, Tomizuka and Isaka, "Fuzzy gain scheduling of PID controllers", IEEE Trans. Systems, Man and
-# Cybernetics 23(5), 1993: far from the target, or crossing it slowly, act hard; crossing it fast, hold back and damp.
-# Rows: error NB..PB; columns: change of the error NB..PB. Here every rule says how far a gain moves from its middle,
-# as a share of its span.
+# Cybernetics 23(5), 1993: far from the target, or crossing it slowly, act strongly; crossing it fast, act weakly and
+# damp.
+# Rows: error NB..PB; columns: change of the error NB..PB. Here every rule gives the deviation of a gain from its
+# nominal value, as a share of its span.
 _HALVES = {
     "kp": (
         "PB PB PB PB PB PB PB",
@@ -37,7 +38,7 @@ _HALVES = {
         "NB NB PB PB PB NB NB",
         "NB NB NB PB NB NB NB",
     ),
-    # Their ratio of integral to derivative time is 2, 3, 4, 5 where this says PB, PS, NS, NB.
+    # Their ratio of integral to derivative time is 2, 3, 4, 5 where this table has PB, PS, NS, NB.
     "ki": (
         "PB PB PB PB PB PB PB",
         "PS PS PB PB PB PS PS",
@@ -55,7 +56,7 @@ _SHARES = {"NB": -1.0, "NM": -2 / 3, "NS": -1 / 3, "ZO": 0.0, "PS": 1 / 3, "PM":
 
 Shares = tuple[tuple[float, ...], ...]
 Gain = Annotated[float, Field(ge=0, le=100)]
-#: Above 1 a gain could change its sign.
+#: Above 1 a gain could change sign.
 Span = Annotated[float, Field(ge=0, le=1)]
 Big = Annotated[float, Field(ge=0.03, le=100)]
 
@@ -63,7 +64,7 @@ Big = Annotated[float, Field(ge=0.03, le=100)]
 def rules(gain: str) -> Shares:
     """Rule table of ``kp``, ``ki`` or ``kd`` as shares -1..1, shape (7, 7).
 
-    The tables mirror at error zero, so that a train above its target is treated as one below.
+    The tables are symmetric about zero error, so a train above its target is treated like one below.
     """
     half = [tuple(_SHARES[label] for label in row.split()) for row in _HALVES[gain]]
     return (*half, *half[-2::-1])
@@ -71,24 +72,24 @@ def rules(gain: str) -> Shares:
 
 @dataclass(frozen=True, slots=True)
 class FuzzyPidParameters:
-    """Parameters of the law, tuned by hand: the paper prints none.
+    """Parameters of the law, tuned by hand, because the paper gives none.
 
     The plant is nearly an integrator of 0.75 km/h/s per notch behind a lag of 2.9 s; derivative time 2 s, integral time
-    4 s and a crossover near 1.3 rad/s leave it stable with its delay.
+    4 s and a crossover near 1.3 rad/s leave the loop stable with its delay.
     """
 
-    #: Middle of the gains: notch per km/h, notch per km/h and s, notch per km/h/s.
+    #: Nominal gains: notch per km/h, notch per km/h and s, notch per km/h/s.
     proportional: Gain = 2.0
     integral_per_s: Gain = 0.5
     derivative_s: Gain = 4.0
-    #: How far the rules move each gain, as a share of its middle.
+    #: Span by which the rules move each gain, as a share of its nominal value.
     proportional_span: Span = 0.3
     integral_span: Span = 0.5
     derivative_span: Span = 0.3
     #: Error and its rate of change that are "big" (peak of NB and PB).
     error_big_kmh: Big = 1.0
     rate_big_kmh_per_s: Big = 1.0
-    #: Time before the stop from which on there is no traction.
+    #: Time before the stop from which traction is suppressed.
     no_traction_s: Annotated[float, Field(ge=0, le=30)] = 2.0
 
 
@@ -167,8 +168,8 @@ TABLE = LawTable("fuzzy_pid", FuzzyPidConstants, FuzzyPidParameters(), 0.5, 7.0,
 
 @lru_cache(maxsize=8)
 def make_constants(parameters: FuzzyPidParameters, period_s: float, notch_max: float) -> FuzzyPidConstants:
-    """As :func:`compute_constants`, but from the checked-in table at its operating point.
+    """Like :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
+    Also raises :class:`~railhil.common.errors.InputError` (one line) if that table is not as generated.
     """
     return TABLE.make(parameters, period_s, notch_max)

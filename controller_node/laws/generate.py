@@ -1,6 +1,6 @@
 """Write the constant tables of the laws: ``python -m railhil.controller_node.laws.generate`` (or ``make tables``).
 
-With ``--check`` nothing is written; the exit code is 1 when a table is not what its law computes.
+With ``--check`` nothing is written; the exit code is 1 if a table differs from what its law computes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ TABLES: tuple[LawTable[Any], ...] = (
 
 
 def main(arguments: Sequence[str] | None = None, tables: Sequence[LawTable[Any]] = TABLES) -> int:
-    """Write or check every table; says which constants their formats hold coarsely."""
+    """Write or check every table; lists the constants with large rounding errors."""
     parser = argparse.ArgumentParser(
         prog="python -m railhil.controller_node.laws.generate", description="Constant tables."
     )

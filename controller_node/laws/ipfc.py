@@ -1,8 +1,8 @@
 """IPFC: predictive functional control of the train's speed with a switched basis and an adapted softening factor.
 
-The core of ``pfc`` with section 3 of Wang et al. (see ``pfc_model``); equation numbers are theirs. Readings of what the
-paper leaves open, beside the core's: eq. (22) takes wavelets *above* the threshold, the windows of eqs. (24) and (25)
-have their words swapped, eq. (23) works on the size of the error.
+The core of ``pfc`` with section 3 of Wang et al. (see ``pfc_model``); equation numbers are theirs. Interpretations of
+what the paper leaves open, in addition to those of the core: eq. (22) takes wavelets *above* the threshold, the
+descriptions of the windows of eqs. (24) and (25) are swapped, eq. (23) uses the magnitude of the error.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class IpfcState(NamedTuple, Generic[T]):
 class Ipfc(Pfc[T, IpfcState[T]]):
     """The IPFC law on one arithmetic.
 
-    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for parameters that do not fit each other.
+    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for inconsistent parameters.
     """
 
     name: ClassVar[str] = "ipfc"
@@ -84,7 +84,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
         self._one_alpha = ar.const(table.one_softening)
 
     def start(self, inputs: LawInputs[T]) -> IpfcState[T]:
-        """Model at rest; earlier errors are taken to equal the first ones."""
+        """Model at rest; earlier errors are assumed equal to the first ones."""
         tracking_error = self._ar.sub(inputs.set_point, inputs.speed)
         errors = (inputs.speed,) * self._error_window
         return IpfcState((self._zero, self._zero), self._zero, errors, tracking_error)
@@ -114,25 +114,26 @@ class Ipfc(Pfc[T, IpfcState[T]]):
         return [ar.sub(self._one_alpha, powers[point - 1]) for point in self._fit_points]
 
     def _rise_time(self, error: T, error_before: T) -> T:
-        """Eq. (23) on the size of the error, s (Q24)."""
+        """Eq. (23) with the magnitude of the error, s (Q24)."""
         ar = self._ar
         size = ar.abs(error)
         closed = ar.sub(ar.abs(error_before), size)
         closing = ar.gt(closed, self._zero)
         rate = ar.where(closing, ar.rsmpy(closed, self._per_period, RATE_Q), self._one)
         if not ar.wide:
-            # Keeps the quotient at or below 1 s.
+            # Limits the quotient to 1 s.
             rate = ar.maximum(rate, size)
         ratio = ar.div(size, rate, RISE_Q)
         return ar.where(closing, ratio, ar.where(ar.gt(size, self._zero), self._rise_never, self._zero))
 
     def rise_satisfaction(self, t_s: T) -> T:
-        """Eq. (24): satisfaction (Q24) with a rise time in s (Q24); its cases in printed order, so 0 s gives 1."""
+        """Eq. (24): satisfaction (Q24) with a rise time in s (Q24); its cases in the published order, so 0 s gives
+        1."""
         inside = self._membership(t_s, t_s, _RISE_TO_SATISFACTION, *self._rise)
         return self._ar.where(self._ar.gt(t_s, self._zero), inside, self._one_mu)
 
     def speed_satisfaction(self, low: T, high: T) -> T:
-        """Eq. (25) at its worst (Q24), from the extremes of predicted speed minus target (km/h, Q20).
+        """Minimum of eq. (25) (Q24), from the extremes of predicted speed minus target (km/h, Q20).
 
         The membership is monotone on each flank, so the extremes over the horizon suffice.
         """
@@ -147,7 +148,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
     ) -> T:
         """Trapezoid of eqs. (24) and (25), the smaller of that of ``low`` and of ``high`` where low <= high (Q24).
 
-        Left and right flank are cut to their widths before the product, which therefore cannot overflow.
+        Left and right flank are clipped to their widths before the product, which therefore cannot overflow.
         """
         ar = self._ar
         below = ar.clip(ar.sub(low, window[0]), self._zero, ar.neg(widths[0]))
@@ -157,7 +158,7 @@ class Ipfc(Pfc[T, IpfcState[T]]):
         return ar.clip(ar.minimum(left, right), self._one_mu, self._zero)
 
     def _prediction_satisfaction(self, inputs: LawInputs[T], free: tuple[T, ...], notch: T) -> T:
-        """Smallest satisfaction of eq. (25) over the horizon if the notch stayed as it is."""
+        """Smallest satisfaction of eq. (25) over the horizon with an unchanged notch."""
         ar = self._ar
         misses = [
             ar.sub(ar.add(ar.add(inputs.speed, change), ar.rmpy(response, notch, _NOTCH_TO_SPEED)), target)

@@ -36,21 +36,22 @@ from railhil.controller_node.laws.pfc_notes import BASIS_STEP, BASIS_WAVELET, SA
 
 #: Reciprocals of the fuzzy widths and of the control period.
 RATE_Q = 20
-#: Rise times: in Q20 the fuzzy width of 6 ms would be off by 7e-5, and no rise time would be quite unsatisfying.
+#: Rise times: in Q20 the fuzzy width of 6 ms would be off by 7e-5, and no rise time would give a satisfaction of
+#: exactly 0.
 RISE_Q = 24
 
-#: Fixed-point limit of the estimated rise time, s; every larger value has satisfaction 0 as well.
+#: Fixed-point limit of the estimated rise time, s; all larger values also have satisfaction 0.
 RISE_TIME_MAX_S = 1.0
 
 RiseTime = Annotated[float, Field(ge=0, le=RISE_TIME_MAX_S)]
 Speed = Annotated[float, Field(ge=0, le=100)]
-#: A fuzzy width, s or km/h: its reciprocal has to fit ``RATE_Q``.
+#: Fuzzy width, s or km/h: its reciprocal has to fit ``RATE_Q``.
 Width = Annotated[float, Field(ge=0.0005, le=100)]
 
 
 @dataclass(frozen=True, slots=True)
 class IpfcParameters(PfcParameters):
-    """Parameters of the law, section 4.4 of the paper where it states them."""
+    """Parameters of the law, from section 4.4 of the paper where it states them."""
 
     wavelets: Wavelets = WAVELETS
     #: Eq. (22): mean acceleration over the horizon above which wavelets are used, km/h per s.
@@ -79,7 +80,7 @@ class IpfcParameters(PfcParameters):
 
     @property
     def free_points(self) -> Sequence[int]:
-        """Eq. (25) judges the whole horizon."""
+        """Eq. (25) is evaluated over the whole horizon."""
         return range(1, self.horizon + 1)
 
 
@@ -136,7 +137,7 @@ def softening_curve(parameters: IpfcParameters, table: IpfcConstants) -> Curve:
 def compute_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
     """The constant table at a control period (s) and a notch range (notches).
 
-    Raises ``ValueError`` when a constant does not fit its format, or fitting points or orders do not fit each other.
+    Raises ``ValueError`` when a constant does not fit its format, or fitting points or orders are inconsistent.
     """
     p = parameters
     if p.softening_min <= 0:
@@ -174,8 +175,8 @@ TABLE = LawTable("ipfc", IpfcConstants, IpfcParameters(), 0.5, 7.0, compute_cons
 
 @lru_cache(maxsize=8)
 def make_constants(parameters: IpfcParameters, period_s: float, notch_max: float) -> IpfcConstants:
-    """As :func:`compute_constants`, but from the checked-in table at its operating point.
+    """Like :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
+    Also raises :class:`~railhil.common.errors.InputError` (one line) if that table is not as generated.
     """
     return TABLE.make(parameters, period_s, notch_max)

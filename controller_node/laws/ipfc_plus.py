@@ -1,9 +1,9 @@
-"""IPFC+: predictive functional control of speed and position with everything that is known fed forward.
+"""IPFC+: predictive functional control of speed and position with feed-forward of everything that is known.
 
-Ours, around the core of the paper's law (an internal model, basis functions, fitting points, gains made offline). What
-is known of the run enters as tables over the control period number; what is not known (force per notch, lag, a rest of
-resistance, wheel circumference) is estimated on the way. ``docs/ipfc_plus.md`` has the equations and what each element
-is worth.
+railhil's own law, built around the core of the paper's law (an internal model, basis functions, fitting points, gains
+computed offline). What is known about the run enters as tables over the control period number; what is not known (force
+per notch, lag, remaining resistance, wheel circumference) is estimated on line. ``docs/ipfc_plus.md`` has the equations
+and the contribution of each element.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ _SPEED_TO_GAP = SPEED_Q + ADVANCE_Q - GAP_Q
 
 
 class ObserverState(NamedTuple, Generic[T]):
-    """What the law knows of the train at the last reading.
+    """Estimated state of the train at the last reading.
 
-    ``speed`` as the wheel has it (km/h, Q20), ``disturbance`` (km/h/s, Q22), ``gain`` acceleration per notch
-    (km/h/s, Q22), ``lag`` by which the train follows later than the model (s, Q24), ``lagged`` the notch behind the
-    actuator's lag (Q24).
+    ``speed`` as measured at the wheel (km/h, Q20), ``disturbance`` (km/h/s, Q22), ``gain`` acceleration per notch
+    (km/h/s, Q22), ``lag`` the additional lag of the train compared with the model (s, Q24), ``lagged`` the notch after
+    the actuator's lag (Q24).
     """
 
     speed: T
@@ -132,7 +132,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
 
     @property
     def horizon(self) -> int:
-        """None: the set-points are in the law's own tables."""
+        """Zero: the set-points are in the law's own tables."""
         return 0
 
     @property
@@ -140,7 +140,8 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         return (*self.table.entries(), self._odometer.per_distance)
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
-        """What the law clips, and: the lagged notch is a mean of notches, the balises' sums stop at their limit.
+        """Bounds of the clipped variables; in addition, the lagged notch is a mean of notches, and the balises' sums
+        stop at their limit.
 
         A millionth is added for the rounding of the weights.
         """
@@ -190,7 +191,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         return new_state, LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
 
     def _observe(self, state: IpfcPlusState[T], speed: T, planned: dict[str, T]) -> ObserverState[T]:
-        """The observer from the last reading to this one: what was expected, and what the surprise says."""
+        """Advance the observer from the last reading to this one: prediction, and correction by the innovation."""
         ar, old = self._ar, state.observer
         drive = (old.lagged, state.notch_before, state.notch)
         lagged = ar.note("lagged", ar.dot(self._lagged, drive, _UNIT_TO_UNIT), UNIT_Q, "notch")
@@ -198,7 +199,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         expected = ar.add(old.speed, self._gained(old, integral, old.lagged, lagged))
         expected = ar.add(expected, ar.rmpy(old.disturbance, self._period, _ACCEL_BY_UNIT_TO_SPEED))
         expected = ar.sub(expected, planned["drag_over_period"])
-        # A standing train says nothing about its forces; one that cannot have stopped has lost a reading.
+        # A standing train gives no information about its forces; if it cannot have stopped, the reading is a fault.
         moving = ar.gt(speed, self._zero)
         expected_still = ar.where(ar.gt(expected, self._standstill), expected, self._zero)
         expected = ar.note("expected", ar.where(moving, expected, expected_still), SPEED_Q, "km/h")
@@ -228,13 +229,14 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         )
 
     def _gained(self, observer: ObserverState[T], integral: T, before: T, after: T) -> T:
-        """Speed (km/h, Q20) that the actuator gives while the lagged notch goes from one value to another."""
+        """Speed (km/h, Q20) gained from the actuator while the lagged notch goes from one value to another."""
         ar = self._ar
         late = ar.rmpy(observer.lag, ar.sub(after, before), _UNIT_TO_UNIT)
         return ar.rmpy(observer.gain, ar.sub(integral, late), _ACCEL_BY_UNIT_TO_SPEED)
 
     def _errors(self, observer: ObserverState[T], notch: T, place: Place[T], planned: dict[str, T]) -> tuple[T, T, T]:
-        """Force (km/h/s, Q22), and errors of speed (km/h, Q20) and position (0.1 mm, Q6) when the coming notch acts."""
+        """Force (km/h/s, Q22), and errors of speed (km/h, Q20) and position (0.1 mm, Q6) when the next notch takes
+        effect."""
         ar = self._ar
         drive = (observer.lagged, notch)
         lagged = ar.dot(self._delay_lagged, drive, _UNIT_TO_UNIT)

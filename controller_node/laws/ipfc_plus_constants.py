@@ -1,8 +1,8 @@
 """Parameters of IPFC+ and the constants made from them and from the scenario.
 
-Unlike the table of IPFC this one holds the run: target, feed-forward and gains over the control period number. It is
-therefore computed for each scenario. Its values are rounded to their formats, in every arithmetic: no constant differs
-between fixed point and float64, nor with the last bit of a mathematical library.
+Unlike the table of IPFC this one contains the run: target, feed-forward and gains over the control period number. It is
+therefore computed for each scenario. Its values are rounded to their formats in every arithmetic, so no constant
+differs between fixed point and float64, or with the last bit of a mathematical library.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from railhil.scenarios.target import Target
 UNIT_Q = 24
 #: Accelerations, disturbance, acceleration per notch: km/h/s.
 ACCEL_Q = 22
-#: Part of the run behind the train, 0..1.25.
+#: Share of the run already covered, 0..1.25.
 SHARE_Q = 28
-#: Error of the odometer as part of the run, correction of the wheel.
+#: Error of the odometer as a share of the run, correction of the wheel.
 WHEEL_Q = 30
 #: Sums over balises.
 SUM_Q = 26
@@ -50,64 +50,64 @@ ADVANCE_Q = 16
 
 #: Longest run, m: a wheel error over its distance has to fit ``GAP_Q``.
 DISTANCE_MAX_M = 100_000.0
-#: The odometer is followed a quarter beyond the planned distance; further on no position matters.
+#: The odometer is used up to a quarter beyond the planned distance; further positions do not matter.
 SHARE_MAX = 1.25
-#: Sum of squared shares after which further balises are no longer taken in (its format ends at 32).
+#: Sum of squared shares above which further balises are ignored (its format ends at 32).
 SUM_MAX = 30.0
-#: Weight of the nominal wheel on very long runs, where the format would hold none.
+#: Weight of the nominal wheel on very long runs, where the format would round it to zero.
 PRIOR_MIN = 2.0**-20
-#: Speeds in the observer, km/h: what the wire can carry, and some backwards.
+#: Speeds in the observer, km/h: the range of the wire, and some negative ones.
 SPEED_MAX_KMH = 540.0
-#: Virtual speeds after the stop go no lower, km/h.
+#: Lower limit of the virtual speeds after the stop, km/h.
 VIRTUAL_MIN_KMH = -100.0
 _KMH = 3.6
 _01MM = 1e4
 
-#: The gains grow with the cube of its inverse.
+#: Lower limit of the re-planning time: the gains grow with the cube of its inverse.
 ReplanTime = Annotated[float, Field(ge=0.1, le=120)]
-#: A spread or a limit, in whatever unit: none, or at most far beyond any train.
+#: A spread or a limit, in any unit: from 0 to far beyond any train.
 Hundred = Annotated[float, Field(ge=0, le=100)]
 Ten = Annotated[float, Field(ge=0, le=10)]
 
 
 @dataclass(frozen=True, slots=True)
 class IpfcPlusParameters:
-    """Parameters of the law. The ``*_sigma`` are standard deviations of what a run may differ by from its plan."""
+    """Parameters of the law. The ``*_sigma`` are standard deviations of a run from its plan."""
 
     #: Mean delay from a speed's sampling to the notch's effect, s (0.02 to 0.20 s in the perturbed runs).
     loop_delay_s: Annotated[float, Field(gt=0, le=1)] = 0.11
-    #: Basis functions of the notch to come, and fitting points after the notch's effect, s.
+    #: Basis functions of the future notch, and fitting points after the notch takes effect, s.
     basis: Literal["step", "ramp", "wavelets"] = "ramp"
     fit_points_s: Annotated[tuple[Annotated[float, Field(gt=0, le=30)], ...], Field(min_length=1, max_length=8)] = (
         1.0,
         2.0,
         3.0,
     )
-    #: False: resistance and grade are left to the observer's disturbance.
+    #: False: resistance and grade are covered only by the observer's disturbance.
     drag_fed_forward: bool = True
-    #: Time in which speed and position errors are removed, s: all that is left of the timetable, inside these.
+    #: Time in which speed and position errors are removed, s: the time left in the timetable, limited to this range.
     replan_max_s: ReplanTime = 10.0
     replan_min_s: ReplanTime = 2.0
     #: Limits of the errors that the law reacts to.
     position_error_max_m: Hundred = 6.0
     speed_error_max_kmh: Hundred = 10.0
     innovation_max_kmh: Hundred = 2.0
-    #: A train that should be faster than this does not stand because one reading says so.
+    #: Above this expected speed a reading of 0 is treated as a fault.
     standstill_kmh: Hundred = 3.0
-    #: Force per notch over mass, relative, and the range in which it is looked for.
+    #: Force per notch over mass, relative, and the range of its estimate.
     gain_sigma: Ten = 0.065
     gain_error_max: Annotated[float, Field(ge=0, le=0.9)] = 0.2
     #: Actuator's time constant and loop delay together, s.
     lag_sigma_s: Ten = 0.26
     lag_error_max_s: Ten = 0.4
-    #: No notch is asked for that exceeds the nominal train's forces at the planned speed by more than this share.
+    #: The requested notch exceeds the nominal train's forces at the planned speed by at most this share.
     force_limit_margin: Ten = 0.1
-    #: What else accelerates the train, m/s2: at the start, its change per root of a second, its range.
+    #: Disturbance acceleration, m/s2: initial spread, random walk per square root of a second, range.
     disturbance_sigma_mps2: Ten = 0.015
     disturbance_walk_mps2: Ten = 0.002
     disturbance_max_mps2: Ten = 0.5
     speed_noise_mps: Annotated[float, Field(ge=1e-5, le=10)] = 0.004
-    #: Balise position, m, and wheel circumference, relative; the largest errors believed.
+    #: Balise position, m, and wheel circumference, relative; the largest errors accepted.
     balise_sigma_m: Ten = 0.03
     balise_error_max_m: Hundred = 0.5
     wheel_sigma: Annotated[float, Field(ge=1e-6, le=1)] = 0.003
@@ -186,7 +186,7 @@ class IpfcPlusConstants:
 
 
 def per_distance(distance_m: float) -> Constant:
-    """1 / planned distance, per 0.1 mm, in the finest format that holds it."""
+    """1 / planned distance, per 0.1 mm, in the finest format that can represent it."""
     value = 1 / (distance_m * _01MM)
     return Constant("per_distance", value, 30 - math.frexp(value)[1], "1 / planned distance")
 
@@ -204,7 +204,7 @@ def _over_time(p: IpfcPlusParameters, scenario: Scenario) -> dict[str, ArrayLike
     begins_s = np.arange(math.ceil(end_s / period_s) + 1, dtype=np.float64) * np.float64(period_s)
     instants_s = (begins_s, begins_s + delay_s, begins_s + delay_s + period_s, np.maximum(begins_s - period_s / 2, 0.0))
     now, acting, after, middle = (plan(scenario, at_s, p.drag_fed_forward) for at_s in instants_s)
-    # Nothing has moved before the first period.
+    # Before the first period nothing moves.
     drag_before_mps = np.where(begins_s > 0.0, middle.drag_mps2 * period_s, 0.0)
     pole = train.actuator_pole_per_s
     decay = math.exp(-pole * period_s)
@@ -244,8 +244,8 @@ def _over_time(p: IpfcPlusParameters, scenario: Scenario) -> dict[str, ArrayLike
 def compute_constants(p: IpfcPlusParameters, scenario: Scenario) -> IpfcPlusConstants:
     """The constant table of a scenario.
 
-    Raises ``ValueError`` when a constant does not fit its format, the loop delay the control period, the fitting points
-    the basis, the re-planning times each other, or the run is too long.
+    Raises ``ValueError`` if a constant does not fit its format, if the loop delay, the fitting points or the
+    re-planning times are inconsistent with the control period, the basis or each other, or if the run is too long.
     """
     period_s = scenario.timing.control_period_ns / 1e9
     if p.replan_min_s > p.replan_max_s:

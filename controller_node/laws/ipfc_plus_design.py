@@ -1,8 +1,8 @@
-"""Offline side of IPFC+: what the law tabulates over the control period number before a run, in SI units.
+"""Offline part of IPFC+: the quantities tabulated over the control period number before a run, in SI units.
 
-The train between two control periods is the lag of its actuator and an integrator; everything else that acts on it
-(running resistance, grade) is known along the timetable and goes into the feed-forward. So the law's gains depend on
-the time alone, and no matrix is left for the run itself.
+Between two control periods the train is modelled as the lag of its actuator and an integrator; everything else that
+acts on it (running resistance, grade) is known along the timetable and enters the feed-forward. The law's gains
+therefore depend only on time, and no matrix computation remains during the run.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ DESIGN_SEEDS = dict.fromkeys(
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """The run as planned, at the instants ``times_s`` (arrays of their shape): what the actuator has to do.
+    """The planned run at the instants ``times_s`` (arrays of their shape): the requirements on the actuator.
 
-    ``force_mps2`` is the acceleration wanted plus ``drag_mps2``, that of running resistance and grade, both per
-    inertial mass. ``traction_n`` and ``brake_n`` are what the train can give at the speed.
+    ``force_mps2`` is the target acceleration plus ``drag_mps2``, from running resistance and grade, both per inertial
+    mass. ``traction_n`` and ``brake_n`` are the available forces at the speed.
     """
 
     times_s: Matrix
@@ -64,8 +64,8 @@ class PlannedRun:
 def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> PlannedRun:
     """The target curve with the forces that the nominal train needs on the nominal line.
 
-    After the stop the last deceleration goes on, position and speed run backwards, and the drag is that of standstill.
-    ``drag_known`` False: as if there were none.
+    After the stop the last deceleration continues, position and speed run backwards, and the drag is that of
+    standstill. ``drag_known`` False: drag is taken as zero.
     """
     train, target = scenario.train, Target(scenario.target)
     position_m, speed_mps = target.position_m(times_s), target.speed_mps(times_s)
@@ -86,10 +86,10 @@ def plan(scenario: Scenario, times_s: Matrix, drag_known: bool = True) -> Planne
 
 @dataclass(frozen=True)
 class Uncertainty:
-    """What the observer takes for granted: standard deviations of the unknowns at the start, a random walk, noise.
+    """Assumptions of the observer: standard deviations of the unknowns at the start, a random walk, noise.
 
-    ``gain`` relative, ``lag_s`` of the actuator and the loop together, ``disturbance_mps2`` and its walk per root of a
-    second, ``noise_mps`` of one speed reading.
+    ``gain`` relative, ``lag_s`` of the actuator and the loop together, ``disturbance_mps2`` and its random walk per
+    square root of a second, ``noise_mps`` of one speed reading.
     """
 
     gain: float
@@ -126,7 +126,7 @@ def observer_gains(force_mps2: Matrix, period_s: float, uncertainty: Uncertainty
 def basis_functions(name: str, horizon: int, period_s: float) -> Matrix:
     """Basis functions at i = 0..horizon-1, shape (functions, horizon).
 
-    ``step``; ``ramp``, that is step and ramp; ``wavelets``, that is step and the two wavelets of IPFC.
+    ``step``; ``ramp``: step and ramp; ``wavelets``: step and the two wavelets of IPFC.
     """
     periods = np.arange(horizon, dtype=np.float64)
     if name == "wavelets":
@@ -139,8 +139,8 @@ def replanning_gains(
 ) -> Matrix:
     """Gains on [position error, speed error, error of the acting force] with the time left to remove them.
 
-    The speed error is to follow e_v (1 - s/R) - q s (R - s), q = 6 (e_x + e_v R / 2) / R^3, which is zero at s = R
-    together with the position error. d(h) at a fitting point is what the error must lose until there beyond what it
+    The speed error should follow e_v (1 - s/R) - q s (R - s), q = 6 (e_x + e_v R / 2) / R^3, which is zero at s = R
+    together with the position error. d(h) at a fitting point is the required reduction of the error beyond what it
     loses by itself, and u = U . d (eq. 19 of the IPFC paper).
 
     :param weights: U of the drag-free train (acceleration in, speed out), shape (fitting points,).

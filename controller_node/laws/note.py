@@ -1,4 +1,4 @@
-"""What a law tells of itself in CTL_STAT besides its notch: named figures, and how they stand on the wire."""
+"""Notes of a law in CTL_STAT, besides its notch: named figures, and their encoding on the wire."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-#: Signals of CTL_STAT for them, and the bits of each.
+#: Signals of CTL_STAT for the notes, and the bits of each.
 SLOTS = {"Note1": 4, "Note2": 16, "Note3": 16}
 #: UNIPOLAR2.16: 1/16384.
 UNIPOLAR2_Q = 14
@@ -18,9 +18,9 @@ UNIPOLAR2_Q = 14
 class Note:
     """One figure.
 
-    ``name`` heads a column (``softening_factor``), ``title`` stands in figures, ``symbol`` beside an axis. ``q``:
-    fraction bits of what the law answers, ``wire_q`` of what is sent, cut off downwards and limited to its bits.
-    ``bits`` names the bits of a bit field from bit 0 on: such a note has 4 bits on the wire, every other has 16.
+    ``name`` is used as a column header (``softening_factor``), ``title`` in figures, ``symbol`` at an axis. ``q``:
+    fraction bits of the law's result, ``wire_q``: those of the value sent, which is rounded down and limited to its
+    bits. ``bits`` names the bits of a bit field from bit 0 on: such a note has 4 bits on the wire, every other has 16.
     """
 
     name: str
@@ -39,16 +39,16 @@ class Note:
 
     @property
     def shift(self) -> int:
-        """Fraction bits that are cut off on the way to the wire."""
+        """Fraction bits dropped for the wire."""
         return self.q - self.wire_q
 
     @property
     def limits(self) -> tuple[int, int]:
-        """Least and greatest value on the wire."""
+        """Smallest and largest value on the wire."""
         return (-(1 << (self.width - 1)), (1 << (self.width - 1)) - 1) if self.signed else (0, (1 << self.width) - 1)
 
     def document(self, signal: str) -> dict[str, Any]:
-        """What the controller says of it; physical value = wire value * ``scale`` in ``unit``."""
+        """The controller's declaration of it; physical value = wire value * ``scale`` in ``unit``."""
         return {
             "signal": signal,
             "name": self.name,
@@ -62,12 +62,12 @@ class Note:
 
 
 def flags(name: str, title: str, bits: tuple[str, ...]) -> Note:
-    """A bit field, a plain number in the law as on the wire."""
+    """A bit field, the same integer in the law and on the wire."""
     return Note(name, title, 0, wire_q=0, bits=bits)
 
 
 def slots(notes: Sequence[Note]) -> dict[str, int]:
-    """Number of the note behind each signal of CTL_STAT that has one.
+    """Number of the note in each signal of CTL_STAT that carries one.
 
     :raises ValueError: they do not fit.
     """
@@ -87,7 +87,7 @@ def slots(notes: Sequence[Note]) -> dict[str, int]:
 
 
 def on_wire(note: Note, raw: int) -> int:
-    """What the signal of a note holds, two's complement, of the law's raw value."""
+    """Value of a note's signal, two's complement, from the law's raw value."""
     low, high = note.limits
     value = raw >> note.shift
     value = low if value < low else high if value > high else value

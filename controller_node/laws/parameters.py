@@ -1,7 +1,7 @@
 """Parameters of a law from a file: names and values become the law's frozen dataclass.
 
-What a value may be stands beside its default, ``Annotated[float, Field(ge=0, le=1)]``; how values must go together the
-law says itself, as a ``ValueError`` of its constructor.
+The allowed range of a value is declared with its default, ``Annotated[float, Field(ge=0, le=1)]``; relations between
+values are checked by the law itself, which raises ``ValueError`` in its constructor.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from railhil.scenarios.validation import dotted, sentence
 
 
 def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> Any:
-    """The law's parameters: its defaults with what the file says put in their places; None without a file.
+    """The law's parameters: its defaults overridden by the file; None without a file.
 
-    :param name: name under which the law was asked for.
-    :raises InputError: the file is another law's, names a parameter that the law has not, or gives one a value of
-        another type or outside its range.
+    :param name: name by which the law was requested.
+    :raises InputError: the file belongs to another law, names a parameter that the law does not have, or gives one a
+        value of another type or outside its range.
     """
     if given is None:
         return None
@@ -35,7 +35,7 @@ def law_parameters(name: str, kind: type[Any], given: ParameterSet | None) -> An
             hint = did_you_mean(key, known)
             raise InputError(given.source, "parameters", found, f"only {', '.join(known)}", hint)
     try:
-        # As JSON: strict about types, but an array is a tuple and a whole number a number.
+        # As JSON: strict about types, except that an array is accepted as a tuple and an integer as a float.
         return TypeAdapter(kind.parameters_type).validate_json(json.dumps(dict(given.values), default=str), strict=True)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]

@@ -1,12 +1,13 @@
-"""Core of predictive functional control (PFC) of the train's speed: what IPFC, TPFC1 and TPFC2 have in common.
+"""Core of predictive functional control (PFC) of the train's speed, shared by IPFC, TPFC1 and TPFC2.
 
-Sections 2.1 to 2.6 of Wang et al. (see ``pfc_model``), equation numbers are theirs. Readings of what the paper leaves
-open: eq. (11) counts i in samples, eq. (18) takes (c_n - e_n) and the free response with a minus sign. The internal
-model runs in parallel to the train, driven by the notch really sent.
+Sections 2.1 to 2.6 of Wang et al. (see ``pfc_model``), equation numbers are theirs. Interpretations of what the paper
+leaves open: eq. (11) counts i in samples, eq. (18) takes (c_n - e_n) and the free response with a minus sign. The
+internal model runs in parallel to the train, driven by the notch really sent.
 
-A law is put together so: its parameters extend ``PfcParameters``, its table ``PfcConstants``; its constructor hands
-the core one :class:`Basis` to keep, or two and the change of the set-point above which the second is used; its step
-is :meth:`Pfc.observe`, its own rule for the softening factor, :meth:`Pfc.command`. ``tpfc2`` is the shortest one:
+A law is built as follows: its parameters extend ``PfcParameters``, its table ``PfcConstants``; its constructor gives
+the core one fixed :class:`Basis`, or two and the change of the set-point above which the second is used; its step
+consists of :meth:`Pfc.observe`, its own rule for the softening factor, and :meth:`Pfc.command`. ``tpfc2`` is the
+shortest example:
 :class:`ConstantPfc` is the core with a constant softening factor.
 """
 
@@ -39,14 +40,14 @@ _DEVIATION_TO_NOTCH = DEVIATION_Q + GAIN_Q - NOTCH_RAW_Q
 
 
 class Basis(NamedTuple):
-    """Basis functions as the run needs them: their code in CTL_STAT and their gains U of eq. (19)."""
+    """Basis functions as needed at run time: their code in CTL_STAT and their gains U of eq. (19)."""
 
     code: Constant
     gains: Row
 
 
 class Observation(NamedTuple, Generic[T]):
-    """What a control period starts from.
+    """The quantities at the start of a control period.
 
     ``model`` is [y_m, dy_m/dt] in km/h and km/h/s (Q24), ``model_errors`` the last errors y_p - y_m, oldest first,
     ``tracking_error`` y_s - y_p, ``free`` the change of the model's output at the ``free_points`` without any input
@@ -60,7 +61,7 @@ class Observation(NamedTuple, Generic[T]):
 
 
 class Command(NamedTuple, Generic[T]):
-    """What a control period ends with: as in :class:`LawOutputs`; ``basis``: code of the basis in use."""
+    """The results of a control period, as in :class:`LawOutputs`; ``basis``: code of the basis in use."""
 
     notch_raw: T
     notch: T
@@ -123,7 +124,7 @@ class Pfc(Law[T, State]):
     def _model_norms(self) -> tuple[float, float]:
         (a, b, gain), (c, d, gain_slope) = ([entry.value for entry in row] for row in self._model_rows)
         y, slope, norms = gain, gain_slope, [0.0, 0.0]
-        # The model forgets: after 2000 periods nothing is left of a pulse.
+        # The model is stable: after 2000 periods a pulse has decayed completely.
         for _ in range(2000):
             norms = [norms[0] + abs(y), norms[1] + abs(slope)]
             y, slope = a * y + b * slope, c * y + d * slope
@@ -132,9 +133,9 @@ class Pfc(Law[T, State]):
     def observe(
         self, model: tuple[T, T], notch: T, model_errors: tuple[T, ...], inputs: LawInputs[T]
     ) -> Observation[T]:
-        """Eqs. (14) and (16): the model after the notch sent (Q24), and what the train did beside it.
+        """Eqs. (14) and (16): the model after the notch sent (Q24), and the error of the train relative to it.
 
-        The first three are what the law remembers from the period before.
+        The first three arguments are the law's memory from the previous period.
         """
         ar = self._ar
         drive = (*model, notch)
@@ -151,7 +152,7 @@ class Pfc(Law[T, State]):
     def command(self, now: Observation[T], closed: Sequence[T], inputs: LawInputs[T]) -> Command[T]:
         """Eqs. (18) and (19), the notch clipped and quantised.
 
-        :param closed: 1 - alpha^h at the fitting points (Q30): the share of the tracking error that is to be gone.
+        :param closed: 1 - alpha^h at the fitting points (Q30): the share of the tracking error to be removed.
         """
         ar = self._ar
         c = self._set_point_polynomial(inputs)
@@ -164,7 +165,7 @@ class Pfc(Law[T, State]):
         return Command(notch_raw, notch, basis)
 
     def _basis_in_use(self, inputs: LawInputs[T]) -> tuple[T, Sequence[T]]:
-        """Code and gains of the basis; of two the second where the set-point changes steeply (eq. 22)."""
+        """Code and gains of the basis; with two bases the second one while the set-point changes steeply (eq. 22)."""
         ar = self._ar
         if self._steep_change is None:
             return self._bases[0]
@@ -175,13 +176,13 @@ class Pfc(Law[T, State]):
         return ar.where(is_steep, steep_code, calm_code), gains
 
     def _limited(self, rises: list[T]) -> list[T]:
-        """Rises (km/h, Q20) inside what the polynomials' formats hold."""
+        """Rises (km/h, Q20) limited to the range of the polynomials' formats."""
         if self._ar.wide:
             return rises
         return [self._ar.sat(rise, self._rise_max, self._rise_min) for rise in rises]
 
     def _set_point_polynomial(self, inputs: LawInputs[T]) -> tuple[T, ...]:
-        """Coefficients c_n of the set-points ahead (Q23)."""
+        """Coefficients c_n of the future set-points (Q23)."""
         ar = self._ar
         rises = self._limited([ar.sub(target, inputs.set_point) for target in inputs.preview])
         return ar.note_all("c", [ar.dot(row, rises, _SPEED_TO_POLYNOMIAL) for row in self._set_point_fit], POLYNOMIAL_Q)
@@ -207,7 +208,7 @@ class Pfc(Law[T, State]):
             for slope, count in zip(slopes, count_powers, strict=True):
                 d = ar.add(d, ar.rmpy(slope, count, _POLYNOMIAL_BY_COUNT_TO_DEVIATION))
             if not ar.wide:
-                # The format holds the sum of every input; a limit behind a sum that has wrapped would be none.
+                # The format holds the sum for every input; limiting a sum that has already wrapped would be useless.
                 d = ar.sat(d, self._deviation_max, self._deviation_min)
             deviations.append(d)
         return ar.note_all("d", deviations, DEVIATION_Q, "km/h")
@@ -222,7 +223,7 @@ class Pfc(Law[T, State]):
 
 
 class PfcState(NamedTuple, Generic[T]):
-    """Memory of a law with a constant softening factor; ``notch`` is the one last sent (Q24), see ``Observation``."""
+    """Memory of a law with a constant softening factor; ``notch`` is the last one sent (Q24), see ``Observation``."""
 
     model: tuple[T, T]
     notch: T

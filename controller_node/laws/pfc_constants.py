@@ -1,4 +1,4 @@
-"""Parameters and constants that every predictive functional law on the core of ``pfc`` has; defaults are the paper's.
+"""Parameters and constants common to all predictive functional laws on the core of ``pfc``; defaults are the paper's.
 
 Equation and section numbers are those of the paper (see ``pfc_model``).
 """
@@ -34,8 +34,8 @@ POLYNOMIAL_Q = 23
 #: Deviations, km/h: their terms reach 3400 before the sum is limited, when inputs jump.
 DEVIATION_Q = 19
 
-#: Fixed-point limit of deviations, of the set-point's rise ahead and of the model error's past rise, km/h: they exceed
-#: it only when a speed suddenly reads wrong.
+#: Fixed-point limit of deviations, of the future rise of the set-point and of the past rise of the model error, km/h,
+#: exceeded only when a speed reading is suddenly wrong.
 DEVIATION_MAX_KMH = 100.0
 
 Row = tuple[Constant, ...]
@@ -51,10 +51,10 @@ class Wavelet:
 
 
 Wavelets = Annotated[tuple[Wavelet, ...], Field(min_length=1, max_length=8)]
-#: Control periods ahead. Far beyond what a law can use; it bounds the time that its design takes.
+#: Limit of the horizon in control periods: far beyond what a law can use, it limits the design time.
 Periods = Annotated[int, Field(ge=1, le=200)]
 Order = Annotated[int, Field(ge=0, le=4)]
-#: Threshold of eq. (22); a negative one is always passed.
+#: Threshold of eq. (22); a negative one is always exceeded.
 Slope = Annotated[float, Field(ge=-100, le=100)]
 
 
@@ -64,7 +64,7 @@ WAVELETS = (Wavelet(1.0, 0.0, 0.5), Wavelet(2.0, 5.0, 0.5))
 
 @dataclass(frozen=True, slots=True)
 class PfcParameters:
-    """Parameters of the core, section 4.4 of the paper where it states them."""
+    """Parameters of the core, from section 4.4 of the paper where it states them."""
 
     #: Eq. (2), in m/s per notch: numerator, and the two coefficients of the denominator.
     model_gain_mps: ModelGain = 0.07128
@@ -85,12 +85,12 @@ class PfcParameters:
 
     @property
     def free_points(self) -> Sequence[int]:
-        """Control periods ahead at which the law predicts the free response, the fitting points among them."""
+        """Future control periods for which the law predicts the free response, including the fitting points."""
         return self.fit_points
 
 
-#: Bounds of a search in the internal model: the paper's is a guess about the train. Below a stiffness of 0.02 the speed
-#: at which the model settles at 7 notches leaves its format.
+#: Search bounds of the internal model: the paper's model is an estimate of the train. Below a stiffness of 0.02 the
+#: steady-state speed of the model at 7 notches exceeds its format.
 MODEL_TUNABLE: dict[str, tuple[float, float]] = {
     "model_gain_mps": (0.05, 0.10),
     "model_damping_per_s": (0.30, 0.60),
@@ -100,7 +100,7 @@ MODEL_TUNABLE: dict[str, tuple[float, float]] = {
 
 @dataclass(frozen=True)
 class PfcConstants:
-    """What the core needs of a law's constant table. A ``Row`` is one vector, a tuple of rows a matrix."""
+    """The part of a law's constant table that the core needs. A ``Row`` is one vector, a tuple of rows a matrix."""
 
     #: Row n is (A_n1, A_n2, B_n).
     model: tuple[Row, ...] = field(metadata=held(GAIN_Q, "eq. (16), model of eq. (2) sampled with a zero-order hold"))
@@ -144,10 +144,10 @@ def wavelet_basis(wavelets: Sequence[Wavelet], horizon: int, period_s: float) ->
 
 
 def core_values(parameters: PfcParameters, model: InternalModel, notch_max: float) -> dict[str, Any]:
-    """Numbers for the fields of :class:`PfcConstants`, to be given to ``table.build`` with those of the law itself.
+    """Numbers for the fields of :class:`PfcConstants`, to be passed to ``table.build`` together with the law's own.
 
     :param notch_max: notch range of the train, notches.
-    :raises ValueError: fitting points or orders do not fit each other.
+    :raises ValueError: fitting points or orders are inconsistent.
     """
     p = parameters
     if max(p.fit_points) > p.horizon:
@@ -172,7 +172,7 @@ def core_values(parameters: PfcParameters, model: InternalModel, notch_max: floa
 def gains(model: InternalModel, basis: Matrix, fit_points: Sequence[int]) -> Matrix:
     """U of eq. (19) for basis functions of shape (N, P); see :meth:`InternalModel.gains`.
 
-    :raises ValueError: fewer different fitting points than basis functions, or points that do not tell them apart.
+    :raises ValueError: fewer different fitting points than basis functions, or points that cannot distinguish them.
     """
     if len(basis) > (points := len(set(fit_points))):
         raise ValueError(f"{len(basis)} basis functions need as many different fitting points, there are {points}")
@@ -193,7 +193,7 @@ CONSTANT_TUNABLE: dict[str, tuple[float, float]] = {**MODEL_TUNABLE, "softening"
 
 @dataclass(frozen=True)
 class ConstantPfcConstants(PfcConstants):
-    """Constant table of such a law, beside its gains."""
+    """Constant table of such a law, without its gains."""
 
     softening: Constant = field(metadata=held(SOFTENING_Q, "alpha of eq. (11), section 2.3"))
     closed: Row = field(metadata=held(SOFTENING_Q, "1 - alpha^h at the fitting points of eq. (18)"))
@@ -201,7 +201,7 @@ class ConstantPfcConstants(PfcConstants):
 
 
 def constant_values(parameters: ConstantPfcParameters, model: InternalModel, notch_max: float) -> dict[str, Any]:
-    """As :func:`core_values`, for the fields of :class:`ConstantPfcConstants` but the codes."""
+    """Like :func:`core_values`, for the fields of :class:`ConstantPfcConstants` except the codes."""
     alpha = parameters.softening
     core = core_values(parameters, model, notch_max)
     return core | {"softening": alpha, "closed": on_grid([1 - alpha**h for h in parameters.fit_points])}

@@ -1,4 +1,4 @@
-"""Offline side of predictive functional control (PFC): internal model, basis responses, gains, polynomial fits.
+"""Offline part of predictive functional control (PFC): internal model, basis responses, gains, polynomial fits.
 
 Everything here runs once, in double precision, before a run. Equation numbers are those of Wang et al., "An improved
 predictive function control algorithm for velocity curve of urban rail vehicle", Chinese Journal of Scientific
@@ -17,7 +17,7 @@ from pydantic import Field
 
 Matrix = NDArray[np.float64]
 
-#: Coefficients of eq. (2) as a parameter file may set them. A model without gain has no inverse, one with a negative
+#: Ranges of the coefficients of eq. (2) in a parameter file. A model without gain has no inverse; one with a negative
 #: damping or stiffness is unstable.
 ModelGain = Annotated[float, Field(ge=0.001, le=10)]
 ModelDamping = Annotated[float, Field(ge=0, le=10)]
@@ -27,8 +27,8 @@ ModelStiffness = Annotated[float, Field(ge=0, le=10)]
 def on_grid(values: ArrayLike, bits: int = 40) -> Matrix:
     """Values to the nearest multiple of 2^-bits.
 
-    Far below what a law can feel, so that a constant does not depend on how a linear algebra library orders its sums
-    or a mathematical library rounds its last bit.
+    The grid is too fine to affect a law, but makes a constant independent of the order of sums in a linear algebra
+    library and of the last bit of a mathematical library.
     """
     return np.round(np.asarray(values, dtype=np.float64) * 2.0**bits) / 2.0**bits
 
@@ -46,7 +46,7 @@ class InternalModel:
     @classmethod
     def sampled(cls, gain: float, damping_per_s: float, stiffness_per_s2: float, period_s: float) -> InternalModel:
         """Model of ``gain / (s^2 + damping s + stiffness)`` at a sampling period in seconds."""
-        # Here, because most runs load their constants, and this import takes longer than all others together.
+        # Imported here, because most runs load their constants, and this import takes longer than all others together.
         from scipy.linalg import expm
 
         block = np.zeros((3, 3))
@@ -56,7 +56,7 @@ class InternalModel:
         return cls(on_grid(step[:2, :2]), on_grid(step[:2, 2]))
 
     def free_rows(self, horizon: int) -> Matrix:
-        """Rows C (A^i - I), i = 1..horizon: what the output changes by without any input; shape (horizon, 2)."""
+        """Rows C (A^i - I), i = 1..horizon: change of the output without any input; shape (horizon, 2)."""
         power, rows = np.eye(2), []
         for _ in range(horizon):
             power = self.a @ power
@@ -89,7 +89,7 @@ class InternalModel:
 
 
 def morlet(scale: float, shift_s: float, bandwidth: float, time_s: Matrix) -> Matrix:
-    """Daughter of the Morlet wavelet (eq. 21, with the 2a that eq. 20 demands) at times in seconds."""
+    """Daughter of the Morlet wavelet (eq. 21, with the factor 2a required by eq. 20) at times in seconds."""
     t = time_s - shift_s
     return np.asarray(np.exp(-(bandwidth**2) * t**2 / (2 * scale)) * np.cos(np.pi * t))
 

@@ -1,4 +1,4 @@
-"""What the laws around the core of ``pfc`` tell of themselves in CTL_STAT."""
+"""Notes in CTL_STAT of the laws on the core of ``pfc``."""
 
 from __future__ import annotations
 

@@ -3,15 +3,16 @@
 The textbook law (Cutler and Ramaker, "Dynamic matrix control - a computer control algorithm", Joint Automatic Control
 Conference 1980), one of the comparators of Wang et al., DOI 10.19650/j.cnki.cjsi.J2108765, who name it without its
 equations. Each control period: the last move is added to the predictions, the vector is shifted by one period and its
-last entry held; the prediction error corrects the predictions by h_i = h_1 + r (i - 1); the move is
-d . (set-points ahead - corrected predictions).
+last entry is repeated; the prediction error corrects the predictions by h_i = h_1 + r (i - 1); the move is d . (future
+set-points - corrected predictions).
 
-The correction has a ramp because the train is not the model: the model's speed settles under a constant notch, the
-train accelerates on, so their difference is a ramp and a constant correction lags behind it (13 m at the stop).
+The correction has a ramp because the model differs from the train: under a constant notch the model's speed settles
+while the train continues to accelerate, so their difference is a ramp, and a constant correction lags behind it (13 m
+at the stop).
 
-The predictions are kept in two parts, from moves and from corrections. All corrections together are a straight line, so
-two numbers hold them; a shift moves along it. Where the textbook keeps one vector, it holds the last entry of the line
-too, which reaches the prediction horizon after N - P periods only and is no virtue.
+The predictions are kept in two parts, from moves and from corrections. All corrections together form a straight line,
+so two numbers represent them, and a shift moves along the line. The single vector of the textbook also repeats the last
+entry of the line; this reaches the prediction horizon only after N - P periods and has no advantage.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ class TdmcState(NamedTuple, Generic[T]):
     """Memory of the law between two control periods.
 
     ``predictions``: speeds 1..N periods after the last step, from all moves but the last (km/h, Q23). ``level`` and
-    ``slope`` of the correction line at the last step (km/h, km/h per period, Q18). ``notch`` last sent and the one
-    before it (Q8).
+    ``slope`` of the correction line at the last step (km/h, km/h per period, Q18). ``notch``: the last one sent and the
+    one before it (Q8).
     """
 
     predictions: tuple[T, ...]
@@ -60,7 +61,7 @@ class TdmcState(NamedTuple, Generic[T]):
 class Tdmc(Law[T, TdmcState[T]]):
     """The TDMC law on one arithmetic.
 
-    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for parameters that do not fit each other.
+    Speeds in km/h (Q20), notch in notches. Raises ``ValueError`` for inconsistent parameters.
     """
 
     name: ClassVar[str] = "tdmc"
@@ -110,7 +111,7 @@ class Tdmc(Law[T, TdmcState[T]]):
         return bounds
 
     def start(self, inputs: LawInputs[T]) -> TdmcState[T]:
-        """Model at rest; a speed that is there already is taken for a constant error of the model."""
+        """Model at rest; an initial speed is treated as a constant error of the model."""
         resting = (self._zero,) * len(self._step_response)
         level = self._ar.convert(inputs.speed, SPEED_Q, LINE_Q)
         return TdmcState(resting, level, self._zero, self._zero, self._zero)
@@ -141,7 +142,8 @@ class Tdmc(Law[T, TdmcState[T]]):
         return new_state, LawOutputs(notch_raw, notch)
 
     def _corrected(self, state: TdmcState[T], model_error: T) -> tuple[T, T]:
-        """Level and slope of the correction line: shifted by one period, then corrected by h times what it missed."""
+        """Level and slope of the correction line: shifted by one period, then corrected by h times the prediction
+        error."""
         ar = self._ar
         expected = ar.add(state.level, state.slope)
         missed = ar.note("missed", ar.sub(model_error, expected), LINE_Q, "km/h")
@@ -150,7 +152,7 @@ class Tdmc(Law[T, TdmcState[T]]):
         return ar.note("level", level, LINE_Q, "km/h"), ar.note("slope", slope, LINE_Q, "km/h")
 
     def _deviations(self, inputs: LawInputs[T], predictions: tuple[T, ...], level: T, slope: T) -> tuple[T, ...]:
-        """Set-points ahead minus corrected predictions (km/h, Q18)."""
+        """Future set-points minus corrected predictions (km/h, Q18)."""
         ar = self._ar
         if not ar.wide:
             slope = ar.sat(slope, self._trend_max, self._trend_min)

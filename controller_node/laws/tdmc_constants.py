@@ -1,7 +1,7 @@
 """Parameters of the TDMC law and the table of constants made from them.
 
-Textbook dynamic matrix control (Cutler and Ramaker 1980). Parameters are in seconds, so that they hold at every control
-period; the plant's step response is that of the paper's model (see ``tdmc``).
+Textbook dynamic matrix control (Cutler and Ramaker 1980). Parameters are in seconds, so that they are valid for every
+control period; the plant's step response is that of the paper's model (see ``tdmc``).
 """
 
 from __future__ import annotations
@@ -27,21 +27,21 @@ from railhil.controller_node.laws.pfc_model import (
     on_grid,
 )
 
-#: Predictions of the step-response model, km/h: in a step they reach 170 at 7 notches, 240 at 10, and their format ends
-#: at 256 (a controller with more notches than it holds does not start).
+#: Predictions of the step-response model, km/h: in a step they reach 170 at 7 notches and 240 at 10, and their format
+#: ends at 256 (with more notches than that allows, the controller does not start).
 MODEL_Q = 23
 #: Model error, correction line and deviations, km/h: their sums reach 3300 for the fastest reading on the wire, 5300
-#: with parameters at the edge of a search.
+#: with parameters at the bounds of a search.
 LINE_Q = 18
 #: Control gains, correction gains.
 GAIN_Q = 24
-#: The model's coefficients are multiples of 2^-15 km/h per notch. A notch is one of 2^-8, so the products are whole in
-#: Q23: a sum of increments that runs for ever never drifts, in any arithmetic. 1.5e-5 km/h is far below what a sensor
-#: sees.
+#: The model's coefficients are multiples of 2^-15 km/h per notch. A notch is a multiple of 2^-8, so the products are
+#: exact in Q23: an unending sum of increments never drifts, in any arithmetic. 1.5e-5 km/h is far below the resolution
+#: of a sensor.
 COEFFICIENT_BITS = MODEL_Q - 8
 
 #: Fixed-point limit of the deviations of the set-points from the prediction, km/h, and of the trend of the model error
-#: in the prediction, km/h per s: they exceed it only when a speed suddenly reads wrong.
+#: in the prediction, km/h per s, exceeded only when a speed reading is suddenly wrong.
 DEVIATION_MAX_KMH = 100.0
 TREND_MAX_KMH_PER_S = 20.0
 
@@ -54,13 +54,14 @@ CorrectionGain = Annotated[float, Field(ge=0, le=4)]
 
 @dataclass(frozen=True, slots=True)
 class TdmcParameters:
-    """Parameters of the law. The model is the paper's; the paper does not print the others, which are tuned by hand."""
+    """Parameters of the law. The model is the paper's; the paper does not give the other parameters, which are tuned by
+    hand."""
 
     #: Eq. (2), in m/s per notch: numerator, and the two coefficients of the denominator.
     model_gain_mps: ModelGain = 0.07128
     model_damping_per_s: ModelDamping = 0.4356
     model_stiffness_per_s2: ModelStiffness = 0.0324
-    #: Model horizon N: after 60 s the response is within 0.5 % of where it settles.
+    #: Model horizon N: after 60 s the response is within 0.5 % of its final value.
     model_horizon_s: Annotated[float, Field(ge=1, le=120)] = 60.0
     #: Prediction horizon P and control horizon M.
     prediction_horizon_s: Horizon = 7.5
@@ -74,7 +75,7 @@ class TdmcParameters:
     correction_ramp: CorrectionGain = 0.6
 
 
-#: Bounds of a search. The model's gain is among them because it is a guess about the train.
+#: Bounds of a search. They include the model's gain because it is an estimate of the train.
 TUNABLE: dict[str, tuple[float, float]] = {
     "model_gain_mps": (0.05, 0.10),
     "prediction_horizon_s": (4.0, 12.0),
@@ -129,10 +130,10 @@ def control_gains(matrix: Matrix, error_weights: ArrayLike, move_weight: float) 
 
 
 def largest_predictions(step_response: Sequence[float]) -> list[float]:
-    """Largest size of each prediction of the model, in km/h per notch of the notch range, before the last move.
+    """Largest magnitude of each prediction of the model, in km/h per notch of the notch range, before the last move.
 
-    Prediction i is the sum of a_(i+j) times the move j periods ago. Summed by parts it is a_i times the last notch and
-    the increments of a behind it times the notches before.
+    Prediction i is the sum of a_(i+j) times the move j periods ago. Summed by parts it is a_i times the last notch plus
+    the subsequent increments of a times the earlier notches.
     """
     a = np.asarray(step_response)
     behind = np.append(np.cumsum(np.abs(np.diff(a))[::-1])[::-1], 0.0)
@@ -142,7 +143,7 @@ def largest_predictions(step_response: Sequence[float]) -> list[float]:
 def correction_norms(level: float, ramp: float) -> tuple[float, float]:
     """Largest level and slope of the correction line per km/h of model error (L1 norms of their pulse responses).
 
-    Raises ``ValueError`` when the correction does not forget.
+    Raises ``ValueError`` when the correction does not decay.
     """
     line, slope, norms = level, ramp, [level, ramp]
     for _ in range(4000):
@@ -157,8 +158,8 @@ def correction_norms(level: float, ramp: float) -> tuple[float, float]:
 def compute_constants(parameters: TdmcParameters, period_s: float, notch_max: float) -> TdmcConstants:
     """The constant table at a control period (s) and a notch range (notches).
 
-    Raises ``ValueError`` when a constant does not fit its format, the horizons do not fit each other, or the correction
-    is unstable.
+    Raises ``ValueError`` when a constant does not fit its format, the horizons are inconsistent, or the correction is
+    unstable.
     """
     p = parameters
     n, horizon, moves = (periods(s, period_s) for s in (p.model_horizon_s, p.prediction_horizon_s, p.control_horizon_s))
@@ -189,8 +190,8 @@ TABLE = LawTable("tdmc", TdmcConstants, TdmcParameters(), 0.5, 7.0, compute_cons
 
 @lru_cache(maxsize=8)
 def make_constants(parameters: TdmcParameters, period_s: float, notch_max: float) -> TdmcConstants:
-    """As :func:`compute_constants`, but from the checked-in table at its operating point.
+    """Like :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
+    Also raises :class:`~railhil.common.errors.InputError` (one line) if that table is not as generated.
     """
     return TABLE.make(parameters, period_s, notch_max)

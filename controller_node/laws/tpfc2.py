@@ -1,7 +1,7 @@
 """TPFC2: predictive functional control with Morlet wavelets as basis, whatever the set-point does.
 
-The traditional law beside which section 4.5 of Wang et al. (see ``pfc_model``) puts IPFC: the core of ``pfc`` with
-IPFC's wavelets and the constant softening factor of section 2.3. Equation numbers are theirs.
+One of the traditional laws with which section 4.5 of Wang et al. (see ``pfc_model``) compares IPFC: the core of ``pfc``
+with IPFC's wavelets and the constant softening factor of section 2.3. Equation numbers are theirs.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Tpfc2Constants(ConstantPfcConstants):
 def compute_constants(parameters: Tpfc2Parameters, period_s: float, notch_max: float) -> Tpfc2Constants:
     """The constant table at a control period (s) and a notch range (notches).
 
-    Raises ``ValueError`` when a constant does not fit its format, or parameters do not fit each other.
+    Raises ``ValueError`` when a constant does not fit its format, or parameters are inconsistent.
     """
     p = parameters
     model = internal_model(p, period_s)
@@ -65,15 +65,15 @@ TABLE = LawTable("tpfc2", Tpfc2Constants, Tpfc2Parameters(), 0.5, 7.0, compute_c
 
 @lru_cache(maxsize=8)
 def make_constants(parameters: Tpfc2Parameters, period_s: float, notch_max: float) -> Tpfc2Constants:
-    """As :func:`compute_constants`, but from the checked-in table at its operating point.
+    """Like :func:`compute_constants`, but from the checked-in table at its operating point.
 
-    Raises also :class:`~railhil.common.errors.InputError` (one line) when that table is not as it was generated.
+    Also raises :class:`~railhil.common.errors.InputError` (one line) if that table is not as generated.
     """
     return TABLE.make(parameters, period_s, notch_max)
 
 
 class Tpfc2(ConstantPfc[T]):
-    """The TPFC2 law on one arithmetic. Raises ``ValueError`` for parameters that do not fit each other."""
+    """The TPFC2 law on one arithmetic. Raises ``ValueError`` for inconsistent parameters."""
 
     name: ClassVar[str] = "tpfc2"
     parameters_type: ClassVar[type[Any]] = Tpfc2Parameters

@@ -1,1 +1,1 @@
-"""A law written down once as a list of operations, for cycles, telemetry, audit and the C export."""
+"""A law recorded once as a list of operations, for cycles, telemetry, audit and the C export."""

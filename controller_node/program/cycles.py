@@ -1,7 +1,6 @@
-"""What the operations of a law cost on a TMS320F28335 at 150 MHz.
+"""Cycles of a law's operations on a TMS320F28335 at 150 MHz.
 
-A law is straight-line, so the operations of one control period are those of every one: the estimate is also the
-worst case.
+A law has no branches, so every control period has the same operations: the estimate is also the worst case.
 """
 
 from __future__ import annotations
@@ -10,11 +9,11 @@ from collections import Counter
 
 #: Clock of the F28335.
 CPU_MHZ = 150
-#: Program and constants in flash at 150 MHz (5 wait states, pipelined) instead of RAM: about this factor, ours.
+#: Our estimate of the factor for program and constants in flash at 150 MHz (5 wait states, pipelined) instead of RAM.
 FLASH_FACTOR = 2
 
-#: IQ arithmetic, with call and return, tables in internal memory: TI IQmath user's guide V1.70, section 4.3. Additions,
-#: shifts, comparisons, branches and memory traffic are our estimates.
+#: IQ arithmetic, including call and return, with tables in internal memory: TI IQmath user's guide V1.70, section 4.3.
+#: Additions, shifts, comparisons, branches and memory traffic are our estimates.
 C28X_CYCLES = {
     "mpy": 6,
     "rmpy": 17,
@@ -36,7 +35,7 @@ C28X_CYCLES = {
     "where": 4,
     "index": 7,
     "at": 2,
-    # Two shifts, an index, two loads, a product, three sums.
+    # Two shifts, an index computation, two loads, a product, three sums.
     "curve": 28,
     "locate_step": 8,
 }
@@ -70,7 +69,7 @@ _LOAD_STORE = 2
 def estimated_cycles(counts: Counter[str], table: dict[str, int] | None = None) -> int:
     """Cycles of counted operations with program and data in RAM; times :data:`FLASH_FACTOR` from flash.
 
-    :raises KeyError: an operation that the table does not know.
+    :raises KeyError: an operation that is not in the table.
     """
     costs = C28X_CYCLES if table is None else table
     return sum((costs[operation] + _LOAD_STORE) * count for operation, count in counts.items() if costs[operation])

@@ -1,4 +1,4 @@
-"""Runs a recorded program on an arithmetic: the proof that what was written down is what the law computes."""
+"""Runs a recorded program on an arithmetic, to prove that the recording equals what the law computes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Evaluator:
     def run(self, inputs: Mapping[str, Any]) -> dict[str, Any]:
         """Outputs by name.
 
-        :param inputs: operand of every input, by name.
+        :param inputs: the operand of every input, by name.
         :raises KeyError: an input is missing.
         """
         values: dict[int, Any] = {value.number: inputs[name] for name, value in self._program.inputs}

@@ -1,4 +1,4 @@
-"""A law as a list of operations: what the tracer writes down, and what cycles, telemetry and C export read."""
+"""A law as a list of operations, written by the tracer and read by cycle estimate, telemetry and C export."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ from typing import NoReturn
 
 from railhil.controller_node.arithmetic.base import Constant, Curve
 
-#: Inputs of a law with ``track`` beside k, speed and position: the fields of a ``BaliseReading``.
+#: Inputs of a law with ``track`` in addition to k, speed and position: the fields of a ``BaliseReading``.
 BALISE_INPUTS = ("balise", "balise_01mm", "balise_odometer_01mm")
 
 
 class BranchError(Exception):
-    """A law asks in Python whether one of its values is true: the recorded operations would hold one branch only."""
+    """A law uses one of its values in a Python branch: the recorded operations would contain only one branch."""
 
 
 class OperandError(Exception):
-    """A law does something with its values that is no operation of the arithmetic."""
+    """A law does something with its values that is not an operation of the arithmetic."""
 
 
 class Kind(Enum):
-    """What a value is on the target."""
+    """The type of a value on the target."""
 
     NUMBER = "number"
     CONDITION = "condition"
     INDEX = "index"
 
 
-#: Python's own operations on a value, and what a law uses in their place: they would compute with raw integers in fixed
-#: point, where ``*`` and ``/`` give another format and nothing wraps.
+#: Python's own operators, and what a law must use instead: in fixed point they would compute with raw integers, where
+#: ``*`` and ``/`` change the format and nothing wraps.
 _INSTEAD = {
     "+": ("ar.add", ("add", "radd", "iadd", "pos")),
     "-": ("ar.sub", ("sub", "rsub", "isub")),
@@ -49,9 +49,9 @@ _INSTEAD = {
 
 
 class _Operand:
-    """What :class:`Value` says to Python's own operations.
+    """Makes :class:`Value` refuse Python's own operators.
 
-    :raises OperandError: in each of them, with the operation of the arithmetic that takes its place.
+    :raises OperandError: in each of them, with the operation of the arithmetic to use instead.
     """
 
     __slots__ = ()
@@ -73,7 +73,7 @@ for _sign, (_instead, _names) in _INSTEAD.items():
 class Value(_Operand):
     """An operand: the result of an operation or an input (``number`` >= 0), or a constant.
 
-    ``q`` is the format, None where the value is no fixed-point number or fits every format (the constant 0).
+    ``q`` is the format, None if the value is not a fixed-point number or fits every format (the constant 0).
     """
 
     number: int
@@ -98,7 +98,7 @@ class Operation:
     """``result = op(arguments)``, named after the method of
     :class:`~railhil.controller_node.arithmetic.base.Arithmetic`.
 
-    ``parameters`` are the numbers of the call that are no operands: formats, shift counts, the offset into a table,
+    ``parameters`` are the arguments that are not operands: formats, shift counts, the offset into a table,
     the last index. ``dot`` has its coefficients first, then as many values.
     """
 
@@ -122,7 +122,7 @@ class Quantity:
 
 @dataclass(slots=True)
 class Program:
-    """One function of a law, straight-line: inputs and outputs by name, operations in order."""
+    """One function of a law, without branches: inputs and outputs by name, operations in order."""
 
     name: str
     inputs: list[tuple[str, Value]] = field(default_factory=list)
@@ -163,7 +163,7 @@ class LawProgram:
 
     @property
     def track(self) -> bool:
-        """True when the law is given the last balise too."""
+        """True when the law also gets the last balise."""
         return any(name == BALISE_INPUTS[0] for name, _ in self.inputs.inputs)
 
     @property

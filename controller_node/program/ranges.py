@@ -1,7 +1,7 @@
-"""Interval analysis of a law's program: how large can every value become, whatever the inputs inside their bounds?
+"""Interval analysis of a law's program: bounds of every value for any inputs inside their ranges.
 
-Works on raw integers with the semantics of the fixed-point arithmetic. An interval says nothing about how two values
-hang together, so a bound is safe but not always reached; a wrap that it finds possible need not be.
+It works on raw integers with the semantics of the fixed-point arithmetic. Intervals ignore correlations between values,
+so a bound is safe but not always attained; a wrap that is reported as possible may never occur.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Interval = tuple[int, int]
 
 INT32: Interval = (INT32_MIN, INT32_MAX)
 
-#: What the node hands to the law, whatever is on the wire: speeds beyond are refused, positions limited.
+#: Range of the values passed to the law, whatever is on the wire: larger speeds are refused, positions limited.
 WIRE: dict[str, Interval] = {
     "speed_01mmps": (0, SPEED_MAX_01MMPS),
     "position_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
@@ -31,7 +31,7 @@ WIRE: dict[str, Interval] = {
     "balise_odometer_01mm": (-POSITION_MAX_01MM, POSITION_MAX_01MM),
 }
 
-#: A state that still grows after so many periods is taken to have no bound.
+#: A state that still grows after this many periods is considered unbounded.
 _PERIODS = 64
 
 
@@ -39,7 +39,7 @@ _PERIODS = 64
 class Ranges:
     """Intervals of one program: of its values by number, and the operations that may leave their range.
 
-    ``may_wrap``: the exact result beyond int32; of a ``curve``, an argument beyond 0..1.
+    ``may_wrap``: the exact result may exceed int32 or, for a ``curve``, the argument may exceed 0..1.
     """
 
     values: dict[int, Interval] = field(default_factory=dict)
@@ -92,7 +92,7 @@ def _size(a: Interval) -> Interval:
 
 
 def _quotient(a: Interval, b: Interval, q: int) -> Interval:
-    """Rounded quotients saturate; next to a divisor of 0 everything can come out on that side."""
+    """Rounded quotients saturate; for divisors close to 0 any value on that side is possible."""
     if b[0] <= 0 <= b[1]:
         low = 0 if a[0] >= 0 and b[0] >= 0 else INT32_MIN
         return low, INT32_MAX
@@ -139,7 +139,7 @@ def _interval(operation: Operation, ranges: Ranges) -> Interval:
             return 0, INT32_MAX
         case "sat" | "clip":
             a, upper, lower = numbers
-            # The lower limit has the last word, should the two cross.
+            # If the limits cross, the lower one wins.
             return max(min(a[0], upper[0]), lower[0]), max(min(a[1], upper[1]), lower[1])
         case "minimum":
             return min(numbers[0][0], numbers[1][0]), min(numbers[0][1], numbers[1][1])
@@ -176,17 +176,17 @@ class LawRanges:
 
     @property
     def may_wrap(self) -> list[tuple[Operation, Interval]]:
-        """Operations of a control period, or of the first one, that may wrap: with the exact interval of the result."""
+        """Operations of a control period, or of the first one, that may wrap, with the exact interval of the result."""
         return self.inputs.may_wrap + self.start.may_wrap + self.step.may_wrap
 
 
 def analyse_law(
     program: LawProgram, state_bounds: Mapping[str, tuple[float, float]], wire: Mapping[str, Interval] = WIRE
 ) -> LawRanges:
-    """Intervals of a law that runs for ever on inputs inside ``wire``.
+    """Intervals of a law that runs indefinitely on inputs inside ``wire``.
 
-    :param state_bounds: what :meth:`~railhil.controller_node.laws.base.Law.state_bounds` says; all other state
-        variables begin with the law's start and grow period by period until nothing grows any more.
+    :param state_bounds: result of :meth:`~railhil.controller_node.laws.base.Law.state_bounds`; the intervals of all
+        other state variables begin with the law's start and are widened period by period until they no longer grow.
     """
     inputs = analyse(program.inputs, wire)
     given = {name: inputs.of(value) for name, value in program.inputs.outputs}
@@ -197,7 +197,7 @@ def analyse_law(
         if name in known:
             low, high = known[name]
             state[name] = (math.floor(math.ldexp(low, value.q or 0)), math.ceil(math.ldexp(high, value.q or 0)))
-    # A notch that was really sent instead of the law's lies inside the notch range as well.
+    # A notch sent instead of the law's also lies inside the notch range.
     for _ in range(_PERIODS):
         step = analyse(program.step, given | state)
         after = {name: step.of(value) for name, value in program.step.outputs}
@@ -220,18 +220,19 @@ class Bounded(Protocol):
 
 
 def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, Interval] = WIRE) -> None:
-    """Let no law start in fixed point of which an operation may wrap: a wrapped notch is full traction for full brake.
+    """Refuse to start a law in fixed point if one of its operations may wrap: a wrapped notch turns full brake into
+    full traction.
 
     :param law: the law of the program, for its ``state_bounds``.
-    :param at: for what it was made, in a complaint: "at 0.5 s and 7 notches".
-    :param wire: what the law may be handed, raw.
-    :raises InputError: the first such operation, by the quantity on whose way it lies.
+    :param at: the operating point for the error message: "at 0.5 s and 7 notches".
+    :param wire: raw ranges of the values that the law may get.
+    :raises InputError: the first such operation, identified by the quantity that it contributes to.
     """
     found = analyse_law(program, law.state_bounds(), wire).may_wrap
     if not found:
         return
     operation, (low, high) = found[0]
-    # A curve wraps in its argument, which ends at 1; all else in its result.
+    # A curve overflows in its argument, which ends at 1; all other operations in their result.
     q = operation.curve.q_in if operation.curve else operation.result.q or 0
     reached, held = math.ldexp(max(-low, high), -q), 1.0 if operation.curve else math.ldexp(1, 31 - q)
     raise InputError(
@@ -244,7 +245,7 @@ def refuse_wraps(program: LawProgram, law: Bounded, at: str, wire: Mapping[str, 
 
 
 def _quantity(program: LawProgram, operation: Operation) -> str:
-    """The quantity noted next after an operation, as telemetry has it."""
+    """The quantity noted next after an operation, as in telemetry."""
     for part in (program.inputs, program.start, program.step):
         if operation in part.operations:
             after = [one.name for one in part.quantities if one.value.number >= operation.result.number]

@@ -1,4 +1,4 @@
-"""From a control loop to its programs: one call of every function of the law under the tracer."""
+"""Records the programs of a control loop by calling every function of the law once under the tracer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.controller_node.program.tracer import FormatError, Tracer
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: Functions of a law behind the names of its programs, where they differ.
+#: Functions of a law whose names differ from those of their programs.
 _FUNCTIONS = {"sent": "with_sent", "first step": "step"}
 
 
@@ -30,7 +30,7 @@ def leaves(value: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
 
 
 def like(template: Any, make: Callable[[str, Any], Any], prefix: str = "") -> Any:
-    """A structure of the same shape (lists become tuples) with other leaves, made from name and old leaf."""
+    """A structure of the same shape (lists become tuples) with new leaves, made from name and old leaf."""
     if hasattr(template, "_fields"):
         return type(template)(
             *(like(getattr(template, name), make, f"{prefix}.{name}" if prefix else name) for name in template._fields)
@@ -48,10 +48,10 @@ def record(
 ) -> LawProgram:
     """Programs of a law on a scenario.
 
-    :param law: its arithmetic is not looked at.
-    :param wide: as an arithmetic without formats runs it (for operation counts); formats are not checked then.
+    :param law: its arithmetic is ignored.
+    :param wide: record it as run by an arithmetic without formats (for operation counts); formats are then not checked.
     :raises scenarios.errors.InputError: an unknown law or indexing; a law that raises, mixes formats, computes with
-        Python's operators or changes the formats of its state: with its place in the law's text.
+        Python's operators or changes the formats of its state: with the location in the law's source.
     """
     tracer = Tracer(wide)
     loop: ControlLoop[Value] = ControlLoop(scenario, law, tracer)
@@ -94,7 +94,7 @@ class Stepped(Protocol):
 
 
 def _unchecked(outputs: Any) -> None:
-    """What has been zipped together already."""
+    """No check: the outputs have already been zipped together."""
 
 
 def recorded(
@@ -108,10 +108,10 @@ def recorded(
 ) -> LawProgram:
     """Programs of a law that is bound to a tracer.
 
-    :param law: under which it was asked for; ``kind``: its class, for complaints.
+    :param law: the name by which it was requested; ``kind``: its class, for error messages.
     :param given: makes the law's inputs from inputs of the tracer; ``told``: inputs for what was really sent.
     :param check: raises FormatError for outputs of a step that are not as declared.
-    :raises InputError: as :func:`record`.
+    :raises InputError: like :func:`record`.
     """
     try:
         return _recorded(tracer, law, functions, given, told, check)
@@ -163,7 +163,8 @@ def _recorded(
 
 
 def _formats(tracer: Tracer, functions: Stepped, first_state: Any, given: Any) -> dict[str, int | None]:
-    """Format of every leaf of the state: from its start; of a start at the constant 0, from what steps make of it."""
+    """Format of every leaf of the state: from its start or, if it starts as the constant 0, from the result of a
+    step."""
     formats = {name: value.q for name, value in leaves(first_state, "state")}
 
     def known(name: str, old: Value) -> Value:

@@ -1,7 +1,7 @@
-"""An arithmetic that computes nothing: it writes down the operations and checks their formats.
+"""An arithmetic that computes nothing: it records the operations and checks their formats.
 
 The operands are :class:`~railhil.controller_node.program.model.Value`. Formats follow from the inputs and the
-constants, so a law that adds a Q20 to a Q24, or names a quantity with another format than it has, is refused here.
+constants, so a law that adds a Q20 to a Q24, or names a quantity with a wrong format, is refused here.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from railhil.controller_node.program.model import Kind, OperandError, Operation,
 
 
 class FormatError(Exception):
-    """Two operands of one operation have different formats, or a result has another one than the law says."""
+    """Two operands of an operation have different formats, or a result has a format other than the law states."""
 
 
 def _q(a: Value) -> int | None:
     """Format of an operand.
 
-    :raises OperandError: it is a number of Python's, or anything else that no operation has made.
+    :raises OperandError: it is a Python number, or anything else that is not the result of an operation.
     """
     if not isinstance(a, Value):
         raise OperandError(f"{a!r} as an operand: use ar.const of a Constant")
@@ -31,7 +31,7 @@ def _q(a: Value) -> int | None:
 class Tracer(Arithmetic[Value]):
     """Records into the program of the last :meth:`begin`.
 
-    :param wide: trace the law as an arithmetic without formats sees it; nothing is checked then.
+    :param wide: trace the law as for an arithmetic without formats; nothing is checked then.
     """
 
     name: ClassVar[str] = "tracer"
@@ -141,7 +141,7 @@ class Tracer(Arithmetic[Value]):
             constant = a.constant
             if self.wide:
                 return self.const(Constant(f"-{constant.name}", -constant.value, constant.q, constant.origin))
-            # From the integer, as the fixed point does it: a value between two integers would be rounded anew.
+            # From the integer, as in fixed point: a value between two integers would be rounded again.
             raw = constant.raw if constant.raw == INT32_MIN else -constant.raw
             return self.const(Constant(f"-{constant.name}", math.ldexp(raw, -constant.q), constant.q, constant.origin))
         return self._emit("neg", [a], q)

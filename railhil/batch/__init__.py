@@ -1,8 +1,8 @@
-"""Thousands of runs of one scenario under one law in one process, equal to those of the bench in every bit.
+"""Thousands of runs of one scenario under one law in one process, equal to the bench bit for bit.
 
 The plant's own functions are compiled (:mod:`railhil.common.compilable`), the law steps on arrays; the notch codes and
 the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
-a healthy bus. A run that ends up in an emergency brake is made again through the nodes of the bench
+a healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench
 (:mod:`railhil.batch.replay`), which takes a second. Needs numba (extra ``campaign``).
 """
 
@@ -24,18 +24,18 @@ if TYPE_CHECKING:
 
 __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", "trace_digest"]
 
-#: Runs that go on together: their state stays in the processor's cache, and Python's part is shared by many.
+#: Runs computed together: their state stays in the processor's cache, and the Python overhead is shared.
 CHUNK = 2048
 #: Seeds travel as 32 bit in the handshake.
 _SEED_MAX = 2**32 - 1
 
 
 def say_compiling(say: Callable[[str], None]) -> None:
-    """One sentence before the batch is compiled; nothing when an earlier process has left its machine code.
+    """Print one sentence before the batch is compiled, or nothing if the machine code is cached.
 
     :raises scenarios.errors.InputError: numba is missing.
     """
-    # Its compiled functions are listed when it is loaded.
+    # Importing it registers its compiled functions.
     import_module("railhil.batch.kernel")
     from railhil.batch.compiled import FUNCTIONS
 
@@ -52,12 +52,12 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
     """Run a case with each seed, any number of them.
 
     :param keep_notches: keep the notch codes of each run.
-    :param chunk: runs that go on together; the results do not depend on it.
+    :param chunk: number of runs computed together; the results do not depend on it.
     :raises scenarios.errors.InputError: numba is missing, or the law does not fit.
     :raises ValueError: a seed outside 32 bit.
     :raises plant_sim.plant.PlantError: the simulation failed.
     """
-    # Not before: numba is an extra, and a case or a digest does not need it.
+    # Imported only here: numba is an extra, and a case or a digest does not need it.
     from railhil.batch.engine import Engine
 
     if any(not 0 <= seed <= _SEED_MAX for seed in seeds):

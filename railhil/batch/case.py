@@ -1,4 +1,4 @@
-"""What a batch runs, and what it gives."""
+"""Input and result of a batch."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ _DIGITS = 16
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """What is run: a scenario and a law, as the controller takes them.
+    """The input of a batch: a scenario and a law, as for the controller.
 
     ``perturbed``: each seed draws the scenario's perturbations; else only the noise of the sensors differs.
     """
 
-    #: Of the system whose batch runs it.
+    #: Criteria of the system whose batch runs it.
     scenario: Any
     law: LawSpec = field(default_factory=lambda: LawSpec(arithmetic="float64"))
     perturbed: bool = True
 
     def run(self, seed: int) -> RunSpec:
-        """One of its runs, for the benches that make runs one by one."""
+        """One of its runs, for benches that make runs one by one."""
         return RunSpec(self.scenario.name, law=self.law, seed=seed, perturbed=self.perturbed)
 
 
 @dataclass(frozen=True, slots=True)
 class BatchResult:
-    """What N runs give, arrays of shape (N,), in the order of the seeds.
+    """Results of N runs, arrays of shape (N,), in the order of the seeds.
 
     ``values``, ``signed`` and ``extras`` as in :class:`railhil.supervisor.score.Score`, NaN where a run has none.
     ``wraps``, ``saturations`` and ``zero_divisions`` are of the law's arithmetic in that run. ``notch_codes`` (1/256
-    notch, int16) only when asked for: one array for each run, one code for each control period.
+    notch, int16) only on request: one array for each run, one code for each control period.
     """
 
     seed: Ints
@@ -65,7 +65,7 @@ class BatchResult:
 
 
 def column(values: Sequence[float | None]) -> Floats:
-    """Values of the runs as an array, NaN for none."""
+    """Values of the runs as an array, NaN where there is none."""
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
 
 

@@ -1,8 +1,8 @@
-"""What numba is told of the functions that bench and batch have in common, and how its machine code is kept.
+"""Registers the functions shared by bench and batch with numba, and caches the machine code.
 
-A function marked in :mod:`railhil.common.compilable` is compiled from where it stands, when a compiled loop calls it by
-its own name: numba's ``register_jitable`` says that it may. A compiled function computes the same bits as the
-interpreted one: no fast maths, no fused products, and the same ``exp`` and ``log`` of the C library.
+A function marked in :mod:`railhil.common.compilable` is compiled in place when a compiled loop calls it by its own
+name, which numba's ``register_jitable`` allows. A compiled function computes the same bits as the interpreted one: no
+fast maths, no fused products, and the same ``exp`` and ``log`` of the C library.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from railhil.common import compilable
 from railhil.common.compilable import F
 from railhil.common.extras import missing
 
-# Their marked functions are told to numba.
+# Importing them registers their marked functions with numba.
 from railhil.plant_sim import command_watch, dynamics, forces, sensors
 from railhil.scenarios import target
 from railhil.supervisor import measures
@@ -34,12 +34,12 @@ try:
 except ImportError as error:
     raise missing("batch", error, "campaign") from None
 
-#: What a damaged file of the cache raises when it is read.
+#: Exceptions raised when a damaged cache file is read.
 _DAMAGED = (EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, KeyError, OSError, ValueError)
 
-#: For what becomes part of a loop: without references to count, and without calls.
+#: Options for functions inlined into a loop: no reference counting, no calls.
 _INLINE = {"forceinline": True, "_nrt": False}
-#: For what a loop seldom calls.
+#: Options for functions that a loop seldom calls.
 _ASIDE = {"_nrt": False}
 
 part: Callable[[F], F] = numba.njit(**_INLINE)
@@ -53,7 +53,7 @@ for _function in compilable.ASIDE:
 
 def _bisect_right(values: Any, value: Any) -> Callable[..., int]:
     def by_steps_of_one(values: Any, value: Any) -> int:
-        # The tables have a few rows.
+        # A linear search is enough: the tables have few rows.
         row = 0
         while row < len(values) and values[row] <= value:
             row += 1
@@ -70,14 +70,14 @@ def _every(condition: Any) -> Callable[..., Any]:
     return lambda condition: condition
 
 
-#: For what numba does not know, or not with single numbers: what makes the function that it compiles instead.
+#: For functions that numba does not support, or not for single numbers: the factory of the function compiled instead.
 for _function, _instead in ((bisect_right, _bisect_right), (compilable.chosen, _chosen), (compilable.every, _every)):
     overload(_function, jit_options=_INLINE, strict=False)(_instead)
 
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """A compiled function and the folder that keeps its machine code; ``kept``: whether that can be written."""
+    """A compiled function and the folder with its machine code; ``kept``: whether that folder is writable."""
 
     name: str
     folder: Path
@@ -85,23 +85,23 @@ class Kept:
 
     @property
     def is_there(self) -> bool:
-        """Whether an earlier process has left it."""
+        """Whether the machine code of an earlier process exists."""
         return any(self.folder.glob(f"*/*.{self.name}-*.nbi"))
 
 
-#: Every function that :func:`cached` has been put around.
+#: Every function decorated with :func:`cached`.
 FUNCTIONS: list[Kept] = []
 
 
 def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
-    """Decorator: compile a function and keep the machine code on disk between processes.
+    """Decorator: compile a function and cache the machine code on disk between processes.
 
-    numba looks only at the file of the function itself; here the folder is named after the contents of every file
-    whose functions may have gone into it (``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``).
+    numba checks only the file of the function itself; here the folder is named after the contents of every file whose
+    functions may be compiled into it (``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``).
 
     :param sources: further files.
     """
-    # numba's own folder inside is named after the place of the source.
+    # numba's own subfolder is named after the path of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
     modules = (dynamics, forces, sensors, command_watch, target, measures, compilable)
     for path in (__file__, *(str(module.__file__) for module in modules), *sources):
@@ -112,7 +112,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         folder.mkdir(parents=True, exist_ok=True)
         kept = os.access(folder, os.W_OK)
     except OSError:
-        # Then each process compiles anew: numba's own choice of a folder would not see a change of the plant.
+        # In that case each process compiles anew: numba's default folder would not detect a change of the plant.
         kept = False
 
     def made(function: Callable[..., Any], kept: bool) -> Any:
@@ -134,7 +134,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
                 try:
                     return kernel(*given)
                 except _DAMAGED:
-                    # A file of the cache was cut short; it is read before anything is computed.
+                    # A cache file was truncated; this shows before anything is computed.
                     shutil.rmtree(folder, ignore_errors=True)
                     kernel = made(function, False)
             return kernel(*given)

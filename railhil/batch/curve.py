@@ -1,4 +1,4 @@
-"""The target speed curve over the distance, for the score of runs whose law is indexed by distance."""
+"""The target speed curve over the distance, for the score of runs with set-points by distance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.scenarios.target import time_in_piece_s
 
 @compiled.part
 def _piece(target: Any, time_s: float) -> Any:
-    """``Target._locate``: the piece of the curve that holds at a time >= 0, and the time since its start."""
+    """``Target._locate``: the piece of the curve at a time >= 0, and the time since its start."""
     piece = larger(bisect_right(target.time_s, time_s) - 1, 0)
     return piece, larger(time_s - target.time_s[piece], 0.0)
 

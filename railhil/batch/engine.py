@@ -1,4 +1,4 @@
-"""Runs of one case by the chunk: the law on arrays, the plant compiled, then the score of each run."""
+"""Makes the runs of one case in chunks: the law on arrays, the plant compiled, then the score of each run."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from railhil.supervisor.status import WRAP_FAILURE
 Ints = NDArray[np.int64]
 #: Scale of instants (s) and positions (m) in RUN_EVENT, and of accelerations in SIM_TRUTH.
 _LSB = 0.0001
-#: What a batch arithmetic counts.
+#: Events counted by a batch arithmetic.
 _KINDS = (WRAP, SATURATION, DIVISION_BY_ZERO)
 
 
 @dataclass(frozen=True, slots=True)
 class BatchRuns:
-    """Runs of some seeds: their scores, the notch codes (steps, N), how many of them belong to each run, and what
-    has gone wrong in the law's arithmetic (kind -> (N,))."""
+    """Runs of some seeds: their scores, the notch codes (steps, N), the number of codes of each run, and the events in
+    the law's arithmetic (kind -> (N,))."""
 
     scores: list[Score]
     codes: NDArray[np.int16]
@@ -43,9 +43,9 @@ class BatchRuns:
 
 
 class Engine:
-    """What is made once for a case.
+    """Makes the runs of one case.
 
-    :param loop: what stands in for the control loop of the case's law, with its arithmetic; None: that loop itself.
+    :param loop: a replacement for the control loop of the case's law, with its arithmetic; None: that loop itself.
     """
 
     def __init__(self, case: Case, loop: Any = None) -> None:
@@ -88,7 +88,7 @@ class Engine:
         return BatchRuns(self._scores(fleet, watch), codes, steps, watch.counts)
 
     def _step(self, k: int, records: NDArray[Any], fleet: Trains) -> Ints:
-        """The law's answer for all trains in control period ``k``."""
+        """The law's outputs for all trains in control period ``k``."""
         row, passed = np.arange(records.size), records["passed"]
         lines = fleet.balises
         balise = BaliseReading(*(part[row, passed] for part in (lines.number, lines.surveyed_01mm, lines.passing_01mm)))
@@ -98,7 +98,7 @@ class Engine:
         return np.broadcast_to(raw, records.shape).copy()
 
     def _scores(self, fleet: Trains, watch: _Watch) -> list[Score]:
-        """Score of each run, from the sums of the compiled loop."""
+        """Score of each run, from the sums computed in the compiled loop."""
         scenario, times, records = self._case.scenario, self.times, fleet.records
         stand_to_the_end(self.common, fleet.tables, records)
         itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh, self.grid.counts, self.grid.period_s)
@@ -147,7 +147,7 @@ class Engine:
 
 
 class _Watch:
-    """What has gone wrong in the law's arithmetic, for each train while it was running."""
+    """Events in the law's arithmetic for each train, while it was running."""
 
     def __init__(self, arithmetic: Any, trains: int) -> None:
         self.counts: dict[int, Ints] = {kind: np.zeros(trains, dtype=np.int64) for kind in _KINDS}
@@ -158,7 +158,8 @@ class _Watch:
         arithmetic.per_train = self._all
 
     def take(self, step: int, running: NDArray[np.bool_]) -> None:
-        """Take over what the last step has counted; the law goes on for trains that are there already."""
+        """Take the counts of the last step, for running trains only: the law is also computed for trains that have
+        finished."""
         if not self._arithmetic.counters.flags:
             return
         wrapped = running & (self._all[WRAP] > 0) & (self.first_wrap < 0)

@@ -1,10 +1,10 @@
-"""The tick loop of many trains as machine code, from one control period to the next.
+"""The tick loop of many trains as machine code, for one control period at a time.
 
-It holds a copy of the order that :mod:`railhil.plant_sim.cycle` states, and of ``Plant.advance``: in one pass of its
-loop the end of the run at a tick (``_end``), watch and motion (``_advance``), then, at the tick after it, the readings
-that are due. The law has answered before the pass that begins a control period. The bus is healthy: every command is
-accepted. Dynamics, watch and readings are the plant's own functions; what stands here is their order, and the tests of
-the batch hold it against ``coupled_run`` and the nodes.
+It repeats the order defined in :mod:`railhil.plant_sim.cycle`, and ``Plant.advance``: each pass of the loop handles the
+end of the run at a tick (``_end``), watch and motion (``_advance``), then, at the next tick, the readings that are due.
+The law is computed before the pass that begins a control period. The bus is healthy: every command is accepted.
+Dynamics, watch and readings are the plant's own functions; only their order is repeated here, and the tests of the
+batch compare it with ``coupled_run`` and the nodes.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
 from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
 _COMPLETE, _NOT_STOPPED = int(Event.ENDED_COMPLETE), int(Event.ENDED_NOT_STOPPED)
-#: What the machine code is made of, beside the functions that the bench uses, too.
+#: Sources of the machine code, in addition to the functions shared with the bench.
 _SOURCES = (__file__, *(str(module.__file__) for module in (curve, layout, events, plant)))
 #: Raw SIM_TRUTH: scales of position, speed and forces.
 _TRUTH_LSB, _FORCE_LSB_N = 1e-4, 20
-#: Trains that go through a tick side by side.
+#: Number of trains interleaved within a tick.
 _BLOCK = 16
 
 
@@ -49,7 +49,7 @@ def _constants(common: Any, train: Any) -> Any:
 
 @compiled.part
 def _grades(common: Any, tables: Any, index: int, train: Any) -> Any:
-    """The mean grade from where the train is on: rows behind it are never looked at again."""
+    """The table of the mean grade from the train's position on: rows behind it are not searched again."""
     from_m, row = common.grade_from_m, train.grade_row
     while row + 1 < from_m.size and from_m[row + 1] <= train.position_m:
         row += 1
@@ -69,7 +69,7 @@ def _window(train: Any) -> Any:
 
 @compiled.aside
 def _change_limit(common: Any, train: Any) -> None:
-    """``_limit_from``: the speed limit at the train's position, and to where it holds."""
+    """``_limit_from``: the speed limit at the train's position, and the position up to which it applies."""
     row = bisect_right(common.front_limit_from_m, train.position_m)
     train.limit_mps = common.front_limit_mps[larger(row - 1, 0)]
     train.limit_to_m = common.front_limit_from_m[row] if row < common.front_limit_from_m.size else inf
@@ -77,7 +77,7 @@ def _change_limit(common: Any, train: Any) -> None:
 
 @compiled.aside
 def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
-    """What the train's watch leaves of the forces while it brakes, or has just let go."""
+    """The forces allowed by the train's watch while it brakes, or has just released the brake."""
     if (
         train.level == CommandWatchLevel.EMERGENCY
         and before != CommandWatchLevel.EMERGENCY
@@ -122,7 +122,7 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
 
 @compiled.part
 def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: float) -> None:
-    """``Plant._move``: a tick or a part of it with the notch as it is now."""
+    """``Plant._move``: a tick or a part of it with the present notch."""
     if ticks == 1.0:
         lag_step = Lag(common.step_s, train.lag_decay, train.lag_mean)
     else:
@@ -164,7 +164,7 @@ def _advance(common: Any, tables: Any, index: int, grades: Any, train: Any, tick
 
 @compiled.part
 def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample: int) -> None:
-    """A SIM_TRUTH, taken into the sums of the score as its raw integers say."""
+    """Add a SIM_TRUTH to the sums of the score, quantised to its raw integers."""
     train.samples = sample + 1
     train.true_position_01mm = round(train.position_m * 1e4)
     position_m = train.true_position_01mm * _TRUTH_LSB
@@ -193,7 +193,7 @@ def _truth(common: Any, tables: Any, index: int, grades: Any, train: Any, sample
 
 @compiled.part
 def _end(common: Any, train: Any, tick: int) -> None:
-    """``RunEnd.reached``, with a controller that is there."""
+    """``RunEnd.reached``, with a live controller."""
     if train.stop_tick >= 0:
         if tick >= train.stop_tick + common.after_stop_ticks:
             train.ended, train.end_tick = _COMPLETE, tick
@@ -203,7 +203,7 @@ def _end(common: Any, train: Any, tick: int) -> None:
 
 @compiled.part
 def _command(common: Any, tables: Any, index: int, train: Any, notch_code: int, tick: int) -> None:
-    """``Plant.command`` with the law's answer; the polls after it repeat the code."""
+    """``Plant.command`` with the law's notch; later polls repeat the code."""
     code = smaller(larger(notch_code, -common.notch_max_code), common.notch_max_code)
     if code != train.staged_last:
         train.staged_last = code
@@ -215,7 +215,7 @@ def _command(common: Any, tables: Any, index: int, train: Any, notch_code: int, 
 
 @compiled.aside
 def _read(common: Any, tables: Any, index: int, train: Any, noise: float) -> None:
-    """What the law is given at a poll: balises passed, and the speed with its noise."""
+    """The law's inputs at a poll: balises passed, and the speed with its noise."""
     balises = tables.balise_m
     while train.passed < balises.shape[1] and balises[index, train.passed] <= train.position_m:
         train.passed += 1
@@ -227,12 +227,12 @@ def _read(common: Any, tables: Any, index: int, train: Any, noise: float) -> Non
 def run_period(
     common: Any, tables: Any, trains: Any, notch_codes: Any, noise: Any, from_tick: int, to_tick: int
 ) -> None:
-    """Take every train that is still running from the poll at ``from_tick`` to just before that at ``to_tick``.
+    """Advance every running train from the poll at ``from_tick`` to just before that at ``to_tick``.
 
-    Several trains go through a tick side by side: what one of them waits for, the processor spends on the others.
+    Several trains are interleaved within a tick: while one waits for a result, the processor works on the others.
 
-    :param notch_codes: what the law has answered at ``from_tick``, shape (N,). With ``from_tick`` -1 there was none:
-        the train stands at tick 0.
+    :param notch_codes: notches of the law at ``from_tick``, shape (N,). With ``from_tick`` -1 there are none: the train
+        stands at tick 0.
     :param noise: standard normal numbers of the speed sensor at ``to_tick``, shape (N,).
     """
     for first in range(0, trains.size, _BLOCK):
@@ -267,7 +267,7 @@ def run_period(
 
 @compiled.cached(*_SOURCES)
 def stand_to_the_end(common: Any, tables: Any, trains: Any) -> None:
-    """Take into the sums what is left of the timetable after the end of each run: the train stands."""
+    """Add the rest of the timetable after the end of each run to the sums: the train stands."""
     for index in range(trains.size):
         train = trains[index]
         for sample in range(train.samples, common.cycle.size):

@@ -1,4 +1,4 @@
-"""What the compiled loop works on: what all trains of a batch have in common, and one record for each train."""
+"""Data of the compiled loop: the constants common to all trains of a batch, and one record for each train."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 
 class Common(NamedTuple):
-    """Constants that no perturbation touches; ticks are base ticks, tables are arrays.
+    """Constants not affected by perturbations; ticks are base ticks, tables are arrays.
 
     ``traction`` and ``brake`` are effort tables, ``limits`` the watch's limits. ``front_limit_from_m`` and
-    ``front_limit_mps`` are the limit that the train's watch knows, ``line_limits`` (rows, 2) that of the score.
-    Of each truth sample: ``truth_s`` its time, ``wanted_mps`` the set-point by time, ``cycle`` the column of the ITAE
-    sums (-1: none), ``control_sample`` the column of the kept accelerations (-1: none).
+    ``front_limit_mps`` are the limit used by the train's watch, ``line_limits`` (rows, 2) that of the score. For each
+    truth sample: ``truth_s`` its time, ``wanted_mps`` the set-point by time, ``cycle`` the column of the ITAE sums (-1:
+    none), ``control_sample`` the column of the kept accelerations (-1: none).
     """
 
     step_s: float
@@ -44,7 +44,7 @@ class Common(NamedTuple):
 
 
 class PerTrain(NamedTuple):
-    """Tables with one row for each train: mean grade, balises in the order of passing, notches on their way.
+    """Tables with one row for each train: mean grade, balises in the order of passing, delayed notches.
 
     ``error_sums_kmh`` (N, cycles) and ``control_accel_raw`` (N, control ticks; 0.1 mm/s2) are for the score.
     """
@@ -73,7 +73,7 @@ _FIELDS = [
         "wheel_factor",
         "noise_sigma_mps",
         "delay_ticks",
-        # Motion, and what the train's protection leaves of the forces.
+        # Motion, and the forces allowed by the train's protection.
         "position_m",
         "speed_mps",
         "actuator_n",
@@ -102,14 +102,14 @@ _FIELDS = [
         "acting_code",
         "staged_first",
         "staged_count",
-        # BalisePasses passed, readings.
+        # Balises passed, readings.
         "passed",
         "speed_01mmps",
         "odometer_01mm",
         # Truth samples so far, and the position in the last of them.
         "samples",
         "true_position_01mm",
-        # Events: -1 until they happen.
+        # Events: -1 until they occur.
         "stop_tick",
         "stop_01ms",
         "stop_01mm",
@@ -118,5 +118,5 @@ _FIELDS = [
         "end_tick",
     )
 ]
-#: Constants and state of one train: a record, whose fields are attributes in the interpreter, too.
+#: Constants and state of one train: a record whose fields are attributes in the interpreter as well.
 TRAIN = np.dtype((np.record, _FIELDS))

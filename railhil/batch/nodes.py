@@ -1,4 +1,4 @@
-"""What runs many seeds of a system: its batch; without one the nodes of the bench, run by run, in this process."""
+"""Runs of many seeds of a system: by its batch, or else one by one through the nodes of the bench, in this process."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 
-#: Hexadecimal digits of the frame log's hash that stand in the place of the notch digest.
+#: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
 DIGITS = 16
 
 
@@ -24,7 +24,7 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
 
 
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
-    """Run a case with each seed; the digest of a run is the beginning of its frame log's SHA-256.
+    """Run a case with each seed; the digest of a run is the beginning of the SHA-256 of its frame log.
 
     :raises InputError: law, arithmetic, indexing or parameters do not fit.
     """

@@ -1,4 +1,4 @@
-"""Noise of the speed sensor, only at the ticks at which it is read."""
+"""Noise of the speed sensor at the ticks at which it is read."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from railhil.scenarios import streams
 
-#: Runs whose numbers are kept, 3 kB each: searches and comparisons run the same seeds again and again.
+#: Number of runs whose noise is cached, 3 kB each: searches and comparisons repeat the same seeds.
 _KEPT = 4096
 _kept: OrderedDict[tuple[int, int, int], NDArray[np.float64]] = OrderedDict()
 

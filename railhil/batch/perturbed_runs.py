@@ -17,7 +17,7 @@ FIRST_SEED = 1000
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """Scores of perturbed runs in the order of their seeds, and what went wrong in the law's arithmetic in all."""
+    """Scores of perturbed runs in the order of their seeds, and total events in the law's arithmetic."""
 
     scores: list[Score]
     arithmetic: Counters

@@ -1,7 +1,8 @@
-"""Runs that leave the healthy path, made again through the nodes of the bench.
+"""Repeats runs with an emergency brake through the nodes of the bench.
 
-After an emergency brake the controller's own watch answers in place of its law. The batch has no such watch: its scores
-stay right, because the train brakes whatever it is told, but the notch codes would not be those of the bench.
+After an emergency brake the controller's own watch determines the notch instead of its law. The batch has no such
+watch: its scores are still right, because the train brakes regardless of commands, but the notch codes would differ
+from those of the bench.
 """
 
 from __future__ import annotations
@@ -16,12 +17,12 @@ from railhil.supervisor.score import Score
 
 
 def left_the_healthy_path(score: Score) -> bool:
-    """True for a run whose notch codes the batch cannot know."""
+    """True for a run whose notch codes the batch cannot compute."""
     return any("emergency brake" in text for text in score.failures)
 
 
 def replayed(case: Case, seed: int) -> tuple[Score, NDArray[np.int16], dict[int, int]]:
-    """Score, notch codes and counts of the law's arithmetic (by kind) of one run."""
+    """Score, notch codes and event counts of the law's arithmetic (by kind) of one run."""
     run = unrecorded_run(case.scenario, case.run(seed))
     totals = run.telemetry["totals"]
     counts = {WRAP: "wraps", SATURATION: "saturations", DIVISION_BY_ZERO: "zero_divisions"}

@@ -1,4 +1,4 @@
-"""From scenarios to the tables of the compiled loop: once for a case, and once for each train."""
+"""Makes the tables of the compiled loop from scenarios: once for a case, and once for each train."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ class TargetPieces(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Times:
-    """When things happen in any run of a scenario.
+    """Schedule of any run of a scenario.
 
-    ``steps``, ``ends`` and ``periods`` are first poll, that of the next and number of each control period, shape
-    (steps,), the polls in ticks; the last one ends when no run goes on any more. ``control_columns`` says for
-    each control tick of the score in which column of the kept accelerations it stands.
+    ``steps``, ``ends`` and ``periods`` are, for each control period, its first poll, the first poll of the next one,
+    and its number, shape (steps,), the polls in ticks; the last period ends when all runs have ended.
+    ``control_columns`` gives for each control tick of the score the column of the kept accelerations.
     """
 
     schedule: Schedule
@@ -77,7 +77,7 @@ class Times:
         first = np.diff(periods, prepend=-1) > 0
         truth_s = np.arange(0, end + 1, schedule.ticks(SimTruth.PORT)) * tick_ns / 1e9
         period_s = period_ns / 1e9
-        # As the score finds them.
+        # Determined as in the score.
         wanted_s = np.arange(0, int(truth_s[-1] / period_s) + 1) * period_s
         samples = np.minimum(np.searchsorted(truth_s, wanted_s - 1e-9), truth_s.size - 1)
         kept, columns = np.unique(samples, return_inverse=True)
@@ -93,7 +93,7 @@ def _effort(effort: Effort) -> EffortLimit:
 
 
 def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
-    """What all trains have in common, from the nominal scenario."""
+    """The data common to all trains, from the nominal scenario."""
     train, timing = scenario.train, scenario.timing
     grid = ErrorGrid.of(scenario)
     target = Target(scenario.target)
@@ -142,8 +142,8 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
 class BalisePasses:
     """Balises of N trains in the order of passing.
 
-    ``true_m`` has the shape (N, balises). The rest is what the law is given, behind a first column of zeros for none
-    passed: (N, balises + 1).
+    ``true_m`` has the shape (N, balises). The others are inputs of the law, with a first column of zeros for "none
+    passed": (N, balises + 1).
     """
 
     true_m: NDArray[np.float64]
@@ -162,7 +162,7 @@ class Trains:
 
 
 def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, cycles: int) -> Trains:
-    """The trains of some seeds, all made at once: a scenario whose perturbed quantities are arrays."""
+    """The trains of some seeds, made together from a scenario whose perturbed quantities are arrays."""
     count, timing = len(seeds), scenario.timing
     actual = scenario
     if drawn:
@@ -180,13 +180,13 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     records["delay_ticks"] = actual.timing.loop_delay_s * 1e9 / timing.base_tick_ns
     records["watch_brake_mps2"] = train.service_braking_mps2
     records["brake_min_n"] = records["watch_brake_mps2"] * records["mass_kg"]
-    # The first tick looks the limit up.
+    # The limit is looked up in the first tick.
     records["limit_to_m"] = -inf
     records["level"] = INITIAL.level
     for name in ("stop_tick", "emergency_01ms"):
         records[name] = -1
     _, permil, permil_per_m = force_tables.grade_rows(actual.line.grade_permil, train.length_m)
-    # A notch is on its way for at most the loop delay, and a new one comes once in a control period.
+    # A notch is delayed by at most the loop delay, and there is one new notch per control period.
     slots = ceil(records["delay_ticks"].max() * timing.base_tick_ns / timing.control_period_ns) + 2
     balises = _balises(actual, records["wheel_factor"])
     tables = PerTrain(
@@ -211,7 +211,7 @@ def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> BalisePasse
     surveyed = np.array([limited_01mm(round(balise.surveyed_m * 1000)) for balise in rows], dtype=np.int64)
     order = np.lexsort((np.broadcast_to(numbers[:, None], shape), true_m), axis=0)
     true_m = np.take_along_axis(true_m, order, axis=0).T.copy()
-    # As the balise reader of the train rounds.
+    # Rounded as in the train's balise reader.
     passing_mm = np.rint(true_m * wheel_factor[:, None] * 1000).astype(np.int64)
     passing = np.clip(passing_mm * 10, -POSITION_MAX_01MM, POSITION_MAX_01MM)
 
@@ -222,6 +222,6 @@ def _balises(actual: Scenario, wheel_factor: NDArray[np.float64]) -> BalisePasse
 
 
 def status_tick(times: Times, tick: int, end_tick: int) -> int:
-    """Tick of the CTL_STAT that first says what has happened at ``tick``: a poll, or the one at the end."""
+    """Tick of the first CTL_STAT that reports an event of ``tick``: a regular poll, or the one at the end."""
     period = times.schedule.ticks(CtlStat.PORT)
     return min(-(-tick // period) * period, end_tick)

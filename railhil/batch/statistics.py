@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import bdtr, betaincinv
 
-#: Of every interval.
+#: Confidence level of every interval.
 CONFIDENCE = 0.95
-#: Left out on each side.
+#: Probability outside the interval on each side.
 _TAIL = (1 - CONFIDENCE) / 2
 
 
@@ -36,33 +36,33 @@ class Share:
 
     @property
     def share(self) -> float:
-        """Share that was found."""
+        """Observed share."""
         return self.count / self.runs
 
 
 def order_ranks(n: int, q: float) -> tuple[int, int]:
     """Ranks (from 1) of the order statistics between which the ``q`` quantile lies with :data:`CONFIDENCE`.
 
-    The number of values at or below the quantile is binomial (n, q), whatever the distribution; each side is left out
-    with at most half of the rest. Rank 0 or n + 1: the sample is too small for a bound on that side. See David and
-    Nagaraja, Order Statistics, 3rd ed., section 7.1.
+    The number of values at or below the quantile is binomial (n, q), whatever the distribution; the probability outside
+    is at most half of the remainder on each side. Rank 0 or n + 1: the sample is too small for a bound on that side.
+    See David and Nagaraja, Order Statistics, 3rd ed., section 7.1.
     """
-    # The smallest counts whose probability is reached; scipy.stats has this too, and takes half a second to import.
+    # Smallest counts that reach the probability; scipy.stats can do this too, but takes half a second to import.
     low, high = (bisect_left(range(n), p, key=lambda count: bdtr(count, n, q)) for p in (_TAIL, 1 - _TAIL))
     return low, high + 1
 
 
 def quantile(ordered: NDArray[np.float64], q: float) -> float:
-    """Quantile of sorted values, linear between neighbours; infinite as soon as an infinite neighbour takes part."""
+    """Quantile of sorted values, linear between neighbours; infinite if an infinite neighbour has any weight."""
     position = (len(ordered) - 1) * q
-    # 0.95 * 20 must be 19: a last bit must not pull the next value in.
+    # 0.95 * 20 must be 19: rounding in the last bit must not include the next value.
     position = round(position, 9)
     below = math.floor(position)
     part = position - below
     if part == 0:
         return float(ordered[below])
     low, high = float(ordered[below]), float(ordered[below + 1])
-    # Equal first: between two infinite neighbours there is no difference to take a part of.
+    # Test for equality first: the difference of two infinite neighbours is undefined.
     return low if low == high else low + part * (high - low) if math.isfinite(low) else low
 
 
@@ -88,7 +88,7 @@ def share(hits: NDArray[np.bool_]) -> Share:
 def differences(values: NDArray[np.float64], baseline: NDArray[np.float64]) -> NDArray[np.float64]:
     """Values minus those of the baseline in the same runs, shape (n,).
 
-    NaN counts as +infinity; where both are missing the runs are equally bad, difference 0.
+    NaN counts as +infinity; where both are missing, the runs count as equally bad, difference 0.
     """
     ours, theirs = (np.where(np.isnan(side), np.inf, side) for side in (values, baseline))
     both = np.isinf(ours) & np.isinf(theirs)

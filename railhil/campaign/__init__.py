@@ -1,4 +1,4 @@
-"""``railhil campaign``: thousands of perturbed runs of several laws, in parts that survive whatever happens to them.
+"""``railhil campaign``: thousands of perturbed runs of several laws, in parts that survive any interruption.
 
 ::
 
@@ -7,7 +7,7 @@
     engines.py  chunks -> parts, in this process or over the cores; dask_engine.py: over machines
     folder.py   parts/, results.parquet, summary.json; manifest.py: campaign.json, the lock too
     summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
-    verify.py   some of the runs again, on the real bench
+    verify.py   repeats some of the runs on the real bench
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import Any
 
 
 class _Callable(ModuleType):
-    """``railhil.campaign`` is the library's function and this package: importing one must not hide the other."""
+    """``railhil.campaign`` is both the library's function and this package: importing one must not hide the other."""
 
     def __call__(self, *args: Any, **kwargs: Any) -> Any:
         from railhil.library import campaign

@@ -66,7 +66,7 @@ def _run(namespace: argparse.Namespace) -> int:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run, go on with or verify a campaign."""
+    """Run, resume or verify a campaign."""
     accept_any_text()
     namespace = parse(arguments(), words)
     check_combination(namespace)

@@ -27,7 +27,7 @@ exit codes:
   3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
   4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume goes on)"""
-#: Options that say what is run: None when not given, so that --resume takes them from the campaign.
+#: Options that define the campaign: None when not given, so that --resume takes them from the campaign.
 _REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
 
 
@@ -115,7 +115,7 @@ def _absolute(name: str) -> str:
 
 
 def request_from(namespace: argparse.Namespace, begun: Request) -> Request:
-    """The request: what the command line says, and the rest as ``begun`` (of a campaign, or the usual one)."""
+    """The request: options from the command line, all others from ``begun`` (an existing campaign, or the defaults)."""
     said: dict[str, Any] = {name: getattr(namespace, name) for name in _REQUEST if getattr(namespace, name) is not None}
     if "scenario" in said:
         said["scenario"] = stable_name(said["scenario"])

@@ -20,20 +20,20 @@ from railhil.campaign.work import Task, run_task
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID
 
-#: What reaches other machines; IPv6 in brackets.
+#: Address forms that reach other machines; IPv6 in brackets.
 _ADDRESS = re.compile(r"(tcp|tls)://([\w.-]+|\[[0-9a-fA-F:.]+\]):(?P<port>\d{1,5})")
 _PORT_MAX = 65535
 _CONNECT_S = 10.0
-#: How long a campaign waits for a first or another worker.
+#: How long a campaign waits while there is no worker.
 _WORKER_S = 60.0
 _ASK_S = 1.0
 _LOOK_S = 0.02
-#: Chunks handed out per core of the workers: enough that none waits, few enough that none of them fills the scheduler.
+#: Chunks handed out per worker core: enough to keep all workers busy, few enough not to overload the scheduler.
 _AHEAD = 4
 
 
 class ClusterLost(Exception):
-    """Scheduler or workers are gone; what is done is kept."""
+    """Scheduler or workers are lost; finished parts are kept."""
 
     exit_code = INVALID
 
@@ -48,19 +48,19 @@ def connected(
 ) -> Iterator[DaskEngine]:
     """The engine at a scheduler.
 
-    :param work: what a worker does with a task.
-    :param connect_s: how long somebody may take to answer at the address.
-    :raises scenarios.errors.InputError: it is no address, or nobody answers there.
+    :param work: the function that a worker applies to a task.
+    :param connect_s: time limit for an answer from the address.
+    :raises scenarios.errors.InputError: it is not an address, or there is no answer.
     """
     allowed = "tcp://HOST:PORT of a running dask scheduler"
     match = _ADDRESS.fullmatch(address)
     if match is None or not 1 <= int(match["port"]) <= _PORT_MAX:
         raise InputError("command line", "--scheduler", address, allowed)
-    # Its log lines tell of losses again, in many lines.
+    # dask's own log would repeat each loss in many lines.
     for name in ("distributed", "distributed.client"):
         logging.getLogger(name).setLevel(logging.CRITICAL)
     try:
-        # A client that fails to connect stays behind half made and complains when the process ends.
+        # A client that fails to connect remains half initialised and prints errors when the process ends.
         asyncio.run(_knock(address, connect_s))
         client = Client(address, timeout=connect_s, set_as_default=False, name="railhil-campaign")
     except (OSError, ValueError, TypeError, RuntimeError) as error:
@@ -74,15 +74,15 @@ def connected(
 async def _knock(address: str, connect_s: float) -> None:
     """Connect and hang up.
 
-    :raises OSError: nobody answers, or the TLS files of dask's configuration cannot be read.
-    :raises TypeError, ValueError, RuntimeError: the address does not go with dask's configuration of TLS.
+    :raises OSError: there is no answer, or the TLS files of dask's configuration cannot be read.
+    :raises TypeError, ValueError, RuntimeError: the address does not match dask's TLS configuration.
     """
     comm = await connect(address, timeout=connect_s, **Security().get_connection_args("client"))
     await comm.close()
 
 
 class DaskEngine:
-    """Called with tasks it gives their parts as they come.
+    """Called with tasks, it yields their parts as they arrive.
 
     A chunk whose worker dies goes to another one, as often as the scheduler allows (its setting
     ``distributed.scheduler.allowed-failures``, 3 unless it says otherwise).
@@ -109,7 +109,7 @@ class DaskEngine:
         while waiting or not ready.is_empty():
             self._ask()
             while waiting and ready.count() < _AHEAD * max(1, self._cores):
-                # Not by content: another campaign's futures with the same task must not be taken for ours.
+                # Keys not derived from content: futures of another campaign with the same task must not be reused.
                 ready.add(self._client.submit(self._work, waiting.pop(), pure=False))
             if ready.has_ready():
                 yield self._part(*next(ready))
@@ -124,7 +124,7 @@ class DaskEngine:
             raise self._lost()
         error = result[1]
         if isinstance(error, KilledWorker):
-            # Its own text is about dask's internals.
+            # dask's own message is about its internals.
             raise ClusterLost(
                 f"dask gave up a chunk after its workers died {error.allowed_failures + 1} times (memory?)"
             )
@@ -134,7 +134,7 @@ class DaskEngine:
         return ClusterLost(f"dask scheduler at {self._address} is lost")
 
     def _ask(self) -> None:
-        """Count the workers now and then; say when some are gone, end when there are none for long."""
+        """Count the workers periodically; report lost ones, end when there have been none for too long."""
         now_s = time.monotonic()
         if self._client.status != "running":
             raise self._lost()

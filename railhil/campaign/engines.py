@@ -1,4 +1,4 @@
-"""Engines: tasks in, parts out, in any order. In this process, over the cores (joblib), over machines (dask)."""
+"""Engines: tasks in, parts out, in any order: in this process, on several cores (joblib) or machines (dask)."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from railhil.common.exit_codes import INVALID
 
 Parts = Generator[tuple[str, bytes], None, None]
 Engine = Callable[[Sequence[Task]], Parts]
-#: What a worker does with a task: name and bytes of its part.
+#: The function that a worker applies to a task; returns name and bytes of its part.
 Work = Callable[[Task], tuple[str, bytes]]
-#: Called with one sentence for what the user should know at once.
+#: Called with one sentence that the user should see at once.
 Say = Callable[[str], None]
-#: Losses of a worker one after the other, without a chunk done in between, after which a campaign gives up.
+#: Number of successive worker losses, without a finished chunk in between, after which a campaign gives up.
 LOSSES_MAX = 3
 #: prctl(2): a signal for the process when the thread that has started it ends.
 _PR_SET_PDEATHSIG = 1
 
 
 class WorkersLost(Exception):
-    """Too many workers were lost; what is done is kept."""
+    """Too many workers were lost; finished parts are kept."""
 
     exit_code = INVALID
 
@@ -40,8 +40,8 @@ def _batch(tasks: Sequence[Task], work: Work) -> Parts:
 def _worker() -> None:
     """A worker process ends with its parent, and not before it.
 
-    Ctrl-C reaches the whole process group: the parent ends its workers, which have nothing to say to it. A killed
-    parent ends nobody, and the workers would wait for it for ever.
+    Ctrl-C reaches the whole process group: workers ignore it, because the parent ends them. A killed parent cannot end
+    its workers, which would wait for it for ever.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
@@ -53,7 +53,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
     import joblib
     from joblib.externals.loky.process_executor import BrokenProcessPool
 
-    # When a campaign is stopped, it says so itself.
+    # A stopped campaign prints its own message.
     warnings.filterwarnings("ignore", message=".*still being processed by the workers", category=UserWarning)
     left = {task.chunk.name: task for task in tasks}
     losses = 0
@@ -82,10 +82,10 @@ def running(
 
     :param jobs: processes of joblib, -1 one per core.
     :param scheduler: address of dask's scheduler.
-    :param say: for a lost worker.
+    :param say: called for a lost worker.
     :param work: what a worker does with a task.
-    :param compiled: the system has a batch, which is compiled.
-    :raises scenarios.errors.InputError: a library is missing, or nobody answers at the address.
+    :param compiled: whether the system has a batch, which is compiled.
+    :raises scenarios.errors.InputError: a library is missing, or there is no answer from the address.
     """
     if name == "dask":
         need("distributed", "dask")
@@ -96,7 +96,7 @@ def running(
         with connected(scheduler, say, work=work) as engine:
             yield engine
         return
-    # Where the work is done here, what it needs is missed before there is a folder.
+    # If the work is done on this machine, report missing libraries before the folder is made.
     if compiled:
         need("numba", "campaign")
         say_compiling(say)

@@ -1,4 +1,4 @@
-"""Libraries of the extras: one line when they are missing."""
+"""Libraries of the extras, with a one-line message if they are missing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The folder of a campaign: the manifest, which is the lock too, and parts that exist whole or not at all."""
+"""The folder of a campaign: the manifest, which also serves as the lock, and parts that are complete or missing."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _OPTIONS = "--out, --resume"
 
 
 def write_synced(path: Path, content: bytes) -> None:
-    """Write a file whole, and make it outlive a power cut. Raises OSError."""
+    """Write a file atomically so that it survives a power cut. Raises OSError."""
     with whole_file(path) as draft, draft.open("wb") as file:
         file.write(content)
         file.flush()
@@ -50,7 +50,7 @@ class CampaignFolder:
         self.path = path
         self._plan = plan
         (path / PARTS).mkdir(exist_ok=True)
-        # Of a process that was killed while it wrote; nobody else writes here now.
+        # Left by a process that was killed while writing; no other process writes here now.
         for place in (path, path / PARTS):
             for draft in place.glob(_DRAFTS):
                 draft.unlink()
@@ -66,7 +66,8 @@ class CampaignFolder:
         )
 
     def missing(self) -> tuple[list[Chunk], list[str]]:
-        """Chunks that have no part yet, and a sentence for each file that was not what its name says: it is gone."""
+        """Chunks without a part, and a sentence for each file whose content did not match its name and that was
+        removed."""
         left, complaints = [], []
         for chunk in self._plan.chunks():
             try:
@@ -80,17 +81,17 @@ class CampaignFolder:
         return left, complaints
 
     def kept(self) -> int:
-        """Number of runs that are safe, once :meth:`missing` has looked at all parts."""
+        """Number of finished runs, once :meth:`missing` has checked all parts."""
         return sum(chunk.runs for chunk in self._plan.chunks() if self.part(chunk).exists())
 
     def write_part(self, name: str, content: bytes) -> None:
-        """Put a part in its place. Raises RecordFailed."""
+        """Write a part. Raises RecordFailed."""
         self._write(Path(PARTS) / f"{name}.parquet", content)
 
     def write_results(self) -> pa.Table:
         """Join all parts into ``results.parquet``, sorted by law and seed.
 
-        :raises NotThePart: a part has gone bad since it was written.
+        :raises NotThePart: a part was damaged after it was written.
         :raises RecordFailed: the file cannot be written.
         """
         chunks = sorted(self._plan.chunks(), key=lambda chunk: (chunk.entry.label, chunk.index))
@@ -106,7 +107,7 @@ class CampaignFolder:
         try:
             write_synced(self.path / name, content)
         except OSError as error:
-            # Whatever the reason: the folder could be written before.
+            # Whatever the reason: the folder was writable before.
             why = (error.strerror or str(error)).lower()
             raise RecordFailed(f"{self.path / name} cannot be written: {why}") from error
 
@@ -124,12 +125,12 @@ def _check_same(path: Path, recorded: dict[str, Any], plan: Plan) -> None:
 
 @contextmanager
 def opened(out: str | None, plan: Plan) -> Iterator[CampaignFolder]:
-    """Begin a campaign in a new or empty folder, or go on with the one that is there; nobody else may meanwhile.
+    """Begin a campaign in a new or empty folder, or resume the one in it, with exclusive access.
 
-    The lock (flock on the manifest) ends with the process, however it ends.
+    The lock (flock on the manifest) is released when the process ends, in whatever way.
 
     :param out: the folder; None: ``runs/<utc>-<scenario>-campaign/``.
-    :raises InputError: the folder holds something else, or a campaign that differs, cannot be written, or is in use.
+    :raises InputError: the folder contains something else or a different campaign, is not writable, or is in use.
     :raises RecordFailed: the disk is full.
     """
     if out is None or not (Path(out) / MANIFEST).exists():
@@ -149,7 +150,7 @@ def opened(out: str | None, plan: Plan) -> Iterator[CampaignFolder]:
                 raise not_written(_OPTIONS, path, "folder", error) from error
             raise InputError(path, "", Words("a campaign that is running there"), "one process at a time") from None
         try:
-            # A process that was killed right here has left an empty or torn manifest, and no part.
+            # A process killed at this point leaves an empty or incomplete manifest, and no part.
             if not (path / PARTS).exists() and not _is_json(stream.read()):
                 stream.seek(0)
                 stream.truncate()

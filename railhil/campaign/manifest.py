@@ -1,4 +1,4 @@
-"""``campaign.json``: what a campaign is, so that it goes on as it began."""
+"""``campaign.json``: the definition of a campaign, so that it is resumed as it began."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class _Request(BaseModel):
 
 
 class _File(BaseModel):
-    """What is read back; the rest is for people."""
+    """The part that is read back; the rest is information for people."""
 
     model_config = ConfigDict(extra="ignore", strict=True)
     campaign: dict[str, Any]
@@ -62,7 +62,7 @@ class _File(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """A campaign that has begun: its identity (:attr:`~railhil.campaign.plan.Plan.identity`) and its request."""
+    """An existing campaign: its identity (:attr:`~railhil.campaign.plan.Plan.identity`) and its request."""
 
     campaign: dict[str, Any]
     request: Request
@@ -71,7 +71,7 @@ class Manifest:
 def read_manifest(folder: Path) -> Manifest:
     """``campaign.json`` of a folder.
 
-    :raises InputError: there is none, or something in it is not as a campaign has written it.
+    :raises InputError: there is none, or it was not written by a campaign.
     """
     path = folder / MANIFEST
     try:
@@ -92,16 +92,16 @@ def _request_of(read: _Request) -> Request:
 
 
 def checked_request(request: Request, file: Path) -> Request:
-    """The same request, held against the bounds of the command line.
+    """The same request, checked against the ranges of the command line.
 
-    :param file: named in a complaint.
-    :raises InputError: one of its values is outside.
+    :param file: for the error message.
+    :raises InputError: one of its values is out of range.
     """
     return _request_of(validated(_Request, json.loads(json.dumps(asdict(request))), lambda keys: file))
 
 
 def manifest(plan: Plan) -> dict[str, Any]:
-    """Content of ``campaign.json``: ``campaign`` is what a continuation must repeat, the rest explains it."""
+    """Content of ``campaign.json``: ``campaign`` must be the same when resuming, the rest is explanation."""
     return {
         "format": _FORMAT,
         "railhil": version("railhil"),

@@ -1,4 +1,4 @@
-"""What a campaign runs: a scenario, laws with their parameters, seeds, and how the seeds are cut into chunks."""
+"""The plan of a campaign: a scenario, laws with their parameters, seeds, and their division into chunks."""
 
 from __future__ import annotations
 
@@ -29,17 +29,18 @@ from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.folder import code_sha256
 from railhil.supervisor.judging import Judging, judging_of
 
-#: Stands for every registered law, in the order of the tables; the others are held against the first.
+#: Means every registered law, in the order of the tables; the others are compared with the first.
 ALL_LAWS = "all"
 RUNS_MAX = 10_000_000
 CHUNK_MAX = 10_000
-#: Beside the code of the bench (``certificate.json``), what a campaign's figures depend on.
+#: Code on which a campaign's figures depend, in addition to that of the bench (``certificate.json``).
 _OWN_CODE = ("batch", "bench.py", "campaign/results_table.py", "campaign/work.py")
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What the command line asks for. Files by absolute path, so that a campaign goes on from any folder."""
+    """The request from the command line. Files have absolute paths, so that a campaign can be resumed from any
+    folder."""
 
     scenario: str = USUAL_SCENARIO
     settings: tuple[str, ...] = ()
@@ -68,7 +69,7 @@ class Entry:
 
     @property
     def parameters(self) -> ParameterSet | None:
-        """Of the law, from a file."""
+        """The law's parameters, from a file."""
         return self.law.parameters
 
 
@@ -88,13 +89,13 @@ class Chunk:
 
     @property
     def name(self) -> str:
-        """Name of its part, without suffix; a law's name may hold anything."""
+        """Name of its part, without suffix; a law's name may contain any characters."""
         return f"{quote(self.entry.label, safe='+')}-{self.index:05d}"
 
 
 @lru_cache(maxsize=1)
 def batch_sha256() -> str:
-    """Hash over the code beyond the bench's own that the figures depend on (paths and contents, in path order)."""
+    """Hash over the code, beyond the bench's own, on which the figures depend (paths and contents, in path order)."""
     root = Path(railhil.__file__).parent
     digest = hashlib.sha256()
     for name in _OWN_CODE:
@@ -112,7 +113,7 @@ def bench_sha256() -> str:
 
 @lru_cache(maxsize=64)
 def _law(name: str, system: str) -> Any:
-    """:func:`railhil.controller_node.laws.find`, which looks through all installed packages, once per law."""
+    """:func:`railhil.controller_node.laws.find`, which searches all installed packages, called once per law."""
     return registered.find(name, system_named(system).laws)
 
 
@@ -124,7 +125,7 @@ def law_sha256(name: str, system: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """A campaign: what its identity says is what a continuation must repeat."""
+    """A campaign; to resume it, its identity must be the same."""
 
     request: Request
     scenario: AnyScenario
@@ -137,12 +138,12 @@ class Plan:
 
     @property
     def criteria(self) -> tuple[Criterion, ...]:
-        """What the runs are judged by."""
+        """The criteria by which the runs are judged."""
         return self.judging.criteria
 
     @property
     def batch(self) -> Callable[..., Any] | None:
-        """What runs many seeds at once; None: the system has nothing for it."""
+        """The function that runs many seeds at once; None if the system has none."""
         return batch_of(self.scenario)
 
     @property
@@ -163,13 +164,13 @@ class Plan:
         return self.entries[0].law.how
 
     def run(self, entry: Entry, seed: int) -> RunSpec:
-        """One of its runs, as the full bench makes it."""
+        """One of its runs, for the full bench."""
         return RunSpec(self.request.scenario, self.request.settings, entry.law, seed, perturbed=True)
 
     def training(self, entry: Entry) -> list[int]:
         """Seeds of the campaign on which the entry's parameters were tuned, or the law's own ones chosen.
 
-        The latter also with a parameter file: what it does not name stays the law's own.
+        The latter also with a parameter file, because parameters that it does not name keep the law's own values.
         """
         tuned = set() if entry.parameters is None else set(entry.parameters.seen(self.seeds))
         chosen = _law(entry.law.controller, self.scenario.system).design_seeds.get(self.scenario.name, ())
@@ -177,7 +178,7 @@ class Plan:
 
     @property
     def subject(self) -> dict[str, Any]:
-        """What decides the figure of every single run."""
+        """Everything that determines the figures of every single run."""
         return {
             "scenario": self.scenario.name,
             "scenario_sha256": any_judged_sha256(self.scenario),
@@ -189,12 +190,12 @@ class Plan:
 
     @property
     def subject_sha256(self) -> str:
-        """Hash of :attr:`subject`; stands in every part."""
+        """Hash of :attr:`subject`; recorded in every part."""
         return hashlib.sha256(json.dumps(self.subject, sort_keys=True).encode()).hexdigest()
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What a continuation must have in common with its beginning."""
+        """What must be unchanged when the campaign is resumed."""
         return self.subject | {
             "first_seed": self.request.first_seed,
             "runs": self.request.runs,
@@ -243,7 +244,7 @@ def _entries(request: Request, system: System) -> tuple[Entry, ...]:
 
 
 def make_plan(request: Request) -> Plan:
-    """Load what the request names and check that every law can be made of it.
+    """Load everything that the request names and check that every law can be made from it.
 
     :raises InputError: a scenario, law, parameter file or seed that cannot be run, or seeds on which parameters were
         tuned or chosen (unless the request allows them).
@@ -263,7 +264,7 @@ def make_plan(request: Request) -> Plan:
 
 
 def _check_unseen(plan: Plan, entry: Entry) -> None:
-    """Refuse to judge parameters by runs that they were made from. Raises InputError."""
+    """Refuse to evaluate parameters on runs that were used to find them. Raises InputError."""
     if entry.parameters is not None:
         entry.parameters.check_unseen(plan.seeds)
     if seen := plan.training(entry):

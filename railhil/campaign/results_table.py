@@ -44,7 +44,7 @@ def schema(judging: Judging) -> pa.Schema:
     )
 
 
-#: Key of the metadata that says which part of which campaign a file is.
+#: Metadata key that identifies the part and campaign of a file.
 _ORIGIN = b"railhil.campaign"
 
 
@@ -67,7 +67,7 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
     columns |= {name: np.asarray(getattr(result, name), dtype=np.int64) for name in _COUNTS}
     found = {criterion.key: result.values[criterion.key] for criterion in judging.criteria}
     found |= {name: result.signed[key] for name, key in signed_columns(judging.criteria).items()}
-    # Missing is null, not a number that is none: averages of every tool leave it out.
+    # A missing value is null, not NaN, so that every tool leaves it out of averages.
     columns |= {
         name: pa.array(np.asarray(values, dtype=float), from_pandas=True)
         for name, values in (found | dict(result.extras)).items()
@@ -76,7 +76,7 @@ def table_of(label: str, result: Any, training: Sequence[int], judging: Judging)
 
 
 def file_bytes(table: pa.Table, origin: str) -> bytes:
-    """The table as a Parquet file with checksums; the same bytes for the same rows, however they came together."""
+    """The table as a Parquet file with checksums; the same bytes for the same rows, however they were collected."""
     buffer = BytesIO()
     whole = table.combine_chunks().replace_schema_metadata({_ORIGIN: origin.encode()})
     pq.write_table(whole, buffer, compression="zstd", write_page_checksum=True)
@@ -84,7 +84,7 @@ def file_bytes(table: pa.Table, origin: str) -> bytes:
 
 
 class NotThePart(Exception):
-    """A file is not what its name says; the text says why."""
+    """The content of a file does not match its name; the text says why."""
 
 
 def _read(path: Path, judging: Judging) -> pa.Table:
@@ -100,9 +100,9 @@ def _read(path: Path, judging: Judging) -> pa.Table:
 
 
 def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judging) -> pa.Table:
-    """A part that a campaign has written.
+    """A part written by a campaign.
 
-    :raises NotThePart: torn, damaged, or of other runs.
+    :raises NotThePart: incomplete, damaged, or with other runs.
     :raises OSError: it cannot be read at all.
     """
     table = _read(path, judging)

@@ -1,4 +1,4 @@
-"""A campaign from its plan to its summary, whatever is there of it already."""
+"""Runs a campaign from its plan to its summary, using the parts that already exist."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from railhil.campaign.work import task_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
 
-#: Progress is shown again at most so often per second.
+#: Maximum updates of the progress display per second.
 _REFRESH_HZ = 4
-#: Over how many seconds the speed is taken.
+#: Averaging time of the displayed speed, s.
 _SPEED_S = 60
 
 
 class Stopped(Exception):
-    """A campaign that could not be finished: why, what is kept, how it goes on."""
+    """A campaign that could not be finished: the reason, what is kept, how to resume."""
 
     def __init__(self, text: str, exit_code: int) -> None:
         super().__init__(text)
@@ -45,14 +45,14 @@ class _Speed(ProgressColumn):
 def execute(
     plan: Plan, out: str | None, console: Console, engine: Engine, say: Callable[[str], None]
 ) -> tuple[Path, dict[str, Any]]:
-    """Run what is missing of a campaign, then join and summarise it.
+    """Run the missing parts of a campaign, then join and summarise it.
 
-    :param out: its folder; None makes a new one.
+    :param out: its folder; None creates a new one.
     :param console: for progress (standard error).
     :param say: for remarks.
     :returns: the folder and the content of ``summary.json``.
-    :raises scenarios.errors.InputError: the folder is not what it must be.
-    :raises Stopped: workers or parts were lost, or the record cannot be written (any more).
+    :raises scenarios.errors.InputError: the folder cannot be used.
+    :raises Stopped: workers or parts were lost, or the record can no longer be written.
     """
     with opened(out, plan) as folder:
         total = plan.request.runs * len(plan.entries)
@@ -66,7 +66,7 @@ def execute(
                 say(complaint)
             if kept := folder.kept():
                 say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
-            # Closed at once when something goes wrong: workers must not go on behind an exception.
+            # Close it at once after an exception, so that workers do not continue.
             with _progress(console, kept, total) as shown, closing(_made(plan, folder, left, engine)) as made:
                 for runs in made:
                     shown(runs)
@@ -92,7 +92,7 @@ def execute(
 
 
 def _made(plan: Plan, folder: CampaignFolder, left: Sequence[Chunk], engine: Engine) -> Generator[int, None, None]:
-    """Write the missing parts; the number of runs of each as soon as it is safe."""
+    """Write the missing parts; yields the number of runs of each as soon as it is safely written."""
     if not left:
         return
     runs = {chunk.name: chunk.runs for chunk in left}
@@ -104,7 +104,7 @@ def _made(plan: Plan, folder: CampaignFolder, left: Sequence[Chunk], engine: Eng
 
 @contextmanager
 def _progress(console: Console, done: int, total: int) -> Iterator[Callable[[int], None]]:
-    """A bar on a terminal, nothing elsewhere; called with the number of runs that are done besides."""
+    """A progress bar on a terminal, nothing elsewhere; called with the number of newly finished runs."""
     columns = (
         TextColumn("{task.description}"),
         BarColumn(),

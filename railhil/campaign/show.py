@@ -1,4 +1,4 @@
-"""A campaign on the terminal: tables that fit into 100 columns, all taken from ``summary.json``."""
+"""Prints a campaign on the terminal: tables up to 100 columns wide, all from ``summary.json``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
 
 
 def _number(value: float | str | None, digits: int) -> str:
-    """A figure of ``summary.json``: a number, ``inf`` or ``-inf``, or no bound."""
+    """A figure of ``summary.json``: a number, ``inf``, ``-inf``, or no bound."""
     return "-" if value is None else f"{float(value):.{digits}f}"
 
 
@@ -85,7 +85,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
 
 
 def _stops(summary: Mapping[str, Any]) -> Table:
-    """Whatever the scenario allows, so that the stricter figures are seen too."""
+    """Independent of the scenario's limit, so that the stricter figures are shown too."""
     heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
     made = _columns("Runs that stopped within", ("law",), heads)
     for label, law in summary["laws"].items():
@@ -120,7 +120,7 @@ def _errors(run: Mapping[str, Any], criteria: Sequence[Criterion]) -> str:
 
 
 def show(console: Output, summary: Mapping[str, Any], folder: Path, judging: Judging) -> None:
-    """Print all tables, then the worst runs with the commands that make them again on the bench."""
+    """Print all tables, then the worst runs with the commands that repeat them on the bench."""
     criteria = judging.criteria
     console.say(
         f"{summary['runs']:,} perturbed runs of {summary['scenario']} per law, seeds {summary['first_seed']} to "

@@ -1,4 +1,4 @@
-"""``summary.json``: what the runs of a campaign say, law by law and against the first law."""
+"""``summary.json``: the statistics of a campaign's runs, for each law and relative to the first law."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _NOTES = [
 
 
 def _json(value: float | None) -> float | str | None:
-    """JSON has no infinity: the text ``inf`` or ``-inf``, which float() reads in every language that has one."""
+    """JSON has no infinity: use the text ``inf`` or ``-inf``, which float conversions in most languages can read."""
     return value if value is None or math.isfinite(value) else str(value)
 
 
@@ -42,7 +42,7 @@ def _share(found: Share) -> dict[str, Any]:
 
 
 def _turned(criterion: Criterion, found: Estimate) -> dict[str, Any]:
-    """An estimate that was made with less as better."""
+    """An estimate with its sign restored, after lower was made better."""
     if criterion.better == "low":
         return _estimate(found)
     ends = (None if end is None else -end for end in (found.high, found.low))
@@ -50,13 +50,13 @@ def _turned(criterion: Criterion, found: Estimate) -> dict[str, Any]:
 
 
 def _quantiles(criterion: Criterion, values: NDArray[np.float64]) -> dict[str, Any]:
-    """Of the runs from the best to the worst, so that p95 is a bad one whether less or more is better."""
+    """Quantiles from the best run to the worst, so that p95 is a bad run whether lower or higher is better."""
     worse = criterion.badness(values)
     return {name: _turned(criterion, estimate(worse, q)) for name, q in QUANTILES.items()}
 
 
 def _within(values: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
-    """NaN (never stopped) is not within."""
+    """NaN (never stopped) does not count as within."""
     return np.asarray(np.nan_to_num(values, nan=math.inf) <= limit, dtype=np.bool_)
 
 
@@ -111,7 +111,7 @@ def _law(plan: Plan, entry: Entry, rows: pa.Table) -> dict[str, Any]:
 
 
 def _against(criteria: Sequence[Criterion], rows: pa.Table, baseline: pa.Table) -> dict[str, Any]:
-    """Paired: both laws have run the same seeds, so the same trains."""
+    """Paired comparison: both laws ran the same seeds, and therefore the same trains."""
     found = {}
     for criterion in criteria:
         ours, theirs = (criterion.badness(numbers(side, criterion.key)) for side in (rows, baseline))
@@ -126,7 +126,7 @@ def _against(criteria: Sequence[Criterion], rows: pa.Table, baseline: pa.Table) 
 
 
 def training_sentence(plan: Plan) -> str | None:
-    """What every table must say when parameters are judged by runs that they were made from."""
+    """The sentence required in every table if parameters are evaluated on runs that were used to find them."""
     seen = {entry.label: len(plan.training(entry)) for entry in plan.entries}
     if not any(seen.values()):
         return None
@@ -136,7 +136,7 @@ def training_sentence(plan: Plan) -> str | None:
 
 
 def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
-    """Content of ``summary.json``. The same for the same runs: nothing in it depends on how they came about.
+    """Content of ``summary.json``, the same for the same runs, however they were computed.
 
     :param results: the runs of all laws, sorted by law and seed.
     """

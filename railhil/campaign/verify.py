@@ -1,4 +1,4 @@
-"""Some runs of a campaign again, on the real bench: notch sequence and scores must be the same."""
+"""Repeats some runs of a campaign on the real bench: notch sequence and scores must be the same."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from railhil.supervisor.trace import trace_of
 
 
 class BenchInvalid(Exception):
-    """A run on the bench was no run."""
+    """The bench gave no valid run."""
 
     exit_code = INVALID
 
@@ -42,9 +42,9 @@ class Verified:
 
 
 def _plan(folder: Path) -> Plan:
-    """The campaign's plan, as it can be made today.
+    """The campaign's plan, made with the present installation.
 
-    :raises InputError: scenario, parameters or laws are not those of the campaign any more.
+    :raises InputError: scenario, parameters or laws have changed since the campaign.
     """
     begun = read_manifest(folder)
     plan = make_plan(begun.request)
@@ -58,14 +58,14 @@ def _plan(folder: Path) -> Plan:
 
 
 def code_changed(folder: Path) -> bool:
-    """The code is not the campaign's any more, so a difference need not be a defect. Raises InputError."""
+    """Whether the code has changed since the campaign, so that a difference need not be a defect. Raises InputError."""
     recorded = read_manifest(folder).campaign
     ours = _plan(folder).identity
     return any(recorded.get(key) != ours[key] for key in ("code_sha256", "batch_sha256"))
 
 
 def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
-    """One run with ``railhil`` in a folder of its own: the columns that a campaign has of it.
+    """One run with ``railhil`` in a separate folder, as the columns of a campaign.
 
     :raises BenchInvalid: the bench gave no valid run.
     """
@@ -95,9 +95,9 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
 def verify(folder: Path, runs: int, draw: int) -> list[Verified]:
     """Run some of a campaign's runs on the bench and compare every figure to the last digit.
 
-    :param runs: how many, over all laws.
+    :param runs: their number, over all laws.
     :param draw: seed of the choice.
-    :raises InputError: the folder has no finished campaign that could be run again.
+    :raises InputError: the folder has no finished campaign that can be repeated.
     """
     plan = _plan(folder)
     try:

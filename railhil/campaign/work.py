@@ -1,4 +1,4 @@
-"""One chunk from its task to the bytes of its part: what every engine runs, in any process on any machine."""
+"""Computes one chunk, from its task to the bytes of its part; run by every engine, in any process on any machine."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from railhil.supervisor.judging import judging_of
 
 
 class OtherCode(Exception):
-    """A worker has other code than the campaign: its figures would not be those of the campaign."""
+    """A worker's code differs from the campaign's: its figures could differ too."""
 
     exit_code = INVALID
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """All that a worker needs; small, it travels with every chunk. ``origin`` is what the part says of itself."""
+    """All that a worker needs; it is small and sent with every chunk. ``origin`` identifies the part."""
 
     chunk: Chunk
     scenario: Any
@@ -32,7 +32,7 @@ class Task:
 
 
 def origin_of(plan: Plan, chunk: Chunk) -> str:
-    """What a part says of itself: which runs of which campaign."""
+    """The identification of a part: its campaign and runs."""
     entry = chunk.entry
     parameters = "" if entry.parameters is None else entry.parameters.sha256
     return f"{plan.subject_sha256} {entry.law_sha256} {parameters} {chunk.name}"
@@ -52,9 +52,9 @@ def task_of(plan: Plan, chunk: Chunk) -> Task:
 
 
 def run_task(task: Task) -> tuple[str, bytes]:
-    """Run a chunk: its name and the bytes of its part.
+    """Run a chunk; returns its name and the bytes of its part.
 
-    :raises OtherCode: this process runs other code than the one that asks.
+    :raises OtherCode: this process runs different code from that of the campaign.
     :raises scenarios.errors.InputError: a library of the extra is missing here.
     """
     entry = task.chunk.entry

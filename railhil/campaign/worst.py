@@ -1,4 +1,4 @@
-"""The runs worth a look: largest errors, runs that did not stop, drove too fast or wrapped, each with its command."""
+"""The runs to examine: largest errors, runs that did not stop, drove too fast or wrapped, each with its command."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from railhil.supervisor.judging import Judging
 
 #: Runs listed per law and error.
 _LARGEST = 3
-#: Runs listed per law and thing that must not happen; each has its own places, so that none crowds out another.
+#: Runs listed per law and kind of failure; each kind has its own limit, so that none displaces another.
 _BROKEN = 5
 
 
 def _worst(rows: pa.Table, criterion: Criterion) -> list[int]:
-    """Rows with the worst values, worst first, equal ones by seed; runs without a value left out."""
+    """Rows with the worst values, worst first, equal ones by seed; runs without a value are left out."""
     values = numbers(rows, criterion.key)
     order = np.argsort(-np.nan_to_num(criterion.badness(values), nan=-np.inf), kind="stable")[:_LARGEST]
     return [int(index) for index in order if not np.isnan(values[index])]
 
 
 def _broken(rows: pa.Table, judging: Judging) -> list[tuple[int, str]]:
-    """Rows in which something happened that must not, worst first, equal ones by seed, and what it was."""
+    """Rows with a failure, worst first, equal ones by seed, and the kind of failure."""
     how_bad = {
         **(
             {"did not stop": np.isnan(numbers(rows, STOP_ERROR.key)).astype(np.float64)}
@@ -45,9 +45,9 @@ def _broken(rows: pa.Table, judging: Judging) -> list[tuple[int, str]]:
 
 
 def worst_runs(plan: Plan, entry: Entry, rows: pa.Table) -> list[dict[str, Any]]:
-    """The runs of one law that are worth a look, each once with all its reasons.
+    """The runs of one law to examine, each once with all its reasons.
 
-    :param rows: of the law, by seed.
+    :param rows: rows of the law, by seed.
     """
     reasons: dict[int, list[str]] = {}
     for criterion in limited(plan.criteria):

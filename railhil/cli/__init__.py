@@ -11,10 +11,10 @@ from railhil.common.exit_codes import guarded
 def main(words: Sequence[str] | None = None) -> int:
     """Entry point of the ``railhil`` command.
 
-    Its modules take half a second to load: here, so that Ctrl-C while they are ends as it does later. A command that
-    is another program does without them.
+    Its modules take half a second to load; they are loaded here, so that Ctrl-C during loading ends the command like
+    later. A command that starts another program does not need them.
 
-    :param words: the command line; None: this process's own.
+    :param words: the command line; None: that of this process.
     """
     given = sys.argv[1:] if words is None else list(words)
 

@@ -1,4 +1,4 @@
-"""``railhil bus hub``: the user-space CAN switch by itself."""
+"""``railhil bus hub``: the user-space CAN switch alone."""
 
 from __future__ import annotations
 

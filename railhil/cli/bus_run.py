@@ -1,4 +1,4 @@
-"""What ``railhil run`` and ``railhil compare`` share: one law over the bus, recorded into a folder of its own."""
+"""Shared by ``railhil run`` and ``railhil compare``: one law over the bus, recorded into its own folder."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from railhil.supervisor.start_up import StartUp
 if TYPE_CHECKING:
     from railhil.local_run import LocalRun
 
-#: What the operating system says when a log cannot grow.
+#: Errors of the operating system when a log cannot grow.
 _CANNOT_GROW = (*NO_ROOM, errno.EROFS)
 
 
@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def law_names(system: System | None = None) -> list[str]:
-    """Names of the installed laws of a system, in the order of every table; None: of railhil's own train."""
+    """Names of the installed laws of a system, in the order of every table; None: of railhil's own system."""
     return (system or system_named(DEFAULT)).law_names()
 
 
@@ -87,7 +87,7 @@ def run_system(namespace: argparse.Namespace) -> System:
 
 
 def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
-    """What the command line says about the run of one law.
+    """The run of one law as described by the command line.
 
     :raises InputError: there is no such scenario.
     """
@@ -95,12 +95,12 @@ def run_spec(namespace: argparse.Namespace, controller: str, parameters: Paramet
 
 
 def start_up(namespace: argparse.Namespace) -> StartUp:
-    """How the command line wants the bench of a run brought up."""
+    """How to start the bench of a run, from the command line."""
     return StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
 
 
 def require_interface(choice: BusChoice) -> None:
-    """Refuse a channel or bit rate of which nobody says the interface.
+    """Refuse a channel or bit rate without an interface.
 
     :raises InputError: neither the command line nor python-can's configuration names one.
     """
@@ -115,10 +115,10 @@ def require_interface(choice: BusChoice) -> None:
 
 @contextmanager
 def chosen_bus(namespace: argparse.Namespace, spec: RunSpec, attach: bool = False) -> Iterator[BusChoice]:
-    """The bus of one run, by python-can's options if there are any; a hub of the run's own has its socket in a folder
-    that is gone afterwards.
+    """The bus of one run, from python-can's options if given; the socket of the run's own hub is in a temporary
+    folder.
 
-    :raises InputError: what is chosen cannot carry a run.
+    :raises InputError: the chosen bus cannot carry a run.
     """
     if spec.is_local:
         yield no_bus(namespace, spec.pace)
@@ -143,11 +143,11 @@ def recorded(
     console: Output,
     quiet: bool,
 ) -> tuple[Run | LocalRun, RunResult]:
-    """Run one law and write its folder; a signal that comes while results are written waits until they are whole.
+    """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
-    :param made: whether the folder was made for the run; it then goes when the run never began.
-    :returns: the run, of which ``spec`` is with the memory that it began with, and what came out.
-    :raises NeverBegan: no frame came, or the run was refused; the folder is as it was before.
+    :param made: whether the folder was made for the run; it is then removed if the run never began.
+    :returns: the run, whose ``spec`` has the memory that it began with, and its result.
+    :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
     """
     with ExitStack() as held:
@@ -180,13 +180,14 @@ def recorded(
 
 
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:
-    """A run that has just ended, as its folder has it."""
+    """A run that has just ended, as recorded in its folder."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
     return recorded_run(folder, read_certificate(folder) or {}, run.scenario, run.trace, result.score, invalid)
 
 
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:
-    """Write ``report.html``; the line that says where, or why there is none: the record is whole without it."""
+    """Write ``report.html``; returns the line that says where, or why there is none. The record is complete without
+    it."""
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:
@@ -209,14 +210,14 @@ def _bench(
 ) -> Run | LocalRun:
     if not spec.is_local:
         return Run(scenario, spec, start_up, choice, folder, on_progress)
-    # Laws and plant are loaded only by who computes with them.
+    # Laws and plant are loaded only by processes that compute with them.
     from railhil.local_run import LocalRun
 
     return LocalRun(scenario, spec, folder, on_progress, started_ns=process_start_ns())
 
 
 def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
-    """The run's result; whatever goes wrong, a folder without a frame goes and a folder with frames stays."""
+    """The run's result; whatever goes wrong, a folder without frames is removed and one with frames is kept."""
     try:
         return run.execute()
     except BaseException as error:
@@ -231,7 +232,7 @@ def _executed(run: Run | LocalRun, folder: Path, made: bool) -> RunResult:
 def _progress(
     scenario: AnyScenario, spec: RunSpec, console: Output, quiet: bool
 ) -> Iterator[Callable[[float], None] | None]:
-    """What the run calls with its simulation time in s; None when nothing is to be shown."""
+    """Progress callback of the run, taking the simulation time in s; None when nothing is to be shown."""
     if quiet:
         yield None
         return
@@ -246,7 +247,7 @@ def _progress(
 
         def on_progress(sim_time_s: float) -> None:
             nonlocal shown_s
-            # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough for the eye.
+            # A redraw costs about a millisecond: one per ten simulated seconds is smooth enough.
             if sim_time_s - shown_s >= (0.5 if spec.is_realtime else 10.0):
                 shown_s = sim_time_s
                 progress.update(task, completed=sim_time_s, refresh=True)

@@ -1,4 +1,4 @@
-"""The whole command line of ``railhil``: one module per subcommand, each with ``add_parser`` and what it does."""
+"""The command line of ``railhil``: one module per subcommand, each with ``add_parser`` and its implementation."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from railhil.common.command_line import OneLineParser, parse
 from railhil.common.output import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
-#: The modules in the order of the help; each has one command of its own name, but for ``programs``.
+#: The modules in the order of the help; each has one command of the same name, except ``programs``.
 _MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "new", "doctor", "programs", "bus")
-#: Command -> module that has it.
+#: Command -> its module.
 _MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
 
 
 def parser(command: str | None = None) -> argparse.ArgumentParser:
     """The whole command line.
 
-    :param command: when it is the name of a command, only that one is there: what the others need takes a third of a
-        second to load.
+    :param command: if it is the name of a command, only that one is included: loading the others takes a third of a
+        second.
     """
     root = OneLineParser(
         prog="railhil",
@@ -35,11 +35,10 @@ def parser(command: str | None = None) -> argparse.ArgumentParser:
 
 
 def work(words: Sequence[str]) -> int:
-    """Do what the command line asks for; returns the exit code."""
+    """Execute the command line; returns the exit code."""
     accept_any_text()
     namespace = parse(parser(words[0] if words else None), words)
-    # A DBC that is not the one of the port table must be noticed by every command, also by those that never look at a
-    # telegram.
+    # Every command must detect a DBC that does not match the port table, even commands that never use a telegram.
     wire_contract()
     try:
         return int(namespace.work(namespace))

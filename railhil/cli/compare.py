@@ -1,4 +1,5 @@
-"""``railhil compare``: several laws over the bus, one after another, beside each other and the published table."""
+"""``railhil compare``: several laws over the bus, one after another, compared with each other and the published
+table."""
 
 from __future__ import annotations
 
@@ -99,7 +100,7 @@ def _planned(namespace: argparse.Namespace) -> list[RunSpec]:
 def _checked(
     namespace: argparse.Namespace, scenario: AnyScenario, wanted: Sequence[RunSpec]
 ) -> tuple[list[RunSpec], list[str]]:
-    """The runs that will be made, and sentences on those that are left out.
+    """The runs to be made, and sentences on those that are left out.
 
     :raises InputError, NeverBegan: one of them cannot be made, or must not be judged by this seed.
     """
@@ -123,9 +124,9 @@ def _checked(
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Run all, write the comparison, print; nothing that looks like one is written before all laws have run.
+    """Run all, write the comparison, print; no comparison is written before all laws have run.
 
-    What was recorded stays when the comparison is stopped or a run fails.
+    Recorded runs are kept if the comparison is stopped or a run fails.
     """
     wanted = _planned(namespace)
     scenario = wanted[0].load()

@@ -13,7 +13,7 @@ from railhil.common.exit_codes import PASS, guarded
 from railhil.common.extras import missing
 from railhil.scenarios.load import short_names
 
-#: Where the command line of a program stands, when not in its ``__main__``.
+#: Module with the command line of a program, if not its ``__main__``.
 _ARGUMENTS = {
     "railhil.campaign": "railhil.campaign.command",
     "railhil.tuning": "railhil.tuning.command",
@@ -33,13 +33,13 @@ _railhil_scenario() {{ _alternative 'scenarios:scenario:({names})' 'files:file:_
 
 
 def program_parser(module: str) -> argparse.ArgumentParser:
-    """The command line of a program that ``railhil`` becomes."""
+    """The command line of a program that ``railhil`` executes."""
     found: argparse.ArgumentParser = import_module(_ARGUMENTS.get(module, f"{module}.__main__")).arguments()
     return found
 
 
 def whole_parser() -> argparse.ArgumentParser:
-    """Every command with its options, those of other programs included; for looking at, not for parsing."""
+    """Every command with its options, including those of other programs; for inspection, not for parsing."""
     root = commands.parser()
     choices = next(a.choices for a in root._actions if isinstance(a, argparse._SubParsersAction))
     for name, (module, _) in programs.PROGRAMS.items():
@@ -55,7 +55,7 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _mark(parser: argparse.ArgumentParser, file: object, folder: object) -> None:
-    """Say of every argument what it may be: a scenario, a law, a file, a folder."""
+    """Mark each argument with its kind for completion: a scenario, a law, a file, a folder."""
     for action in parser._actions:
         if isinstance(action, argparse._SubParsersAction):
             for inner in dict.fromkeys(action.choices.values()):

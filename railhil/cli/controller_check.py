@@ -1,4 +1,4 @@
-"""Controllers tried before the first run of a comparison: each is made once, in a process of its own, without a bus."""
+"""Checks the controllers before the first run of a comparison: each is made once, in its own process, without a bus."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CHECK_S = 120.0
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What a law has said of itself, and the line and exit code with which it refused (empty and 0: it can run)."""
+    """A law's declarations, and the line and exit code with which it refused (empty and 0 if it can run)."""
 
     indexings: tuple[str, ...]
     origin: LawOrigin
@@ -27,9 +27,9 @@ class Checked:
     exit_code: int
 
     def require(self) -> None:
-        """Go on only with a controller that can run.
+        """Continue only if the controller can run.
 
-        :raises NeverBegan: it refused.
+        :raises NeverBegan: it refused to run.
         """
         if self.exit_code:
             raise NeverBegan(self.line, self.exit_code)
@@ -38,7 +38,7 @@ class Checked:
 def check_controllers(wanted: Sequence[RunSpec]) -> list[Checked]:
     """Make the controller of each run, all at once.
 
-    :raises NeverBegan: a process ended before it could say what its law is.
+    :raises NeverBegan: a process ended before it could describe its law.
     """
     with ExitStack() as stack:
         started = []

@@ -1,4 +1,4 @@
-"""Checking a DBC file that a user brings against the wire contract."""
+"""Checks a user's DBC file against the wire contract."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.dbc.text import dbc_text
 
 
 def _load(path: Path) -> Any:
-    # Here, because no other command needs it, and it takes a sixth of a second.
+    # Imported here, because no other command needs it, and it takes a sixth of a second.
     import cantools
 
     try:
@@ -21,7 +21,7 @@ def _load(path: Path) -> Any:
     try:
         return cantools.database.load_string(text, database_format="dbc")
     except Exception as error:
-        # The parser meets anything here; whatever it raises, the file is no DBC that can be used.
+        # The file may contain anything; whatever the parser raises, it is not a usable DBC.
         reason = " ".join(str(error).split()).removeprefix('DBC: "').removesuffix('"') or type(error).__name__
         raise InputError(path, "file", Words("no DBC that can be read"), "a DBC file", reason[:200]) from None
 
@@ -42,7 +42,7 @@ def _layout(message: Any) -> dict[str, dict[str, Any]]:
 
 
 def check_foreign_dbc(file: str, contract: Contract) -> None:
-    """Compare a DBC file with a wire contract, message by message; messages of its own may come on top.
+    """Compare a DBC file with a wire contract, message by message; additional messages are allowed.
 
     :raises InputError: first difference, one line.
     """

@@ -1,4 +1,4 @@
-"""``railhil doctor``: what this machine can promise, and what each transport does not model."""
+"""``railhil doctor``: what timing this machine can provide, and what each transport does not model."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def facts(choice: BusChoice) -> dict[str, str]:
-    """Versions, and the bus that a command would take."""
+    """Versions, and the bus that a command would choose."""
     return {
         "railhil": version("railhil"),
         "python": f"{platform.python_version()} ({sys.executable})",
@@ -49,7 +49,7 @@ def facts(choice: BusChoice) -> dict[str, str]:
 
 
 def findings(quick: bool) -> list[Finding]:
-    """Everything that is examined, in the order of print."""
+    """All findings, in the order of printing."""
     found = [*kernel_can(), *scheduling(), *machine(), *([] if quick else lateness()), *tools()]
     if "railhil" not in can.VALID_INTERFACES:
         found.append(
@@ -59,7 +59,7 @@ def findings(quick: bool) -> list[Finding]:
 
 
 def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | None:
-    """Whether the bus that the user names can be opened; None when none is named."""
+    """Whether the bus named by the user can be opened; None if none is named."""
     if not config_from_namespace(namespace):
         return None
     try:
@@ -70,7 +70,7 @@ def _asked_bus(namespace: argparse.Namespace, choice: BusChoice) -> Finding | No
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Print facts, findings and limits; exit code 2 when the bus that was asked for cannot be opened."""
+    """Print facts, findings and limits; exit code 2 if the requested bus cannot be opened."""
     choice = choose_bus(namespace)
     require_interface(choice)
     asked = _asked_bus(namespace, choice)

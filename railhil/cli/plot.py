@@ -29,7 +29,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Draw and say where."""
+    """Draw the picture and print its path."""
     try:
         from railhil.supervisor.report.signals_picture import draw as draw_signals
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""``railhil ports``: the wire contract - ports, layouts and the load that they put on the bus."""
+"""``railhil ports``: the wire contract - ports, layouts and bus load."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import Contract, Port
 from railhil.scenarios.system import DEFAULT, system_named
 
-#: The table has a column with each port's purpose from this width on.
+#: Terminal width from which the table has a column with each port's purpose.
 _DESCRIBED_COLUMNS = 90
 
 
@@ -35,7 +35,7 @@ def _port(contract: Contract, name: str) -> Port:
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Print what was asked for."""
+    """Print the requested table or layout."""
     contract = system_named(namespace.system, "command line").contract
     bit_rate = contract.bit_rate if namespace.bitrate is None else namespace.bitrate
     if bit_rate <= 0:
@@ -101,7 +101,7 @@ def _print_ports(console: Output, ports: list[Port], loads: dict[str, float]) ->
     for title in ("source", "mode"):
         rows.add_column(title, no_wrap=True)
     rows.add_column("load", justify="right", no_wrap=True)
-    # Where there is no room for it, `railhil ports PORT` and the DBC still say what a port is for.
+    # If there is no room for it, `railhil ports PORT` and the DBC still give the purpose of a port.
     described = console.width >= _DESCRIBED_COLUMNS
     if described:
         rows.add_column("what")

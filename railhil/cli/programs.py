@@ -1,6 +1,7 @@
-"""Commands whose code the supervisor must not import (nodes meet on the bus): the process becomes that program.
+"""Commands whose code the supervisor must not import (nodes communicate over the bus): the process executes that
+program instead.
 
-``railhil node plant|controller`` is one node by itself, for a bench of several machines or a real adapter.
+``railhil node plant|controller`` is a single node, for a bench of several machines or a real adapter.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import hold_back_interrupts
 
 NODES = {"plant": "railhil.plant_sim", "controller": "railhil.controller_node"}
-#: Command -> module that is run, and its line in the help.
+#: Command -> module to run, and its line in the help.
 PROGRAMS = {
     "audit": (
         "railhil.audit",
@@ -41,19 +42,19 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     node.add_argument("arguments", nargs=argparse.REMAINDER, help="options of the node: railhil node ROLE --help")
     node.set_defaults(work=lambda namespace: _become(NODES[namespace.role], namespace.arguments))
     for name, (_, words) in PROGRAMS.items():
-        # For the list of commands; the program reads its command line and has a help of its own.
+        # Only for the list of commands; the program parses its own command line and has its own help.
         commands.add_parser(name, help=words, add_help=False)
 
 
 def become_program(arguments: list[str]) -> None:
-    """Become the program that the command line asks for, if it asks for one."""
+    """Execute the program named on the command line, if there is one."""
     if arguments and arguments[0] in PROGRAMS:
         _become(PROGRAMS[arguments[0]][0], arguments[1:])
 
 
 def _become(module: str, arguments: list[str]) -> int:
     if importlib.util.find_spec(module) is None:
-        # The container image, for one, leaves the tests and what is built on them out.
+        # The container image, for example, does not contain the tests and programs based on them.
         raise InputError("railhil", "command", module, "a program of this installation, which leaves it out")
     sys.stdout.flush()
     sys.stderr.flush()

@@ -1,4 +1,4 @@
-"""Lines beside the figures of a run: what its scenario assumes, and what to try after a FAIL."""
+"""Additional lines for the figures of a run: what its scenario assumes, and what to try after a FAIL."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from railhil.supervisor.report.recorded import REPORT, RecordedRun
 
 
 def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
-    """What the scenario chooses where its sources say nothing: in one line, or all of it.
+    """The scenario's choices where its sources give no value: one summary line, or all of them.
 
-    :param folder: of the run; its report lists them.
+    :param folder: the run folder; its report lists them.
     """
     sentences = scenario.assumptions
     if verbose or not sentences:
@@ -22,7 +22,7 @@ def assumed(scenario: AnyScenario, folder: Path, verbose: bool) -> list[str]:
 
 
 def next_step(run: RecordedRun, folder: Path) -> str:
-    """What to try after a FAIL, from what went wrong; empty for other verdicts and a controller that is not ours."""
+    """What to try after a FAIL, depending on the cause; empty for other verdicts and for a foreign controller."""
     certificate = run.certificate
     if run.verdict != "FAIL" or certificate.get("foreign") or certificate.get("attached"):
         return ""

@@ -1,4 +1,4 @@
-"""``railhil report``: ``report.html`` again, from recorded folders."""
+"""``railhil report``: writes ``report.html`` again, from recorded folders."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 
 def work(namespace: argparse.Namespace) -> int:
-    """Write the report and say where."""
+    """Write the report and print its path."""
     try:
         from railhil.supervisor.report.page import write_report
     except ImportError as error:

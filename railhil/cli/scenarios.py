@@ -1,4 +1,4 @@
-"""``railhil scenarios``: what can be run."""
+"""``railhil scenarios``: lists and checks scenarios."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.scenarios.load import load_any, names, short_names
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.settings import add_set_argument
 
-#: The longest short name leaves room for the other columns from this width on.
+#: Terminal width from which the longest short name leaves room for the other columns.
 _NAMES_COLUMNS = 80
 
 
@@ -48,7 +48,7 @@ def work(namespace: argparse.Namespace) -> int:
         return 0
     rows = table()
     console = Output()
-    # A name is what the user types next, so it is never cut.
+    # The user will type the name, so it is never truncated.
     rows.add_column("scenario", overflow="fold", no_wrap=console.width >= _NAMES_COLUMNS)
     rows.add_column("line")
     rows.add_column("m", justify="right", no_wrap=True)

@@ -1,4 +1,4 @@
-"""``railhil score``: the same numbers again, from the log alone."""
+"""``railhil score``: computes the same numbers again, from the log alone."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def work(namespace: argparse.Namespace) -> int:
     found = judging_of(record.scenario).score(record.scenario, record.trace)
     verdict, line = found.verdict, "; ".join(found.failures)
     if record.invalid:
-        # What made the run INVALID (its timing, a node that was killed) need not stand in the log.
+        # The reason why the run was INVALID (its timing, a killed node) need not be visible in the log.
         own = (line,) if verdict == "INVALID" else ()
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:

@@ -1,4 +1,4 @@
-"""Printing scores beside the published ones."""
+"""Prints scores together with the published ones."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ from railhil.supervisor.report.score_table import published_text
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.score import Score
 
-#: Below this width the columns stand one blank apart, so that no number is cut.
+#: Below this width columns are separated by one space, so that no number is truncated.
 _TIGHT_COLUMNS = 66
 _COLOURS = {"PASS": "bold green", "FAIL": "bold red"}
 
 
 def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight: bool = False) -> Table:
-    """Measured scores by label, then the rows of the published table (time and stop error without sign, as there)."""
+    """Measured scores by label, then the rows of the published table (time and stop error without sign, as
+    published)."""
     rows, criteria = table(tight), judging_of(scenario).criteria
     rows.add_column("")
     for criterion in criteria:
@@ -39,7 +40,7 @@ def score_table(scenario: AnyScenario, found: Sequence[tuple[str, Score]], tight
 
 
 def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[str, Score]]) -> None:
-    """Title and table of runs that came to their end, nothing when none did; then the stops of runs with several."""
+    """Title and table of completed runs, nothing if there are none; then the stops of runs with several."""
     if any(value is not None for _, score in found for value in score.values.values()):
         console.say(scenario.title, style="italic")
         console.print(score_table(scenario, found, tight=console.width < _TIGHT_COLUMNS))
@@ -50,24 +51,24 @@ def print_scores(console: Output, scenario: AnyScenario, found: Sequence[tuple[s
 
 
 def print_watch(console: Output, scenario: AnyScenario) -> None:
-    """One line when the scenario's watches are weaker than usual: a verdict under them says less."""
+    """One line if the scenario's watches are weaker than usual, which makes the verdict less meaningful."""
     if sentence := watch_sentence(scenario):
         console.say(sentence, style="bold yellow")
 
 
 def print_verdict(console: Output, verdict: str, line: str) -> None:
-    """One line: verdict and why."""
+    """One line: the verdict and its reason."""
     console.say(f"{verdict}: {line}" if line else verdict, style=_COLOURS.get(verdict, "bold yellow"))
 
 
 def print_result(
     console: Output, run: RecordedRun, result: RunResult, folder: Path, notes: Sequence[str], report: str, verbose: bool
 ) -> None:
-    """Table, run facts, verdict, and after a FAIL what to try.
+    """Table, facts of the run, verdict and, after a FAIL, what to try.
 
     :param notes: lines on what else has come of the run.
     :param verbose: print all that the scenario assumes.
-    :param report: the line on ``report.html``, empty when none was asked for.
+    :param report: the line about ``report.html``, empty if none was requested.
     """
     scenario = run.scenario
     print_scores(console, scenario, [(f"{run.label} {run.certificate['arithmetic']} (measured)", result.score)])

@@ -1,9 +1,8 @@
 """The base image of the Dockerfile, made from Debian packages for an engine that can reach no image registry.
 
-debootstrap builds the same minimal Debian that the published image holds; it is imported under the very name of
-the Dockerfile's ``FROM`` line. The host's package settings (mirror, proxy certificate, Python index) go into a
-layer on top, so that ``apt-get`` and ``pip`` inside a build see what they see on the host; that layer is made
-anew each time and never cached.
+debootstrap builds the same minimal Debian as in the published image; it is imported under the name in the Dockerfile's
+``FROM`` line. The host's package settings (mirror, proxy certificate, Python index) go into a layer on top, so that
+``apt-get`` and ``pip`` inside a build work as on the host; that layer is rebuilt each time and never cached.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from railhil.machines import debian
 
 _PURPOSE = "a base image from Debian packages"
 _CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
-#: Where the image has them: out of the way of its own ca-certificates package.
+#: Their location in the image, separate from its own ca-certificates package.
 _IMAGE_CERTIFICATES = "/usr/local/share/host-certificates.crt"
-#: pip settings that mean the same inside a container; paths of the host do not.
+#: pip settings that are also valid inside a container; paths of the host are not.
 _PIP_KEYS = ("index-url", "extra-index-url", "trusted-host", "timeout", "default-timeout")
-#: As the published slim images do: nothing a container reads.
+#: Removed as in the published slim images: not needed in a container.
 _NOT_NEEDED = ("usr/share/doc", "usr/share/man", "usr/share/locale", "usr/share/info", "var/cache/apt",
                "var/lib/apt/lists", "var/log")  # fmt: skip
 
@@ -101,10 +100,10 @@ def _apt_settings() -> str:
 
 
 def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
-    """Make image ``name`` (``debian:<suite>[-slim]``) in the engine that ``environment`` leads to.
+    """Make image ``name`` (``debian:<suite>[-slim]``) in the engine selected by ``environment``.
 
     Raises:
-        CapabilityError: debootstrap or the Debian mirror cannot be had.
+        CapabilityError: debootstrap or the Debian mirror is not available.
         MachineError: the engine refused the image.
     """
     match = re.fullmatch(r"debian:([a-z]+)(?:-slim)?", name)
@@ -126,7 +125,7 @@ def provide_base_image(name: str, environment: Mapping[str, str]) -> None:
             shutil.copy(_CERTIFICATES, context / "ca-certificates.crt")
             recipe.append(f"COPY ca-certificates.crt {_IMAGE_CERTIFICATES}")
         (context / "Dockerfile").write_text("\n".join(recipe) + "\n")
-        # Imported once per archive: an import is a new image each time, and layers on top would not be found again.
+        # Imported once per archive: each import creates a new image, for which cached layers on top would not be found.
         if not _docker(["images", "-q", bare], environment):
             _docker(["import", "--change", 'CMD ["bash"]', str(archive), bare], environment)
         _docker(["build", "-q", "-t", name, str(context)], environment)

@@ -1,7 +1,7 @@
-"""Python modules compiled on this host for a machine that sees its files.
+"""Compiles Python modules on this host for a machine that uses its files.
 
-An emulated machine needs half a minute to compile what a host compiles in two seconds, in each process again where the
-environment forbids to write compiled modules, and it keeps nothing of it.
+An emulated machine needs half a minute to compile what a host compiles in two seconds, repeats this in each process if
+the environment forbids writing compiled modules, and keeps none of them.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ _TIMEOUT_S = 300.0
 
 
 def compile_by(command: Sequence[str]) -> subprocess.CompletedProcess[str]:
-    """Run a Python command that imports what a machine will import; its modules are left in the cache.
+    """Run a Python command with the imports that a machine will need; the compiled modules stay in the cache.
 
-    From then on this process's environment makes all Python processes started from it look there.
+    From then on this process's environment makes all Python processes started from it use that cache.
     """
     os.environ["PYTHONPYCACHEPREFIX"] = str(debian.cache_dir() / "pycache")
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

@@ -1,8 +1,8 @@
-"""What a Debian host gives to a test machine: packages, a cache directory, and a clear no.
+"""What a Debian host provides for a test machine: packages, a cache directory, and a clear refusal.
 
-The machines are a convenience of the test suite. Where they cannot be had (no root, not Debian, no package
-mirror) they say so in one line and end with :data:`EXIT_NO_CAPABILITY`, so that a caller can tell "this host
-cannot do it" from "it was done and failed".
+The machines are a convenience for the test suite. If they are not available (no root, not Debian, no package mirror)
+they say so in one line and end with :data:`EXIT_NO_CAPABILITY`, so that a caller can tell "this host cannot do it" from
+"it was done and failed".
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ _PATH_OF_ROOT = "/usr/local/sbin:/usr/sbin:/sbin"
 
 
 class CapabilityError(Exception):
-    """The host cannot give the capability; the text is one line that names what is missing."""
+    """The host does not have the capability; the text is one line that names what is missing."""
 
 
 class MachineError(Exception):
-    """The machine was to be had but did not work; the text is one line, the log is named in it."""
+    """The machine was available but did not work; the text is one line that names the log."""
 
 
 def find_command(name: str) -> str | None:
-    """Path of a command, also in the directories that only root has on its search path."""
+    """Path of a command, including the directories that are only on root's search path."""
     return shutil.which(name) or shutil.which(name, path=_PATH_OF_ROOT)
 
 
 def cache_dir() -> Path:
-    """Directory for downloads that outlive a test run: ``$RAILHIL_CACHE``, else ``railhil`` in the XDG cache."""
+    """Directory for downloads that are kept after a test run: ``$RAILHIL_CACHE``, else ``railhil`` in the XDG cache."""
     chosen = os.environ.get("RAILHIL_CACHE")
     if not chosen:
         home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
@@ -57,7 +57,7 @@ def cache_dir() -> Path:
 
 @contextmanager
 def cache_lock(name: str) -> Iterator[None]:
-    """Let one process at a time fill the part ``name`` of the cache."""
+    """Allow only one process at a time to fill the part ``name`` of the cache."""
     with (cache_dir() / f"{name}.lock").open("w") as handle:
         fcntl.flock(handle, fcntl.LOCK_EX)
         yield
@@ -67,7 +67,7 @@ def require_debian(purpose: str) -> None:
     """Refuse unless this is an x86-64 Debian.
 
     Raises:
-        CapabilityError: with the first condition that does not hold.
+        CapabilityError: with the first condition that is not met.
     """
     if platform.machine() != "x86_64":
         raise CapabilityError(f"{purpose} needs an x86_64 host, this one is {platform.machine()}")
@@ -79,7 +79,7 @@ def require_debian_root(purpose: str) -> None:
     """Refuse unless this is root on an x86-64 Debian.
 
     Raises:
-        CapabilityError: with the first condition that does not hold.
+        CapabilityError: with the first condition that is not met.
     """
     require_debian(purpose)
     if os.geteuid() != 0:
@@ -92,7 +92,7 @@ def environment() -> dict[str, str]:
 
 
 def guarded(name: str, action: Callable[[], int]) -> int:
-    """Exit code of a machine's command line: what ``action`` returns, or one line and the code of the failure."""
+    """Exit code of a machine's command line: the result of ``action``, or one line and the code of the failure."""
     try:
         return action()
     except CapabilityError as error:
@@ -130,7 +130,7 @@ def with_package_lists(action: Callable[[], str], purpose: str) -> str:
     """Result of an apt action, tried again after ``apt-get update`` when the lists are missing or old.
 
     Raises:
-        CapabilityError: it fails with fresh lists too, so no mirror is in reach or the package is unknown.
+        CapabilityError: it also fails with fresh lists, so no mirror is reachable or the package is unknown.
     """
     try:
         return action()
@@ -147,7 +147,7 @@ def install_commands(packages: Mapping[str, str], purpose: str) -> None:
     """Install the Debian packages of those commands (``command -> package``) that the host does not have.
 
     Raises:
-        CapabilityError: a package cannot be had.
+        CapabilityError: a package is not available.
     """
     missing = sorted({package for command, package in packages.items() if find_command(command) is None})
     if not missing:
@@ -169,7 +169,7 @@ def _have_commands(packages: Mapping[str, str], purpose: str) -> None:
 
 
 def install_compilers() -> None:
-    """Have gcc, clang and make, with the C library's headers, for the exported C.
+    """Ensure that gcc, clang and make are installed, with the C library's headers, for the exported C.
 
     Raises:
         CapabilityError: they are missing and cannot be had.
@@ -178,7 +178,8 @@ def install_compilers() -> None:
 
 
 def install_can_tools() -> None:
-    """Have can-utils and iproute2, with which the tests on kernel SocketCAN listen, send and switch interfaces.
+    """Ensure that can-utils and iproute2 are installed, which the tests on kernel SocketCAN use to listen, send and
+    switch interfaces.
 
     Raises:
         CapabilityError: they are missing and cannot be had.
@@ -188,7 +189,7 @@ def install_can_tools() -> None:
 
 
 def install_browser() -> None:
-    """Have Chromium, which opens the report.
+    """Ensure that Chromium is installed, which opens the report.
 
     Raises:
         CapabilityError: it is missing and cannot be had.
@@ -202,7 +203,7 @@ def download_package(package: str, folder: Path, purpose: str) -> Path:
     """Fetch a Debian package without installing it.
 
     Raises:
-        CapabilityError: the package cannot be had.
+        CapabilityError: the package is not available.
     """
     with_package_lists(lambda: run_tool(["apt-get", *_APT_OPTIONS, "download", package], cwd=folder), purpose)
     found = sorted(folder.glob(f"{package}_*.deb"))

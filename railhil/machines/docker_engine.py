@@ -1,12 +1,12 @@
-"""Run a command beside a Docker engine: ``python -m railhil.machines.docker_engine -- COMMAND ...``
+"""Run a command with a Docker engine: ``python -m railhil.machines.docker_engine -- COMMAND ...``
 
-An engine that answers already is used as it is. Else, as root on Debian, a private one is started: its own
-sockets, process id file and cgroup below one temporary folder, no bridge, no packet filter rules; afterwards its
-processes, containers, volumes, mounts and files are gone. Its image layers stay in the cache folder, so that the
-next build takes seconds. It can reach no image registry: the Dockerfile's base image is made from Debian packages
-and imported under its own name.
+A running engine is used unchanged. Otherwise, as root on Debian, a private one is started: its own sockets, process id
+file and cgroup below one temporary folder, no bridge, no packet filter rules; afterwards its processes, containers,
+volumes, mounts and files are removed. Its image layers stay in the cache folder, so that the next build takes seconds.
+It can reach no image registry: the Dockerfile's base image is made from Debian packages and imported under its own
+name.
 
-COMMAND finds in its environment ``DOCKER_HOST``; ``RAILHIL_BUILD_NETWORK`` (``host`` for the private engine,
+The environment of COMMAND contains ``DOCKER_HOST``; ``RAILHIL_BUILD_NETWORK`` (``host`` for the private engine,
 which has no bridge to build on); ``RAILHIL_COMPOSE``, the words of the compose command.
 
 Exit code: the command's own; 77 when this host cannot have an engine (one line says why); 124 after
@@ -35,21 +35,21 @@ _PACKAGES = {"dockerd": "docker.io", "docker": "docker.io", "containerd": "conta
 #: Name of the private engine's data, in the cache folder.
 DATA_FOLDER = "docker_data"
 _DOCKERFILE = Path(__file__).parents[2] / "Dockerfile"
-#: For each of its two processes: in an emulated machine they take ten times as long as the 2 s on real hardware, and
-#: more when the host is busy.
+#: Start time limit of each of its two processes: in an emulated machine they take ten times the 2 s of real hardware,
+#: and longer when the host is busy.
 _START_S = 180.0
-#: Of containerd; nothing here is Kubernetes, and the rest is for file systems that are not used.
+#: Configuration of containerd: without Kubernetes, and without unused file systems.
 _CONTAINERD_CONFIG = """version = 2
 disabled_plugins = ["io.containerd.grpc.v1.cri", "io.containerd.snapshotter.v1.btrfs",
     "io.containerd.snapshotter.v1.zfs", "io.containerd.snapshotter.v1.devmapper", "io.containerd.snapshotter.v1.aufs"]
 """
 _STOP_S = 30.0
-#: The newest images without a name are build stages, which the next build finds again; the rest is left over.
+#: Number of unnamed images to keep: the newest are build stages, which the next build reuses; the others are garbage.
 _STAGES_KEPT = 2
 
 
 def _works(words: Sequence[str], environment: dict[str, str]) -> bool:
-    """Whether a command can be run and ends with 0."""
+    """Whether a command can be run and ends with exit code 0."""
     try:
         done = subprocess.run(
             words, env={**os.environ, **environment}, stdin=subprocess.DEVNULL, capture_output=True, timeout=30,
@@ -61,7 +61,7 @@ def _works(words: Sequence[str], environment: dict[str, str]) -> bool:
 
 
 def engine_answers() -> bool:
-    """Whether this user's Docker settings lead to an engine that answers."""
+    """Whether there is a running engine at this user's Docker settings."""
     return _works(["docker", "version"], {})
 
 
@@ -69,7 +69,7 @@ def compose_words() -> str:
     """The compose command of this host (version 2, else version 1, else Debian's package is installed).
 
     Raises:
-        CapabilityError: none is there and none can be installed.
+        CapabilityError: there is none and none can be installed.
     """
     if _works(["docker", "compose", "version"], {}):
         return "docker compose"
@@ -81,14 +81,14 @@ def compose_words() -> str:
 
 @contextmanager
 def docker_engine(*, base_image: bool = True) -> Iterator[dict[str, str]]:
-    """Environment variables that lead to an engine which can build the project's Dockerfile.
+    """Environment variables for an engine that can build the project's Dockerfile.
 
     Args:
-        base_image: False where nothing is built: the images are there already.
+        base_image: False if nothing is built because the images already exist.
 
     Raises:
-        CapabilityError: no engine answers and this host cannot have one.
-        MachineError: the private engine does not start, stop or take the base image.
+        CapabilityError: no engine is running and this host cannot start one.
+        MachineError: the private engine does not start, stop or accept the base image.
     """
     if engine_answers():
         words = ["docker", "context", "inspect", "--format", "{{.Endpoints.docker.Host}}"]
@@ -115,10 +115,11 @@ def docker_engine(*, base_image: bool = True) -> Iterator[dict[str, str]]:
 
 @contextmanager
 def _private_engine(home: Path, data: Path) -> Iterator[str]:
-    """Start an engine that keeps images below ``data`` and all else below ``home``; gives its address and stops it."""
+    """Start an engine that keeps images below ``data`` and everything else below ``home``; yields its address, then
+    stops it."""
     host = f"unix://{home}/docker.sock"
     address = f"{home}/containerd.sock"
-    # Left to itself, dockerd gives containerd 15 s to start, which a busy emulated machine does not keep.
+    # By default dockerd gives containerd 15 s to start, which is too short on a busy emulated machine.
     runtime = ["containerd", "--root", f"{data}/containerd/daemon", "--state", f"{home}/containerd"]
     runtime += ["--address", address, "--config", f"{home}/containerd.toml"]
     engine = ["dockerd", "--data-root", str(data), "--exec-root", f"{home}/exec", "--containerd", address]
@@ -139,8 +140,8 @@ def _private_engine(home: Path, data: Path) -> Iterator[str]:
 
 @contextmanager
 def _service(words: list[str], home: Path, answers: list[str], environment: dict[str, str]) -> Iterator[None]:
-    """A process that is up when the command ``answers`` succeeds, and is stopped at the end."""
-    # setpriv: the engine must not outlive this process, even when this process is killed outright.
+    """A process that is ready when the command ``answers`` succeeds, and is stopped at the end."""
+    # setpriv: the engine must not outlive this process, even if this process is killed.
     command = ["setpriv", "--pdeathsig", "TERM", *words]
     with (home / f"{words[0]}.log").open("wb") as log:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, start_new_session=True)
@@ -179,7 +180,7 @@ def _clear(host: str) -> None:
 
 
 def _unmount_below(folder: Path) -> None:
-    """Undo the mounts that a killed engine leaves below a folder, the deepest first."""
+    """Unmount what a killed engine leaves mounted below a folder, the deepest first."""
     points = [line.split()[1] for line in Path("/proc/mounts").read_text().splitlines()]
     for point in reversed(points):
         if point.startswith(f"{folder}/"):
@@ -187,17 +188,17 @@ def _unmount_below(folder: Path) -> None:
 
 
 def _remove_cgroups(name: str) -> None:
-    """Remove the engine's cgroup from each hierarchy; empty directories are all that a cgroup is."""
+    """Remove the engine's cgroup from each hierarchy; a cgroup is just empty directories."""
     for group in sorted(Path("/sys/fs/cgroup").glob(f"**/{name}/**/"), reverse=True):
         if group.is_dir():
             group.rmdir()
 
 
 def run(command: Sequence[str], *, timeout_s: float, base_image: bool = True) -> int:
-    """Run ``command`` beside an engine and return its exit code.
+    """Run ``command`` with an engine and return its exit code.
 
     Raises:
-        CapabilityError, MachineError: as :func:`docker_engine`; subprocess.TimeoutExpired: after ``timeout_s``.
+        CapabilityError, MachineError: like :func:`docker_engine`; subprocess.TimeoutExpired: after ``timeout_s``.
     """
     with docker_engine(base_image=base_image) as environment:
         return subprocess.run(command, env={**os.environ, **environment}, timeout=timeout_s, check=False).returncode

@@ -1,11 +1,11 @@
-"""Run a command beside a Docker engine on a kernel with CAN: ``python -m railhil.machines.docker_vm -- COMMAND``
+"""Run a command with a Docker engine on a kernel with CAN: ``python -m railhil.machines.docker_vm -- COMMAND``
 
-The two machines joined: the image is built by the engine on the host, where that is fast; the engine's data is
-copied into a disk file; an engine inside the virtual machine takes the disk over. There a container that may make
-interfaces really makes ``vcan0``. COMMAND runs in the virtual machine, in the caller's directory, and finds the
+This combines the two machines: the image is built by the engine on the host, where that is fast; the engine's data are
+copied into a disk file; an engine inside the virtual machine uses that disk. There a container with the permission to
+make interfaces can create ``vcan0``. COMMAND runs in the virtual machine, in the caller's directory, and finds the
 environment that :mod:`railhil.machines.docker_engine` describes.
 
-Exit code: as of the two machines (the command's own; 77, 124, 125 for the machine's; 2 for a wrong command line).
+Exit code: as for the two machines (that of the command; 77, 124, 125 for the machine's; 2 for a wrong command line).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from railhil.machines import debian, vcan_vm
 from railhil.machines.docker_engine import DATA_FOLDER, docker_engine, engine_answers
 
 _PURPOSE = "a Docker engine in a virtual machine"
-#: Room for what the containers write, and for the file system itself.
+#: Space for data written by the containers, and for the file system itself.
 _SPARE_BYTES = 1 << 30
 _BUILD_S = 900.0
 
@@ -54,7 +54,7 @@ def run(command: Sequence[str], *, shares: Sequence[Path] = (), timeout_s: float
     """Build the image, boot, start the engine, run ``command`` in the virtual machine; returns its exit code.
 
     Raises:
-        CapabilityError: one of the two machines cannot be had here.
+        CapabilityError: one of the two machines is not available here.
         MachineError: one of them failed.
     """
     debian.require_debian_root(_PURPOSE)

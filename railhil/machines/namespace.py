@@ -1,8 +1,8 @@
-"""A fresh network namespace of the host's own kernel, with CAN interfaces that nobody else sees.
+"""A fresh network namespace of the host's own kernel, with private CAN interfaces.
 
-The command runs at full speed, with the host's files and without any network but the CAN interfaces and a loopback of
-its own. The interfaces are gone with the last process in the namespace; the host's own ones, a ``vcan0`` among them,
-are neither seen nor touched.
+The command runs at full speed, with the host's files and without any network except the CAN interfaces and its own
+loopback. The interfaces disappear with the last process in the namespace; those of the host, including a ``vcan0``, are
+neither visible nor touched.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from railhil.machines import debian
 _PURPOSE = "a network namespace"
 _PACKAGES = {"ip": "iproute2", "unshare": "util-linux", "setpriv": "util-linux"}
 _PROBE_S = 20.0
-#: After SIGTERM the command may take this long before it is killed.
+#: Time after SIGTERM until the command is killed.
 _GRACE_S = 5.0
 _LOOK_S = 0.2
 _PR_SET_CHILD_SUBREAPER = 36
-#: ``si_code`` of a signal that the kernel sent, as for a Ctrl-C: the whole foreground group has it then.
+#: ``si_code`` of a signal sent by the kernel, as for a Ctrl-C, which reaches the whole foreground group.
 _SI_KERNEL = 0x80
 _PASSED_ON = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 _WATCHED = {*_PASSED_ON, signal.SIGCHLD}
 
 
 def require_namespace(interfaces: Sequence[str]) -> str:
-    """Make sure that a namespace with these interfaces can be had; returns how, in a few words.
+    """Make sure that a namespace with these interfaces can be created; returns how, in a few words.
 
     Raises:
-        CapabilityError: it cannot; the text names what is missing and what helps.
+        CapabilityError: it cannot; the text names what is missing and the remedy.
     """
     _require_can()
     if os.geteuid() == 0 and not all(debian.find_command(command) for command in _PACKAGES):
@@ -59,7 +59,7 @@ def require_namespace(interfaces: Sequence[str]) -> str:
 
 
 def _require_can() -> None:
-    """Refuse unless the kernel has raw CAN sockets; asking loads the module where there is one."""
+    """Refuse unless the kernel has raw CAN sockets; the check loads the module if it exists."""
     if not hasattr(socket, "AF_CAN"):
         raise debian.CapabilityError("this is not Linux")
     try:
@@ -70,11 +70,11 @@ def _require_can() -> None:
 
 
 def _prepared(interfaces: Sequence[str], command: Sequence[str]) -> list[str]:
-    """Words that bring loopback and interfaces up in their namespace and then become ``command``."""
+    """Command that brings up loopback and interfaces in their namespace and then executes ``command``."""
     steps = ["ip link set lo up"]
     for name in map(shlex.quote, interfaces):
         steps += [f"ip link add {name} type vcan", f"ip link set {name} up"]
-    # Not in front of unshare: gaining rights in the namespace would clear it again.
+    # Not before unshare: gaining rights in the namespace would clear it again.
     tied = ["setpriv", "--pdeathsig", "KILL"]
     return [*tied, "sh", "-c", " && ".join([*steps, 'exec "$@"']), "sh", *command]
 
@@ -86,7 +86,7 @@ def _in_namespace(command: Sequence[str]) -> list[str]:
 
 
 def _failure(command: Sequence[str]) -> str:
-    """Last words of a command that failed in a namespace of its own; empty when it did not."""
+    """Last line of output of a command that failed in its own namespace; empty if it succeeded."""
     done = subprocess.run(
         _in_namespace(command), stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
         env={**debian.environment(), "LC_ALL": "C"}, timeout=_PROBE_S, check=False,
@@ -99,16 +99,16 @@ def _failure(command: Sequence[str]) -> str:
 def run(
     command: Sequence[str], interfaces: Sequence[str], *, environment: Mapping[str, str], timeout_s: float = 600.0
 ) -> int:
-    """Run ``command`` in a fresh namespace in which ``interfaces`` are up; :func:`require_namespace` comes first.
+    """Run ``command`` in a fresh namespace in which ``interfaces`` are up; call :func:`require_namespace` first.
 
-    Signals sent to this process are passed on. What the command has left running in the namespace is killed at its end:
-    it would keep the namespace. Other children of this process are not touched.
+    Signals sent to this process are passed on. Processes that the command leaves running in the namespace are killed at
+    its end, because they would keep the namespace alive. Other children of this process are not touched.
 
     Returns:
         The command's exit code, 128 + number for a signal; 124 after ``timeout_s``.
 
     Raises:
-        MachineError: the command is not there.
+        MachineError: the command does not exist.
     """
     if debian.find_command(command[0]) is None and not Path(command[0]).exists():
         raise debian.MachineError(f"no command {command[0]}")
@@ -153,7 +153,7 @@ def _until_ended(process: subprocess.Popen[bytes], deadline_s: float, timeout_s:
 
 @contextmanager
 def _signals_wait() -> Iterator[set[signal.Signals | int]]:
-    """Hold the signals back for ``sigtimedwait``; gives the mask that the command is to have."""
+    """Block the signals for ``sigtimedwait``; returns the signal mask for the command."""
     before = signal.pthread_sigmask(signal.SIG_BLOCK, _WATCHED)
     try:
         yield before
@@ -169,7 +169,7 @@ def _give_back(mask: set[signal.Signals | int]) -> None:
 
 @contextmanager
 def _orphans_come_here() -> Iterator[None]:
-    """Become the parent of what the command leaves behind, so that it can be found and ended."""
+    """Become the parent of processes that the command leaves behind, so that they can be found and ended."""
     prctl: Callable[..., int] = ctypes.CDLL(None, use_errno=True).prctl
     prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
     try:
@@ -181,14 +181,14 @@ def _orphans_come_here() -> Iterator[None]:
 def _kill_left_in(namespace: str) -> None:
     """Kill and reap the children of this process that are in a network namespace, until none is left.
 
-    The children of a killed one come here in turn.
+    The children of a killed process become children of this one in turn.
 
-    :param namespace: as ``/proc/PID/ns/net`` names it; empty when the namespace was never made.
+    :param namespace: as named by ``/proc/PID/ns/net``; empty if the namespace was never made.
     """
     deadline_s = time.monotonic() + _GRACE_S
     while namespace and (left := _children_in(namespace)):
         for pid in left:
-            # Gone meanwhile, and reaped by whoever else waits for the children of this process.
+            # It has ended and was reaped by other code that waits for the children of this process.
             with suppress(ProcessLookupError, ChildProcessError):
                 os.kill(pid, signal.SIGKILL)
                 os.waitpid(pid, 0)
@@ -200,7 +200,7 @@ def _children_in(namespace: str) -> list[int]:
     """Process numbers of this process's running children in a network namespace."""
     found = []
     for entry in Path("/proc").glob("[0-9]*"):
-        # It has ended meanwhile, or is somebody else's.
+        # It has ended meanwhile, or belongs to another user.
         with suppress(FileNotFoundError, ProcessLookupError, PermissionError):
             fields = (entry / "stat").read_text(errors="replace").rpartition(")")[2].split()
             if int(fields[1]) == os.getpid() and os.readlink(entry / "ns" / "net") == namespace:

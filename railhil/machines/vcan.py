@@ -1,9 +1,9 @@
-"""Run a command where ``vcan0`` and ``vcan1`` are up: ``railhil vcan -- COMMAND ...``
+"""Run a command with ``vcan0`` and ``vcan1`` up: ``railhil vcan -- COMMAND ...``
 
-On the first of these that this host has, and a line on standard error says which and why:
+The first of these that the host supports is used; a line on standard error says which and why:
 
 ``namespace``
-    a fresh network namespace of the host's kernel: full speed, the host's own interfaces are left alone;
+    a fresh network namespace of the host's kernel: full speed, the host's own interfaces are not touched;
 ``machine``
     a throw-away virtual machine with Debian's kernel (:mod:`railhil.machines.vcan_vm`).
 
@@ -27,7 +27,7 @@ from railhil.common.exit_codes import hear_interrupts
 from railhil.machines import debian, namespace, vcan_vm
 
 _WAYS = ("namespace", "machine")
-#: Names that the kernel takes for an interface, without those that a shell or ``ip`` could mistake.
+#: Interface names accepted by the kernel, except those that a shell or ``ip`` could misinterpret.
 _INTERFACE = re.compile(r"[A-Za-z][A-Za-z0-9_.]{0,14}")
 _TIMEOUT_MAX_S = 86_400
 #: Folder in which ``railhil run`` leaves its results.
@@ -79,7 +79,7 @@ def _seconds(text: str) -> float:
 
 @contextmanager
 def _kept_folders(given: Sequence[Path] | None) -> Iterator[list[Path]]:
-    """Folders that the machine may write to: those given, else ``./runs``, which is not left behind empty."""
+    """Folders that the machine may write to: those given, else ``./runs``, which is removed if it stays empty."""
     if given is not None:
         yield list(given)
         return
@@ -91,13 +91,13 @@ def _kept_folders(given: Sequence[Path] | None) -> Iterator[list[Path]]:
         yield [results] if results.is_dir() else []
     finally:
         if made:
-            # Not empty: it holds results.
+            # Not empty: it contains results.
             with suppress(OSError):
                 results.rmdir()
 
 
 def _environment() -> dict[str, str]:
-    """The caller's, with the commands of this installation at the end of the search path."""
+    """The caller's environment, with the commands of this installation at the end of the search path."""
     commands = Path(sys.executable).parent
     return {**os.environ, "PATH": f"{os.environ.get('PATH', '/usr/bin:/bin')}:{commands}"}
 
@@ -128,10 +128,10 @@ def _in_machine(options: argparse.Namespace, reason: str) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    """On the first way that this host has.
+    """Run the command in the first way that this host supports.
 
     Raises:
-        CapabilityError: it has none; the text names what was tried.
+        CapabilityError: the host supports none; the text names what was tried.
     """
     reason = "asked for"
     if options.via != "machine":

@@ -29,10 +29,10 @@ _EXIT_GRACE_S = 20.0
 
 
 def ensure_machine() -> VmImage:
-    """Install and download what is missing; only the first needs root.
+    """Install and download what is missing; only installing needs root.
 
     Raises:
-        CapabilityError: not Debian on x86-64, or a package is missing and cannot be had.
+        CapabilityError: not Debian on x86-64, or a package is missing and not available.
         MachineError: a package is not as expected.
     """
     debian.require_debian(_PURPOSE)
@@ -49,7 +49,7 @@ def _quoted_command(command: Sequence[str], cwd: Path, environment: Mapping[str,
 
 
 def _export(tag: str, folder: Path, options: str) -> list[str]:
-    """QEMU words that show a host folder in the machine under ``tag`` (a comma in a path is doubled)."""
+    """QEMU options that make a host folder visible in the machine under ``tag`` (a comma in a path is doubled)."""
     path = str(folder).replace(",", ",,")
     return [
         "-fsdev", f"local,id={tag},path={path},security_model=none,multidevs=remap{options}",
@@ -60,15 +60,15 @@ def _export(tag: str, folder: Path, options: str) -> list[str]:
 def _qemu_words(image: VmImage, control: Path, shares: Sequence[Path], disks: Sequence[Path], memory_mb: int,
                 processors: int, pipes: tuple[int, int]) -> list[str]:  # fmt: skip
     """Command line of the machine; its two output ports write to the pipe ends ``pipes``."""
-    # setpriv: the machine must not outlive this process, even when this process is killed outright.
+    # setpriv: the machine must not outlive this process, even if this process is killed.
     words = ["setpriv", "--pdeathsig", "KILL", "qemu-system-x86_64"]
-    # Not KVM: where hosts offer it inside a virtual machine, machines were seen to abort or hang in it.
+    # No KVM: inside another virtual machine it was observed to abort or hang.
     words += ["-accel", "tcg,thread=multi", "-cpu", "max", "-smp", str(processors), "-m", str(memory_mb)]
     words += ["-nodefaults", "-no-user-config", "-nographic", "-no-reboot", "-nic", "none"]
     words += ["-kernel", str(image.kernel), "-initrd", str(image.initrd)]
-    # random.trust_cpu: an idle machine has no other source, and Python would wait for one.
-    # clocksource: the emulated processors share one cycle counter, which the kernel does not believe of two; the timer
-    # that it takes instead costs a trip out of the emulation at each look at the clock.
+    # random.trust_cpu: an idle machine has no other source of randomness, and Python would wait for one.
+    # clocksource: the emulated processors share one cycle counter, which the kernel does not trust with two processors;
+    # the timer that it would use instead leaves the emulation at each reading of the clock.
     words += [
         "-append",
         "console=ttyS0 quiet panic=-1 random.trust_cpu=on mitigations=off tsc=reliable clocksource=tsc",
@@ -88,7 +88,7 @@ def _qemu_words(image: VmImage, control: Path, shares: Sequence[Path], disks: Se
 
 
 def _copy_until_end(sources: Mapping[int, BinaryIO], deadline_s: float) -> bool:
-    """Copy each pipe to its sink until all are closed; ``False`` when the deadline came first."""
+    """Copy each pipe to its sink until all are closed; ``False`` if the deadline passed first."""
     with selectors.DefaultSelector() as selector:
         for pipe, sink in sources.items():
             selector.register(pipe, selectors.EVENT_READ, sink)
@@ -128,21 +128,21 @@ def run(
         cwd: directory it runs in, the caller's by default; ``environment`` likewise.
         shares: host folders that the command may write to, at the same path.
         timeout_s: for everything from boot to power-off.
-        memory_mb, processors: of the machine. Where something else runs beside it, one processor takes less of the
-            host: two wait for each other when the host has not two to spare.
-        disks: file with an ext4 file system -> folder where the machine mounts it, writable.
-        stdout, stderr: where the command's output goes, this process's own by default.
+        memory_mb, processors: of the machine. If the host is also busy with other work, one processor is better: two
+        wait for each other when the host does not have two to spare. disks: file with an ext4 file system -> folder
+        where the machine mounts it, writable. stdout, stderr: where the command's output goes, this process's own by
+        default.
 
     Returns:
         The exit code; 124 after ``timeout_s``.
 
     Raises:
-        CapabilityError: this host cannot have the machine.
+        CapabilityError: the machine is not available on this host.
         MachineError: the machine ended without an exit code; the text has the end of its console.
     """
     image = ensure_machine()
     deadline_s = time.monotonic() + timeout_s
-    # Not below /run: the machine has its own file system there.
+    # Not below /run, where the machine has its own file system.
     with tempfile.TemporaryDirectory(prefix="railhil-vm-") as name:
         control = Path(name)
         where = (cwd or Path.cwd()).resolve()

@@ -36,10 +36,10 @@ class VmImage:
 
 
 def newest_kernel_package() -> str:
-    """Name of the package behind ``linux-image-amd64``.
+    """Name of the package that ``linux-image-amd64`` depends on.
 
     Raises:
-        CapabilityError: the package lists do not know it.
+        CapabilityError: it is not in the package lists.
     """
 
     def depends() -> str:
@@ -53,12 +53,12 @@ def newest_kernel_package() -> str:
 
 
 def ensure_image() -> VmImage:
-    """The machine's files, from the cache or made now (some seconds, one download of about 70 MB).
+    """The machine's files, from the cache or newly made (some seconds, one download of about 70 MB).
 
-    A cached image is taken as it is, also without a network; remove the cache folder to get a newer kernel.
+    A cached image is used unchanged, also without a network; remove the cache folder to get a newer kernel.
 
     Raises:
-        CapabilityError: the Debian packages cannot be had.
+        CapabilityError: the Debian packages are not available.
         MachineError: a package did not unpack as expected.
     """
     recipe = hashlib.sha256(_INIT.read_bytes() + repr(MODULES).encode()).hexdigest()[:12]
@@ -104,7 +104,7 @@ def _build(package: str, scratch: Path) -> None:
 
 
 def _load_order(folder: Path) -> list[Path]:
-    """Module files, each after all it depends on; modules that are built into the kernel fall out.
+    """Module files, each after all its dependencies; modules that are built into the kernel are left out.
 
     ``modules.dep`` lists for each file its dependencies, the deepest last.
     """

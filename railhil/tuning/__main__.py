@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     from railhil.tuning.evaluation import Evaluation
     from railhil.tuning.search import Found, Protocol
 
-# What runs the bench is imported where it is used: the help and the list do without its extra libraries.
+# Modules that run the bench are imported where they are used: help and list do not need the extra libraries.
 
 _INTERRUPTED = 128 + signal.SIGINT
 
 
 @contextmanager
 def _complaining(path: Path) -> Iterator[None]:
-    """A file that cannot be written is bad input."""
+    """Report a file that cannot be written as bad input."""
     try:
         yield
     except OSError as error:
@@ -105,7 +105,7 @@ def _tune(namespace: argparse.Namespace, console: Output) -> int:
             "other seeds for the evaluation, or --allow-training-seeds, which its table then says",
         )
     file = Path(namespace.out or f"{law}_{scenario.name}.toml")
-    # Before the work, not after it.
+    # Check before the work, not after it.
     with _complaining(file):
         check_writable(file)
     say_compiling(Output(stderr=True).say)
@@ -161,9 +161,9 @@ def _write(file: Path, text: str) -> None:
 
 
 def _keep_the_better(judged: Evaluation, protocol: Protocol, found: Found, file: Path, console: Output) -> str | None:
-    """The last line: whether the tuned parameters hold on other runs; when not, the file holds the law's own.
+    """Print the last line: whether the tuned parameters are better on other runs; if not, the file gets the law's own.
 
-    :returns: why they were laid aside, None when they hold.
+    :returns: why the tuned ones were discarded, None if they were kept.
     """
     from railhil.tuning.document import document
     from railhil.tuning.evaluation import worse

@@ -35,7 +35,7 @@ def _table(title: str, values: Mapping[str, Any]) -> str:
 
 
 def notes(protocol: Protocol, found: Found) -> dict[str, Any]:
-    """What the search says about itself; no time and no place, so the same search writes the same bytes."""
+    """Notes of the search about itself; without date or paths, so that the same search writes the same bytes."""
     return {
         "scenario_sha256": protocol.scenario.sha256,
         **protocol.law.how,

@@ -1,4 +1,4 @@
-"""Default against tuned parameters on runs that the search has not seen."""
+"""Compares default and tuned parameters on runs not used in the search."""
 
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ class Evaluation:
 
 
 def _designed_on(case: Case, seeds: range) -> list[int]:
-    """Seeds on which the law's own parameters were chosen: the file keeps those that it does not name."""
+    """Seeds on which the law's own parameters were chosen, which still apply to those that the file does not name."""
     chosen = load(case.law.controller).design_seeds.get(case.scenario.name, ())
     return [seed for seed in chosen if seed in seeds]
 
 
 def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
-    """Refuse an evaluation on runs that the parameters, or the law's own, were made from. Raises InputError."""
+    """Refuse an evaluation on runs used to find the parameters, or the law's own ones. Raises InputError."""
     given.check_unseen(seeds)
     if designed := _designed_on(case, seeds):
         found = Words(f"seed {designed[0]}, on which {case.law.controller}'s own parameters were chosen")
@@ -53,7 +53,7 @@ def check_seeds(case: Case, given: ParameterSet, seeds: range) -> None:
 def evaluate(case: Case, given: ParameterSet, seeds: range, allow_training_seeds: bool = False) -> Evaluation:
     """Run both.
 
-    :param case: the parameters of its law are not looked at.
+    :param case: the parameters of its law are ignored.
     :raises InputError: the parameters are not the law's, or were tuned on one of the seeds.
     """
     if not allow_training_seeds:
@@ -76,10 +76,10 @@ def _digits(criterion: Criterion) -> int:
 
 
 def worse(found: Evaluation, scale: Scale) -> list[str]:
-    """In what the tuned parameters end worse than the law's own; empty when they are not to be laid aside.
+    """The respects in which the tuned parameters are worse than the law's own; empty if they are kept.
 
-    They are when the objective of the search is larger on these runs, when fewer runs pass, or when the median of an
-    error that has a limit has grown and lies beyond it.
+    They are discarded if the objective of the search is larger on these runs, if fewer runs pass, or if the median of
+    an error with a limit has increased and exceeds the limit.
     """
     before, after = (objective(scale, result.scores) for result in (found.default, found.tuned))
     said = [f"objective {before:.3f} -> {after:.3f}"] if after > before else []

@@ -1,13 +1,14 @@
-"""What the search makes small: one number from the scores of the training runs, the same formula for every law.
+"""The objective that the search minimises: one number from the scores of the training runs, the same formula for every
+law.
 
-Of each run::
+For each run::
 
     stop error / its limit  +  time error / its limit  +  ITAE / I  +  energy / E  +  comfort / C
 
 (each criterion of :data:`railhil.supervisor.criteria.ATO_CRITERIA`), with the limits of the scenario's plan, and I, E,
-C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score is about 1 for
-a law that drives well. A train that does not stop has the largest stop and time term there are (``TERM_MAX`` each);
-overspeed adds ``OVERSPEED`` and its size in km/h. The objective is the mean over the runs, so that every run matters.
+C the medians of IPFC with its published parameters on the same runs: a fixed scale on which every score of a good law
+is about 1. A train that does not stop has the maximum stop and time terms (``TERM_MAX`` each); overspeed adds
+``OVERSPEED`` plus its amount in km/h. The objective is the mean over the runs, so that every run matters.
 """
 
 from __future__ import annotations
@@ -22,22 +23,21 @@ from railhil.supervisor.criteria import ATO_CRITERIA, Criterion, limit_key, limi
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.score import Score
 
-#: Goes up with every change of the formula; stands in the files.
+#: Increased with every change of the formula; recorded in the files.
 VERSION = 1
-#: Largest term of a stop or time error, and that of a train that never stops.
+#: Maximum term of a stop or time error, also used for a train that never stops.
 TERM_MAX = 100.0
-#: Added for a run with overspeed, besides the overspeed in km/h.
+#: Added for a run with overspeed, in addition to the overspeed in km/h.
 OVERSPEED = 10.0
-#: Criteria without a limit: they are held against the reference.
+#: Criteria without a limit: they are compared with the reference.
 _UNLIMITED = tuple(criterion for criterion in ATO_CRITERIA if criterion.limit is None)
 
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """What each score is divided by, in its unit.
+    """The divisors of the scores, in their units.
 
-    ``limits``: those of the scenario, by the key under which a limit stands; ``medians``: of the reference's runs, by
-    criterion.
+    ``limits``: those of the scenario, by the key of the limit; ``medians``: of the reference's runs, by criterion.
     """
 
     limits: Mapping[str, float]
@@ -63,7 +63,7 @@ def _share(criterion: Criterion, value: float, scale: float) -> float:
 
 
 def run_cost(scale: Scale, score: Score) -> float:
-    """The sum above, of one run. Raises ``ValueError`` for a run that is no whole run."""
+    """The sum above for one run. Raises ``ValueError`` for an incomplete run."""
     cost = 0.0
     for criterion in _UNLIMITED:
         value = score.values[criterion.key]

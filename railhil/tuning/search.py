@@ -1,7 +1,8 @@
-"""The search: differential evolution over the bounds that a law declares, the same number of evaluations for every law.
+"""The search: differential evolution within the bounds declared by a law, with the same number of evaluations for every
+law.
 
-Candidates are rounded to six significant digits *before* they are judged, so what the file says is what was judged. A
-parameter whose bounds are positive and a factor of ten or more apart is searched on a logarithmic scale.
+Candidates are rounded to six significant digits *before* they are evaluated, so the file holds exactly what was
+evaluated. A parameter whose bounds are positive and a factor of ten or more apart is searched on a logarithmic scale.
 """
 
 from __future__ import annotations
@@ -25,15 +26,15 @@ from railhil.tuning.trials import Trials
 
 #: Differential evolution needs five candidates to choose from.
 _POPULATION_MIN, _POPULATION_MAX = 5, 40
-#: Bounds this far apart are searched on a logarithmic scale.
+#: Ratio of bounds from which the search is logarithmic.
 _WIDE = 10.0
-#: Part of the range that counts as its bound.
+#: Share of the range that counts as being at its bound.
 _EDGE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class Protocol:
-    """What is searched, on which runs, and for how long; the law computes in double precision."""
+    """The law to tune, the training runs and the budget; the law computes in double precision."""
 
     scenario: Scenario
     law: LawSpec
@@ -43,12 +44,12 @@ class Protocol:
 
     @property
     def population(self) -> int:
-        """Candidates of a generation, whatever the number of parameters."""
+        """Candidates per generation, independent of the number of parameters."""
         return min(max(math.isqrt(2 * self.budget), _POPULATION_MIN), _POPULATION_MAX)
 
     @property
     def generations(self) -> int:
-        """Generations, the first population included."""
+        """Generations, including the first population."""
         return self.budget // self.population
 
 
@@ -56,7 +57,8 @@ class Protocol:
 class Found:
     """The best parameters, and how they were found; ``complete`` is false after Ctrl-C.
 
-    ``laid_aside``: in what the best parameters were worse on other runs, so that ``values`` are the law's own.
+    ``laid_aside``: why the best parameters were discarded after the evaluation on other runs, in which case ``values``
+    are the law's own.
     """
 
     values: Mapping[str, float]
@@ -82,7 +84,7 @@ class Box:
     def of(cls, law: str) -> Box:
         """Box of a law.
 
-        :raises InputError: an unknown law, or one that has nothing to tune.
+        :raises InputError: an unknown law, or one without tunable parameters.
         """
         kind = load_law(law)
         if not kind.tunable:
@@ -97,12 +99,12 @@ class Box:
         return {name: float(f"{value:.6g}") for name, value in zip(self.names, scaled, strict=True)}
 
     def point(self, values: Sequence[float]) -> list[float]:
-        """Parameters as a point of the unit cube; what lies outside goes to the nearest bound."""
+        """Parameters as a point of the unit cube; values outside are moved to the nearest bound."""
         points = [_to_unit(*given) for given in zip(self.low, self.high, values, strict=True)]
         return [min(max(x, 0.0), 1.0) for x in points]
 
     def at_bounds(self, values: Mapping[str, float]) -> list[str]:
-        """Names of the parameters that a search has driven to a bound: a wider one might give more."""
+        """Names of the parameters that a search has moved to a bound: a wider bound might give a better result."""
         point = self.point([values[name] for name in self.names])
         return [name for name, x in zip(self.names, point, strict=True) if not _EDGE <= x <= 1 - _EDGE]
 
@@ -130,7 +132,7 @@ def _first_population(box: Box, size: int, random: np.random.Generator) -> NDArr
 
 
 class _Best:
-    """Judges generations and keeps the best candidate there has been, the law's own parameters first."""
+    """Evaluates generations and keeps the best candidate so far, beginning with the law's own parameters."""
 
     def __init__(self, box: Box, trials: Trials, progress: Callable[[int, float], None]) -> None:
         self._box = box
@@ -142,7 +144,8 @@ class _Best:
         self.evaluations = self.infeasible = 0
 
     def generation(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Objectives at points of the unit cube, shape (parameters, candidates); infinite where there is no law."""
+        """Objectives at points of the unit cube, shape (parameters, candidates); infinite where the law cannot be
+        made."""
         candidates = [self._box.candidate(point) for point in points.T.tolist()]
         objectives = self.trials.of(candidates)
         for values, found in zip(candidates, objectives, strict=True):
@@ -159,12 +162,12 @@ def _spoken(name: str) -> str:
 
 
 def _hopeless(law: str, best: _Best) -> InputError:
-    """No candidate was a law: why, and which parameters that no candidate can mend are the reason."""
+    """The error if no candidate gave a valid law: the reason, and the parameters that cause it but are not searched."""
     (reason, _), *_ = best.trials.refusals.most_common(1)
     kind = load_law(law)
     fixed = [field.name for field in fields(kind.parameters_type) if field.name not in kind.tunable]
     words = reason.replace("_", " ")
-    # A reason names a parameter as it is written, or in words and without its unit.
+    # A reason names a parameter literally, or in words and without its unit.
     named = [name for name in fixed if name.replace("_", " ") in words or _spoken(name) in words] or fixed
     found = Words(f"no law among {best.evaluations} candidates nor with its own parameters")
     hint = f"{reason}; not searched, so that no candidate can mend it: {', '.join(named)}"
@@ -172,19 +175,19 @@ def _hopeless(law: str, best: _Best) -> InputError:
 
 
 def search(protocol: Protocol, progress: Callable[[int, float], None] = lambda evaluations, best: None) -> Found:
-    """The best parameters that the budget finds, never worse on the training runs than the law's own.
+    """The best parameters found within the budget, never worse on the training runs than the law's own.
 
-    Deterministic for one version of scipy. Ctrl-C ends the search; the generations until then count.
+    Deterministic for one version of scipy. Ctrl-C ends the search; completed generations count.
 
     :param progress: called after each generation with the evaluations so far and the best objective.
-    :raises InputError: the law is unknown, has nothing to tune or does not fit the scenario or the indexing, whatever
-        the candidate.
+    :raises InputError: the law is unknown, has no tunable parameters, or does not support the scenario or the indexing
+        with any candidate.
     """
     box = Box.of(protocol.law.controller)
     best = _Best(box, Trials(protocol.scenario, protocol.law, protocol.seeds), progress)
     random = streams.generator(protocol.search_seed, streams.TUNING)
     settings: dict[str, Any] = {
-        # Neither a tolerance nor a local search: the budget alone decides when it ends.
+        # No tolerance and no local search: only the budget ends the search.
         "tol": 0.0,
         "atol": 0.0,
         "polish": False,

@@ -11,5 +11,5 @@ FOLDER = Path(railhil.controller_node.laws.__file__).parent / "tuned"
 
 
 def shipped() -> list[ParameterSet]:
-    """All of them, by scenario and law. Raises InputError for a file that is none."""
+    """All of them, by scenario and law. Raises InputError for an invalid file."""
     return [load_parameters(path) for path in sorted(FOLDER.glob("*/*.toml"))]

@@ -1,9 +1,9 @@
 """Control loops of one law with different parameters, stepped together: one batch for a whole generation of candidates.
 
-A law is a text without branches on data (:mod:`railhil.controller_node.program`), so two parameter sets give the same
-operations with other constants, unless a parameter decides how many there are (a horizon). The recorded operations of
-loops that agree are put on top of each other; a constant on which they differ becomes one number for each train.
-float64 only; each train computes what it would compute alone, bit for bit.
+A law has no branches on data (:mod:`railhil.controller_node.program`), so two parameter sets give the same operations
+with different constants, unless a parameter determines their number (a horizon). The recorded operations of loops with
+the same structure are merged; a constant in which they differ becomes one number for each train. float64 only; each
+train computes the same as alone, bit for bit.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _OUTPUT = "out."
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Each:
-    """In place of a constant or a curve: one for each train, shape (N,) or N functions."""
+    """Replaces a constant or a curve by one for each train, shape (N,) or N functions."""
 
     value: Any
 
@@ -80,12 +80,12 @@ def _program_shape(program: Program) -> Any:
 
 
 def shape(programs: LawProgram) -> str:
-    """What two loops must have in common to be stepped together."""
+    """The structure that two loops must share to be stepped together."""
     return repr([_program_shape(part) for part in (programs.inputs, programs.start, programs.step)])
 
 
 class _Stack:
-    """Programs of one shape as a program with constants for each train, ``repeat`` trains for each program."""
+    """Programs of one shape merged into a program with constants for each train, ``repeat`` trains per program."""
 
     def __init__(self, repeat: int) -> None:
         self._repeat = repeat
@@ -122,7 +122,7 @@ class _Stack:
         return _Each(np.repeat(np.array(numbers, dtype=np.float64), self._repeat))
 
     def _table(self, tables: Sequence[Any]) -> Table:
-        # Several look-ups share one table, and to compare all its rows takes time.
+        # Several look-ups share one table, and comparing all its rows takes time.
         key = id(tables[0])
         if key not in self._tables:
             rows = zip(*(table.constants for table in tables), strict=True)
@@ -131,13 +131,13 @@ class _Stack:
 
 
 class _Outputs(NamedTuple):
-    """What the batch engine looks at."""
+    """The outputs that the batch engine uses."""
 
     notch: NDArray[np.float64]
 
 
 class StackedLoop:
-    """In place of a :class:`~railhil.controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
+    """Replaces a :class:`~railhil.controller_node.loop.ControlLoop`: ``repeat`` trains for each of several programs.
 
     :param programs: of one :func:`shape`, recorded with ``wide``.
     """
@@ -155,7 +155,7 @@ class StackedLoop:
     def step(
         self, k: Any, speed_01mmps: Any, position_01mm: Any, balise: BaliseReading[Any] = NO_BALISE
     ) -> tuple[dict[str, Any], _Outputs]:
-        """One control period: inputs of the laws by name, and their notches."""
+        """One control period: from the inputs of the laws to their notches."""
         number = self.arithmetic
         wire = {
             "k": k,

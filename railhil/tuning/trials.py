@@ -36,7 +36,7 @@ class Trials:
         self._scenario = scenario
         self._law = law
         self._seeds = list(seeds)
-        #: How often the law gave which reason for refusing parameters.
+        #: Count of each reason with which the law refused parameters.
         self.refusals: Counter[str] = Counter()
         reference = replace(law, controller=REFERENCE)
         published = record(scenario, reference, wide=True)
@@ -48,7 +48,7 @@ class Trials:
         return None if programs is None else objective(self.scale, self._runs(self._law, [programs])[0])
 
     def of(self, candidates: Sequence[Mapping[str, float]]) -> list[float | None]:
-        """Objective of each candidate, None for one with which the law cannot be made.
+        """Objective of each candidate, None if the law cannot be made with it.
 
         :raises InputError: the law refuses the names or types of the parameters.
         """
@@ -58,7 +58,7 @@ class Trials:
             if programs is not None:
                 alike[shape(programs)].append((i, programs))
         found: list[float | None] = [None] * len(candidates)
-        # As many trains together as the batch engine likes best.
+        # As many trains together as is optimal for the batch engine.
         most = max(1, CHUNK // len(self._seeds))
         for group in alike.values():
             for first in range(0, len(group), most):
@@ -73,7 +73,7 @@ class Trials:
         try:
             return record(self._scenario, replace(law, parameters=given), wide=True)
         except InputError as error:
-            # What a law says about parameters that do not go together.
+            # Raised by a law for inconsistent parameters.
             if isinstance(error.__cause__, ValueError):
                 self.refusals[str(error.__cause__)] += 1
                 return None

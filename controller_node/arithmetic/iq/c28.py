@@ -54,7 +54,7 @@ class C28(FixedPoint):
         part = (self._size(a) * self._size(n)) & ((1 << q) - 1)
         return part if (a < 0) == (n < 0) else -part
 
-    # Root of four times the exact square is twice the result: the last bit rounds.
+    # The root of four times the exact square is twice the result: its last bit decides the rounding.
 
     def sqrt(self, a: int, q: int) -> int:
         return (math.isqrt(a << (q + 2)) + 1) >> 1 if a > 0 else 0

@@ -1,7 +1,7 @@
-"""Fixed point on plain ``int``, one train: what both profiles share.
+"""Fixed point on plain ``int``, one train: the part common to both profiles.
 
-Products are 64 bit wide and floored; nothing saturates unless the function says so. Counting happens only where
-something went wrong, so the common path of an operation is one expression and one comparison.
+Products are 64 bit wide and floored; nothing saturates unless the function says so. Events are counted only when they
+occur, so the common path of an operation is one expression and one comparison.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ class FixedPoint(IqMath[int]):
         return limited
 
     def clip(self, a: int, upper: int, lower: int) -> int:
-        # In the order of the C28x: with limits the wrong way round the lower one wins.
+        # In the order of the C28x: if the limits are swapped, the lower one wins.
         limited = a if a < upper else upper
         return limited if limited > lower else lower
 
@@ -155,7 +155,7 @@ class FixedPoint(IqMath[int]):
         return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
 
     def from_float(self, value: Any, q: int) -> int:
-        # No format reaches further; ldexp would overflow on what does.
+        # No format reaches further; ldexp would overflow for larger values.
         scaled = math.ldexp(value, q) if abs(value) <= SIGN else math.inf
         if not INT32_MIN - 1 < scaled < INT32_MAX + 1:
             raise ValueError(f"_IQ{q}({value!r}) is outside int32")

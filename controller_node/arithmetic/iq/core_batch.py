@@ -1,4 +1,4 @@
-"""Fixed point on int64 arrays, N trains: what both profiles share.
+"""Fixed point on int64 arrays, N trains: the part common to both profiles.
 
 Operands are arrays of shape (N,) or plain ``int`` common to all; every 32 x 32 bit product fits into int64. Results
 equal those of one train element by element; counters count elements.
@@ -32,18 +32,19 @@ Ints = NDArray[np.int64]
 class FixedPointBatch(IqMath[Ints]):
     """IQmath for N trains."""
 
-    #: The profile for one train: functions too rare or too branched for arrays are its, element by element.
+    #: The profile for one train, used element by element for functions that are too rare or have too many branches for
+    #: arrays.
     one_train: ClassVar[type[FixedPoint]]
 
     def __init__(self) -> None:
         super().__init__()
         self._one = self.one_train()
         self._curves: dict[int, tuple[Curve, Ints]] = {}
-        #: Kind of event -> how often it has happened to each train, arrays of shape (N,), when somebody watches.
+        #: Kind of event -> count for each train, arrays of shape (N,), if telemetry is on.
         self.per_train: dict[int, Ints] | None = None
 
     def _count_where(self, kind: int, happened: Any) -> None:
-        """Count an event by a condition, or by how often it happened, for each train or for all alike."""
+        """Count an event by a condition, or by its number of occurrences, for each train or for all together."""
         if np.count_nonzero(happened):
             self._count(kind, int(np.sum(happened)))
             if self.per_train is not None:
@@ -159,7 +160,8 @@ class FixedPointBatch(IqMath[Ints]):
 
     def curve(self, curve: Curve, a: Ints) -> Any:
         cell_bits = curve.q_in - 8
-        # By identity: to compare two curves is to compare 257 numbers. The curve is kept, so no other has its id.
+        # By identity, because comparing two curves means comparing 257 numbers. The curve is kept, so its id stays
+        # unique.
         known = self._curves.get(id(curve))
         if known is None:
             samples = np.array([sample.raw for sample in curve.samples], dtype=np.int64)

@@ -1,6 +1,6 @@
 """Numbers as decimal text: ``_atoIQ`` and ``_IQtoa`` of both profiles, for parameters and displays.
 
-The two libraries differ and neither is fully documented; constants of a law are emitted as integers instead.
+The two libraries differ and neither is fully documented; constants of a law are therefore emitted as integers.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ _FORM = re.compile(r"%([0-9]{1,2})\.([0-9]{0,2})[fF]")
 _WIDTH_MAX = 11
 #: Digits of the largest int32.
 _WHOLE_DIGITS_MAX = 10
-#: 0.1 in Q31, rounded, as the portable library has it.
+#: 0.1 in Q31, rounded, as in the portable library.
 _TENTH = 0x0CCCCCCD
 _MASK = 2**32 - 1
 
@@ -25,13 +25,13 @@ TOO_NARROW, ILLEGAL_FORM = 1, 2
 def rounded_decimal(text: str, q: int) -> int:
     """Exact value of a decimal text in Q ``q``, rounded to nearest, ties away from zero; 0 for any other text.
 
-    A value whose integer part is beyond int32 comes back as some number that is beyond int32 too.
+    For a value whose integer part is outside int32 the result is some number outside int32.
     """
     found = _DECIMAL.fullmatch(text)
     if found is None:
         return 0
-    # Digits of any count, which int() does not take. A tie between two numbers has q + 1 decimals, so those behind
-    # them do not move a value over it; 10^10 is beyond int32 in every format.
+    # Any number of digits is allowed, which int() does not accept. A tie between two numbers has q + 1 decimals, so
+    # further decimals cannot move a value across it; 10^10 is outside int32 in every format.
     sign, whole, fraction = found[1], found[2].lstrip("0"), (found[3] or "")[: q + 1]
     if len(whole) > _WHOLE_DIGITS_MAX:
         whole = "1" + "0" * _WHOLE_DIGITS_MAX
@@ -41,7 +41,7 @@ def rounded_decimal(text: str, q: int) -> int:
 
 
 def portable_number(text: str, q: int) -> tuple[int, bool]:
-    """Low 32 bits of what the portable ``_atoIQ`` makes of a text, and whether it has saturated."""
+    """Low 32 bits of the portable ``_atoIQ`` of a text, and whether it has saturated."""
     negative = text.startswith("-")
     digits = text[1:] if negative else text
     before, point, after = digits.partition(".")
@@ -55,7 +55,7 @@ def portable_number(text: str, q: int) -> tuple[int, bool]:
     if not point:
         return whole << q, False
     tenths = 0
-    # Read from the end up to the last point.
+    # Read backwards from the end to the last point.
     for digit in reversed(after.rpartition(".")[2]):
         if digit not in "0123456789":
             return 0, False
@@ -72,7 +72,7 @@ def _widths(form: str) -> tuple[int, int] | None:
 
 
 def _digits(size: int, q: int, count: int) -> str:
-    """``count`` decimals of the fraction of size / 2^q, cut."""
+    """``count`` decimals of the fraction of size / 2^q, truncated."""
     fraction = size & ((1 << q) - 1)
     return f"{(fraction * 10**count) >> q:0{count}d}" if count else ""
 
@@ -91,7 +91,7 @@ def portable_decimal(form: str, a: int, q: int) -> tuple[int, str | None]:
 
 
 def c28_decimal(form: str, a: int, q: int) -> tuple[int, str | None]:
-    """``_IQtoa`` of the C28x as we read its guide: no leading zeros, the second width counts the point."""
+    """``_IQtoa`` of the C28x as we interpret its guide: no leading zeros, the second width includes the point."""
     widths = _widths(form)
     if widths is None:
         return ILLEGAL_FORM, None

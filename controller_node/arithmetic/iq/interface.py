@@ -1,4 +1,4 @@
-"""The functions of TI's IQmath beyond what every arithmetic offers, with what the two profiles do differently.
+"""The functions of TI's IQmath beyond those of every arithmetic, with the differences between the two profiles.
 
 A number is an int32 raw value in a format Q ``q`` (1 to 30): value = raw / 2^q. "C28x" is the library of the
 TMS320F28335 (TI IQmath user's guide V1.70 and published headers), "portable" TI's open C library 2.01.
@@ -11,12 +11,12 @@ from typing import Any, ClassVar
 
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, WRAP, Arithmetic, Constant, T
 
-#: Largest format of an angle in rad: pi needs two bits before the point.
+#: Largest format of an angle in rad: pi needs two integer bits.
 TRIG_Q_MAX = 29
 
 
 def check_trig_format(q: int) -> None:
-    """Raise ``ValueError`` where neither library has the functions of an angle in rad."""
+    """Raise ``ValueError`` for formats in which neither library has the functions of an angle in rad."""
     if q > TRIG_Q_MAX:
         raise ValueError(f"sin, cos, asin, acos and atan2 in rad exist for Q1 to Q{TRIG_Q_MAX}, not for Q{q}")
 
@@ -27,7 +27,7 @@ class IqMath(Arithmetic[T]):
     wide: ClassVar[bool] = False
 
     def _count(self, kind: int, count: int) -> None:
-        """Count wraps, saturations or divisions by zero, and remember before which noted quantity they were."""
+        """Count wraps, saturations or divisions by zero, and record before which noted quantity they occurred."""
         counters = self.counters
         if kind == WRAP:
             counters.wraps += count
@@ -72,16 +72,16 @@ class IqMath(Arithmetic[T]):
     def mpy_i32_int(self, a: T, n: T, q: int) -> T:
         """``_IQ<q>mpyI32int``: integer part of number times integer.
 
-        C28x: toward zero, of the 64-bit product of the sizes, low 32 bits; INT32_MIN has the size INT32_MAX, and a
-        negative sign on low bits that are INT32_MIN gives INT32_MAX (NEGTC with OVM set).
-        Portable: floor of the product that has wrapped already.
+        C28x: toward zero, from the 64-bit product of the magnitudes, low 32 bits; the magnitude of INT32_MIN is taken
+        as INT32_MAX, and negating low bits equal to INT32_MIN gives INT32_MAX (NEGTC with OVM set). Portable: floor of
+        the wrapped product.
         """
 
     @abstractmethod
     def mpy_i32_frac(self, a: T, n: T, q: int) -> T:
         """``_IQ<q>mpyI32frac``: fraction of number times integer, in Q ``q``.
 
-        C28x: of the product of the sizes, with its sign. Portable: 0 or positive.
+        C28x: of the product of the magnitudes, with its sign. Portable: 0 or positive.
         """
 
     @abstractmethod
@@ -90,7 +90,7 @@ class IqMath(Arithmetic[T]):
 
     @abstractmethod
     def frac(self, a: T, q: int) -> T:
-        """``_IQ<q>frac``: what :meth:`int_part` leaves, in Q ``q``.
+        """``_IQ<q>frac``: the rest after :meth:`int_part`, in Q ``q``.
 
         C28x: with the sign of a. Portable: 0 or positive.
         """
@@ -141,7 +141,7 @@ class IqMath(Arithmetic[T]):
         """``_IQ<q>asin``: angle in rad whose sine is a, -pi/2 to pi/2. ``ValueError`` for Q30.
 
         C28x: modelled exact, rounded to nearest; an argument outside -1 to 1 is limited (counted as a saturation),
-        which no document fixes. Portable: 0 outside -1 to 1, not counted.
+        which no document specifies. Portable: 0 outside -1 to 1, not counted.
         """
 
     @abstractmethod
@@ -152,7 +152,7 @@ class IqMath(Arithmetic[T]):
     def atan2(self, y: T, x: T, q: int) -> T:
         """``_IQ<q>atan2``: angle of the point (x, y) in rad, -pi to pi. ``ValueError`` for Q30.
 
-        C28x: modelled exact, rounded to nearest; 0 for the origin, which no document fixes. Portable: pi/4 for the
+        C28x: modelled exact, rounded to nearest; 0 for the origin, which no document specifies. Portable: pi/4 for the
         origin.
         """
 
@@ -167,8 +167,8 @@ class IqMath(Arithmetic[T]):
     def to_f(self, a: T, q: int) -> T:
         """``_IQ<q>toF``: bits of the float32, as an integer 0..2^32 - 1.
 
-        C28x: cut to 24 bits, negative numbers in one's complement (-1.0 becomes -0.99999994). Portable: rounded, ties
-        away from zero.
+        C28x: truncated to 24 bits, negative numbers in one's complement (-1.0 becomes -0.99999994). Portable: rounded,
+        ties away from zero.
         """
 
     @abstractmethod
@@ -190,8 +190,8 @@ class IqMath(Arithmetic[T]):
     def to_a(self, form: str, a: T, q: int) -> Any:
         """``_IQ<q>toa``: (error, text) for a format ``%A.Bf``; error 1: A digits are too few, 2: illegal format.
 
-        ``A`` (at most 11) digits of the integer part, the sign not counted; the fraction is cut. The text is None
-        with an error. Portable: the integer part is padded with zeros, B digits behind the point. C28x: no leading
-        zeros, B counts the point too, INT32_MIN is refused with error 1; our reading of the guide, not checked on a
-        target.
+        ``A`` (at most 11) digits of the integer part, not counting the sign; the fraction is truncated. In case of an
+        error the text is None. Portable: the integer part is padded with zeros, B digits after the point. C28x: no
+        leading zeros, B includes the point, INT32_MIN is refused with error 1; this is our interpretation of the guide,
+        not checked on a target.
         """

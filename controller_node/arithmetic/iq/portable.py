@@ -1,11 +1,11 @@
-"""Profile of TI's portable C library (IQmath 2.01): what a C export computes when it is built with gcc against it.
+"""Profile of TI's portable C library (IQmath 2.01): the results of a C export built with gcc and linked with it.
 
-Algorithms restated in own words from the open library (BSD 3-Clause, (c) 2023 Texas Instruments); tables come from
-formulas. Bit for bit equal to the library built with 32-bit fast integer types and wrapping signed overflow, but for
-three faults that are not reproduced: ``div`` of INT32_MIN saturates there always (here it is the quotient of 2^31),
-``toF`` halves a number whose 25 leading bits are ones (here the rounding carries), and TI's own copy of 2.01 has a
-wrong ``mpy`` (both open copies have the right one). The faults of ``atan2`` and ``atan2PU`` are reproduced: sides of
-equal size mostly give a wrong angle, and next to half a turn ``atan2`` has the wrong sign.
+The algorithms are reimplemented from the open library (BSD 3-Clause, (c) 2023 Texas Instruments); tables come from
+formulas. Results equal, bit for bit, those of the library built with 32-bit fast integer types and wrapping signed
+overflow, except for three faults that are not reproduced: ``div`` of INT32_MIN always saturates there (here it is the
+quotient of 2^31), ``toF`` halves a number whose 25 leading bits are ones (here the rounding carries), and TI's own copy
+of 2.01 has a wrong ``mpy`` (both open copies are correct). The faults of ``atan2`` and ``atan2PU`` are reproduced:
+arguments of equal magnitude mostly give a wrong angle, and near half a turn ``atan2`` has the wrong sign.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ class Portable(FixedPoint):
             return 0
         size = abs(a)
         shift = 32 - size.bit_length()
-        # Added, not joined: a mantissa that rounds up to 2 carries into the exponent.
+        # Added, not OR-ed: a mantissa that rounds up to 2 carries into the exponent.
         mantissa = ((size << shift) + 0x80) >> 8
         return (SIGN if a < 0 else 0) + ((126 + 31 - q - shift) << 23) + mantissa
 
@@ -151,12 +151,12 @@ class PortableBatch(FixedPointBatch):
         self._count_where(DIVISION_BY_ZERO, by_zero)
         negative = (numerators < 0) != (divisors < 0)
         divisor = np.where(by_zero, 1, abs(divisors))
-        # frexp of a whole number below 2^53 is exact: its exponent is the bit length.
+        # frexp of an integer below 2^53 is exact: its exponent is the bit length.
         shift = np.maximum(31 - np.frexp(divisor.astype(np.float64))[1].astype(np.int64), 0)
         divisor = divisor << shift
         numerator = abs(numerators) << shift >> (30 - q)
         guess = functions.RECIPROCALS[(divisor >> 24) - 64] << 24
-        # Products of 32 bits unsigned need 64 bits unsigned.
+        # Unsigned 32-bit products need unsigned 64 bits.
         operands = [np.atleast_1d(x).astype(np.uint64) for x in (guess, divisor, numerator & MASK)]
         size = functions.quotient(*operands).astype(np.int64)
         size = np.where(numerator > MASK, MASK, size.reshape(divisor.shape))

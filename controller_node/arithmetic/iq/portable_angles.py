@@ -2,12 +2,12 @@
 (:mod:`railhil.controller_node.arithmetic.iq.portable`).
 
 The library has one polynomial for each 1/32 of the argument: of third order for the arctangent in turns (Q32), of
-fourth for the inverse sine in rad (Q29). Both go through the exact function at the ends of the cell and at equal steps
-between. The library's coefficients differ from those by a few units, as the solution of an ill-conditioned system in
-doubles does; the differences stand here.
+fourth for the inverse sine in rad (Q29). Both interpolate the exact function at the ends of the cell and at equal steps
+in between. The library's coefficients differ from the exact ones by a few units, like the solution of an
+ill-conditioned system in doubles; the differences are listed here.
 
-Two faults of the library are its results and therefore reproduced: sides of equal size (atan2(3, 3) = -1.88), and the
-sign of ``atan2`` within an LSB or so of half a turn.
+Two faults of the library affect its results and are therefore reproduced: arguments of equal magnitude (atan2(3, 3) =
+-1.88), and the sign of ``atan2`` within about one LSB of half a turn.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from railhil.controller_node.arithmetic.iq.interface import check_trig_format
 
 #: Cells of the argument 0..1.
 _CELLS = 32
-#: Fraction bits beyond the result of the function values that the polynomials go through.
+#: Extra fraction bits of the function values that the polynomials interpolate.
 _BITS = 64
-#: Cut, both.
+#: Both truncated.
 _RIGHT_ANGLE_Q29, _TURN_Q28 = (series.pi(q + _BITS) >> _BITS for q in (28, 29))
-#: Right angle of the library's acos, in decimal digits as its header has it.
+#: Right angle used by the library's acos, with the decimal digits of its header.
 _RIGHT_ANGLE = Fraction("1.570796327")
 
-#: Library's coefficients minus those of the interpolation, highest power first, of the cells in which they differ.
+#: The library's coefficients minus those of the interpolation, highest power first, for the cells in which they differ.
 _ATAN_OFF = {
     16: (0, 1, 0, 0),
     23: (0, 1, 0, 0),
@@ -62,7 +62,7 @@ def _interpolated(value: Callable[[int, int], int], order: int, cell: int) -> li
     """Coefficients, highest power first, of the polynomial through ``value(n, steps)`` at the n / steps of a cell."""
     steps = _CELLS * order
     places = [cell * order + k for k in range(order + 1)]
-    # Newton's divided differences, then multiplied out from the last place back.
+    # Newton's divided differences, then expanded from the last node backwards.
     differences = [Fraction(value(place, steps), 1 << _BITS) for place in places]
     for k in range(1, order + 1):
         for j in range(order, k - 1, -1):
@@ -76,14 +76,14 @@ def _interpolated(value: Callable[[int, int], int], order: int, cell: int) -> li
 
 @lru_cache
 def atan_coefficients(cell: int) -> tuple[int, ...]:
-    """Of x^3 .. x^0, in Q32, for the arctangent in turns."""
+    """Coefficients of x^3 .. x^0, in Q32, for the arctangent in turns."""
     exact = _interpolated(lambda n, steps: series.turn_bits(n, steps, 32, _BITS), 3, cell)
     return tuple(map(int.__add__, exact, _ATAN_OFF.get(cell, (0,) * 4)))
 
 
 @lru_cache
 def asin_coefficients(cell: int) -> tuple[int, ...]:
-    """Of x^4 .. x^0, in Q29, for the inverse sine in rad."""
+    """Coefficients of x^4 .. x^0, in Q29, for the inverse sine in rad."""
     exact = _interpolated(lambda n, steps: series.arcsine_bits(n, steps, 29, _BITS), 4, cell)
     return tuple(map(int.__add__, exact, _ASIN_OFF.get(cell, (0,) * 5)))
 
@@ -105,7 +105,7 @@ def arcsine(a: int, q: int) -> int:
     mirrored = x > 1 << 30
     if mirrored:
         x = functions.root((2**31 - x) >> 1, 31)
-    # The last cell ends with its end: the library has the same coefficients once more for 1/2.
+    # The last cell includes its end point: the library repeats its coefficients for 1/2.
     size = _horner(x, asin_coefficients(min(x >> 26, _CELLS // 2 - 1)))
     if mirrored:
         size = _RIGHT_ANGLE_Q29 - 2 * size
@@ -114,7 +114,7 @@ def arcsine(a: int, q: int) -> int:
 
 
 def arccosine(a: int, q: int) -> int:
-    """acos a in rad: the right angle of the header, cut, minus :func:`arcsine`."""
+    """acos a in rad: the right angle of the header, truncated, minus :func:`arcsine`."""
     return int(_RIGHT_ANGLE * 2**q) - arcsine(a, q)
 
 
@@ -122,7 +122,7 @@ def _turn_q32(y: int, x: int) -> int:
     """Angle of the point (x, size of y) in turns, 0 to 1/2, in Q32."""
     smaller, larger = sorted((abs(x), abs(y)))
     ratio = functions.ratio_q31(smaller, larger) if larger else INT32_MAX
-    # A ratio of 1 has no number in Q31: it goes on as -1.
+    # A ratio of 1 cannot be represented in Q31 and becomes -1.
     turn = _horner(low32(ratio), atan_coefficients(min(ratio >> 26, _CELLS - 1)))
     if abs(y) > abs(x):
         turn = 2**30 - turn
@@ -132,7 +132,7 @@ def _turn_q32(y: int, x: int) -> int:
 def angle(y: int, x: int, q: int) -> int:
     """Angle of the point (x, y) in rad, -pi to pi; pi/4 for the origin."""
     check_trig_format(q)
-    # Half a turn is taken for a negative number.
+    # Half a turn is misread as a negative number.
     size = functions.signed(low32(_turn_q32(y, x)), _TURN_Q28)
     size = (size + (1 << (28 - q) if q < 29 else 0)) >> (29 - q)
     return -size if y < 0 else size

@@ -19,18 +19,18 @@ from railhil.controller_node.arithmetic.iq.interface import check_trig_format
 #: 1/x in Q6 at the middle of 65 cells of 1/128 from 1/2, rounded.
 RECIPROCAL = tuple((2 * 16384 + 129 + 2 * i) // (2 * (129 + 2 * i)) for i in range(65))
 RECIPROCALS = np.array(RECIPROCAL, dtype=np.int64)
-#: 1/sqrt(x) in Q14 at the middle of 96 cells of 1/128 from 1/4, cut.
+#: 1/sqrt(x) in Q14 at the middle of 96 cells of 1/128 from 1/4, truncated.
 _INVERSE_ROOT = tuple(math.isqrt(2**36 // (65 + 2 * i)) for i in range(96))
-#: From this format on the root takes three Newton steps instead of two.
+#: From this format on the root uses three Newton steps instead of two.
 _THREE_STEPS_Q = 24
 
 _LN2 = series.log(2, 0, 31)
-#: Coefficients of x^10 .. x^0 in Q30, cut; the library's x^9 is larger by 5.
+#: Coefficients of x^10 .. x^0 in Q30, truncated; the library's x^9 is larger by 5.
 _EXP = tuple(2**30 // math.factorial(k) + (5 if k == 9 else 0) for k in range(10, -1, -1))
 _EXP_ENTRIES = 22
 #: No lower limit of the argument from this format on: e^-16 is above 1 LSB.
 _EXP_ANY_Q = 27
-#: Coefficients of x^14 .. x^0 of ln(1 + x) in Q30, cut toward zero; the library's x^14 is smaller by 1.
+#: Coefficients of x^14 .. x^0 of ln(1 + x) in Q30, truncated toward zero; the library's x^14 is smaller by 1.
 _LN = (*((-1 if k % 2 == 0 else 1) * (2**30 // k) - (1 if k == 14 else 0) for k in range(14, 0, -1)), 0)
 _TWO_THIRDS = 2**32 // 3
 
@@ -68,7 +68,7 @@ def inverse_root(x: int, q: int) -> int:
 
 
 def ratio_q31(numerator: int, denominator: int) -> int:
-    """Ratio of two sizes, the first at most the second, in Q31; may come out as 2^31."""
+    """Ratio of two magnitudes, the first at most the second, in Q31; the result may be 2^31."""
     shift = max(31 - denominator.bit_length(), 0)
     divisor, scaled = denominator << shift, numerator << (shift + 1)
     if scaled > MASK:
@@ -83,9 +83,9 @@ def even_shift(x: int, bits: int) -> int:
 
 
 def rounded_shift(x: int, count: int) -> int:
-    """x >> count of 32 bits, as the library's roots do it: in steps of 16, 8 and 1, and the last step of 1 rounds up.
+    """x >> count of 32 bits, as in the library's roots: in steps of 16, 8 and 1, where the last step of 1 rounds up.
 
-    A count of 8, 16 or 24 is therefore cut.
+    A count of 8, 16 or 24 therefore truncates.
     """
     if count >= 32:
         return 0
@@ -108,7 +108,7 @@ def root(a: int, q: int) -> int:
 
 @lru_cache
 def _exp_table(q: int) -> tuple[int, int, tuple[int, ...]]:
-    """Smallest argument, index of e^0, and the powers of e in Q ``q`` + 1, cut, 0 beyond 32 bits."""
+    """Smallest argument, index of e^0, and the powers of e in Q ``q`` + 1, truncated, 0 beyond 32 bits."""
     zero = series.floored(lambda bits: q * series.ln_bits(2, 0, 0, bits))
 
     def power(n: int) -> int:
@@ -121,7 +121,7 @@ def _exp_table(q: int) -> tuple[int, int, tuple[int, ...]]:
 
 @lru_cache
 def ln_out_of_range(q: int) -> int:
-    """Largest argument that the library answers with INT32_MIN, 0 for none: one above the last one out of range."""
+    """Largest argument for which the library returns INT32_MIN, 0 for none: one above the last one out of range."""
     return series.floored(lambda bits: series.exp_bits(-(1 << (31 - q)), 0, q, bits)) + 1 if q > 26 else 0
 
 
@@ -160,7 +160,7 @@ def logarithm(a: int, q: int) -> int:
 
 
 def _sine_near(x: int) -> int:
-    """Sine of x in Q31, at most pi/4: table at 1/64, second order between."""
+    """Sine of x in Q31, at most pi/4: table in steps of 1/64, second-order interpolation."""
     k, rest = x >> 25 & 0x3F, x & 0x1FFFFFF
     sine, cosine = _SIN[k], _COS[k]
     bend = low32(-(sine + signed(cosine, signed(_THIRD, rest)))) >> 1
@@ -176,7 +176,7 @@ def _cosine_near(x: int) -> int:
 
 
 def _half_turn(x: int, q: int, cosine: bool, negative: bool) -> int:
-    """Sine or cosine in Q ``q`` of an angle x in Q30, 0 to pi, with the sign that the reduction to it has left."""
+    """Sine or cosine in Q ``q`` of an angle x in Q30, 0 to pi, with the sign from the range reduction."""
     if x >= _PI_Q29:
         x = _PI_Q30 - x
         negative ^= cosine
@@ -188,7 +188,7 @@ def _half_turn(x: int, q: int, cosine: bool, negative: bool) -> int:
 
 
 def sine_of_radians(a: int, q: int, cosine: bool) -> int:
-    """Sine or cosine of an angle in rad, brought to 0..pi by doubling modulo pi."""
+    """Sine or cosine of an angle in rad, reduced to 0..pi by doubling modulo pi."""
     check_trig_format(q)
     x = abs(a)
     for _ in range(29 - q):

@@ -1,9 +1,10 @@
 """Exponential, logarithm, sine, cosine and their inverses in whole numbers, correctly rounded.
 
 No floating-point library takes part, so results are the same on every machine. An argument is ``a`` / 2^``q``; a result
-is the function's value times 2^``scale`` as an integer, rounded to nearest or down. A value is computed with spare bits
-and again with twice as many while its error bound leaves the rounding open (Ziv's method). That ends: apart from the
-values treated apart, none of these functions takes a dyadic number at a dyadic argument (Lindemann, Niven).
+is the function's value times 2^``scale`` as an integer, rounded to nearest or down. A value is computed with guard
+bits, and again with twice as many as long as its error bound leaves the rounding open (Ziv's method). This terminates:
+except for the values handled separately, none of these functions has a dyadic value at a dyadic argument (Lindemann,
+Niven).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from math import isqrt
 
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 
-#: Bound on the error of an approximation, in units of its last bit; the sums below stay under a thousandth of it.
+#: Error bound of an approximation, in units of its last bit; the sums below stay under a thousandth of it.
 _ERROR = 1 << 20
 #: Fraction bits of the first attempt, beyond those of the result.
 _FIRST_BITS = 64
@@ -34,7 +35,7 @@ def _settled(approximate: Callable[[int], int], addend: Callable[[int], int]) ->
 
 
 def nearest(approximate: Callable[[int], int]) -> int:
-    """The integer next to the value of an approximation (see :func:`_settled`)."""
+    """The integer nearest to the value of an approximation (see :func:`_settled`)."""
     return _settled(approximate, lambda bits: 1 << (bits - 1))
 
 
@@ -44,7 +45,7 @@ def floored(approximate: Callable[[int], int]) -> int:
 
 
 def _atanh(z: int, bits: int) -> int:
-    """atanh of ``z`` / 2^bits, a size of at most 1/2."""
+    """atanh of ``z`` / 2^bits, magnitude at most 1/2."""
     square = (z * z) >> bits
     total, power, k = 0, z, 1
     while power not in (0, -1):
@@ -103,7 +104,7 @@ def ln_bits(a: int, q: int, scale: int, bits: int) -> int:
 
 
 def _sine_bits(angle: int, quadrant: int, bits: int) -> int:
-    """Sine of ``quadrant`` * pi/2 + ``angle`` / 2^bits, the angle at most pi/4 in size."""
+    """Sine of ``quadrant`` * pi/2 + ``angle`` / 2^bits, where the magnitude of the angle is at most pi/4."""
     square = angle * angle >> bits
     total = term = 1 << bits if quadrant & 1 else angle
     k = 1 if quadrant & 1 else 2
@@ -157,7 +158,7 @@ def turn_bits(y: int, x: int, scale: int, bits: int) -> int:
 
 
 def arcsine_bits(n: int, d: int, scale: int, bits: int, cosine: bool = False) -> int:
-    """asin, or acos, of n / d, a size of at most 1, in rad, times 2^(scale + bits)."""
+    """asin, or acos, of n / d, magnitude at most 1, in rad, times 2^(scale + bits)."""
     fine = bits + _HEADROOM_BITS
     sine, other = n << fine, isqrt((d * d - n * n) << 2 * fine)
     return angle_bits(other, sine, scale, bits) if cosine else angle_bits(sine, other, scale, bits)
@@ -180,7 +181,7 @@ def sine(a: int, q: int, scale: int, quadrants: int = 0) -> int:
 
 def sine_of_turns(a: int, q: int, scale: int, quadrants: int = 0) -> int:
     """Sine of ``a`` / 2^q turns plus ``quadrants`` quarter turns, times 2^scale, to nearest; scale at most 31."""
-    # Reduced exactly: a quarter turn is 2^(q - 2), also where that is no integer.
+    # Reduced exactly: a quarter turn is 2^(q - 2), even if that is not an integer.
     quadrant = ((a << 3) + (1 << q)) >> (q + 1)
     rest = (a << 2) - (quadrant << q)
 
@@ -192,7 +193,7 @@ def sine_of_turns(a: int, q: int, scale: int, quadrants: int = 0) -> int:
 
 
 def arcsine(a: int, q: int, scale: int, cosine: bool = False) -> int:
-    """asin, or acos, of ``a`` / 2^``q``, a size of at most 1, in rad, times 2^scale, to nearest; scale at most 48."""
+    """asin, or acos, of ``a`` / 2^``q``, magnitude at most 1, in rad, times 2^scale, to nearest; scale at most 48."""
     return nearest(lambda bits: arcsine_bits(a, 1 << q, scale, bits, cosine))
 
 
@@ -204,7 +205,7 @@ def angle(y: int, x: int, scale: int) -> int:
 def turn(y: int, x: int, scale: int) -> int:
     """Angle of the point (x, y) in turns, 0 to 1, times 2^scale, to nearest; scale at most 48. 0 for the origin."""
     if x == 0 or y == 0 or abs(x) == abs(y):
-        # Whole eighths, the only dyadic numbers among the results: a tie in Q1 and Q2 would never be settled.
+        # Multiples of an eighth are the only dyadic results: a tie in Q1 and Q2 would never be decided.
         eighths = nearest(lambda bits: turn_bits(y, x, 3, bits)) % 8
         return ((eighths << scale) + 4) >> 3
     return nearest(lambda bits: turn_bits(y, x, scale, bits)) + (1 << scale if y < 0 else 0)

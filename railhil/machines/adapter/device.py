@@ -1,4 +1,4 @@
-"""The adapter's firmware: commands from the host in, answers and frames out. No input or output of its own."""
+"""The adapter's firmware: commands from the host in, answers and frames out. It performs no input or output itself."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ BUS_ERROR = 0x80
 
 @dataclass(frozen=True, slots=True)
 class Build:
-    """What was bought: queue sizes in frames and bytes, and the bit rate of the bus that it is wired to (bit/s).
+    """The adapter's hardware: queue sizes in frames and bytes, and the bit rate of the connected bus (bit/s).
 
-    ``bus_bit_rate`` None: every bit rate that the host sets is the right one. ``answers`` False: it only ever says its
-    version and what it receives, as the firmware of the first CANable.
+    ``bus_bit_rate`` None: every bit rate set by the host is correct. ``answers`` False: it sends only its version and
+    received frames, like the firmware of the first CANable.
     """
 
     transmit_queue_frames: int = 16
@@ -40,21 +40,21 @@ class Build:
 
 
 class Device:
-    """One adapter with power.
+    """One powered adapter.
 
     :param build: sizes.
-    :ivar to_host: bytes that wait for the host.
+    :ivar to_host: bytes waiting for the host.
     :ivar counters: ``transmitted`` and ``received`` frames; ``refused_lines`` answered with BELL, of these
         ``refused_frames`` (closed channel, listen only) and ``transmit_queue_full``; ``receive_overrun`` (the host did
-        not read), ``not_on_bus`` (frames that went by while the channel was closed, off the bus or at the wrong bit
-        rate), ``closed`` channels.
+        not read), ``not_on_bus`` (frames on the bus while the channel was closed, bus-off or at the wrong bit rate),
+        ``closed`` channels.
     """
 
     def __init__(self, build: Build) -> None:
         self.build = build
         self.to_host = bytearray()
         self.counters: Counter[str] = Counter()
-        #: Bit rate that the host has set, None before ``S`` or ``s``.
+        #: Bit rate set by the host, None before ``S`` or ``s``.
         self.bit_rate: int | None = None
         self.is_open = False
         self.is_listening_only = False
@@ -70,7 +70,7 @@ class Device:
     def host_wrote(self, data: bytes) -> bool:
         """Take bytes from the host; answers are appended to ``to_host``.
 
-        :returns: True when the host has closed the channel with them.
+        :returns: True if they closed the channel.
         """
         closings = self.counters["closed"]
         for octet in data:
@@ -151,7 +151,7 @@ class Device:
         self._queue.clear()
         self._flags = 0
         self.is_bus_off = False
-        # What the host has not read of the closed channel is of no use to it any more.
+        # Unread data of the closed channel are discarded.
         self.to_host.clear()
         return OK
 
@@ -172,7 +172,7 @@ class Device:
         return self.is_open and not self.is_bus_off and self._is_bit_rate_right()
 
     def bus_sent(self, frames: Iterable[Frame], time_ms: int) -> None:
-        """Take frames from the bus at ``time_ms`` of the adapter's clock; error frames have no line."""
+        """Take frames from the bus at ``time_ms`` of the adapter's clock; error frames have no slcan line."""
         for frame in frames:
             if not self._is_on_bus():
                 self.counters["not_on_bus"] += 1
@@ -185,7 +185,7 @@ class Device:
                 self.to_host += to_line(frame) + stamp + OK
 
     def transmit(self) -> list[Frame]:
-        """Frames that leave the transmit queue for the bus now, oldest first; the bus takes them in no time."""
+        """Frames that leave the transmit queue for the bus now, oldest first; transmission takes no time."""
         if not self._is_on_bus():
             return []
         frames = list(self._queue)
@@ -199,7 +199,8 @@ class Device:
         return len(self._queue)
 
     def go_bus_off(self) -> None:
-        """The CAN controller leaves the bus. What waits for transmission stays: the firmware does not touch it."""
+        """The CAN controller goes bus-off. Frames waiting for transmission stay queued: the firmware does not touch
+        them."""
         self.is_bus_off = True
 
     def restart(self) -> None:
@@ -208,7 +209,7 @@ class Device:
 
 
 _COMMANDS: dict[bytes, Callable[[Device, bytes], bytes]] = {
-    # python-can writes an empty line where there is no data bit rate, and users do to clear the line.
+    # python-can writes an empty line if there is no data bit rate, and users write one to clear the line.
     b"": lambda device, digits: OK,
     b"S": Device._set_bit_rate,
     b"s": Device._set_timing_registers,

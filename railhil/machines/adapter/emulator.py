@@ -1,4 +1,4 @@
-"""The adapter as a process: serial port on one side, a bus on the other, and hands that pull the plug."""
+"""The adapter as a process: a serial port on one side, a bus on the other, and commands that cause faults."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from railhil.bus.link import Link
 from railhil.machines.adapter.device import Build, Device
 from railhil.machines.adapter.terminal import SerialLine, Terminal
 
-#: The loop looks at signals and the bus at least this often.
+#: Maximum interval at which the loop checks signals and the bus.
 _LOOK_S = 0.2
-#: Packets taken from the bus before the host has its turn again.
+#: Packets taken from the bus before the host is served again.
 _PACKETS_PER_TURN = 64
 _COMMAND_BYTES = 4096
 
 
 class CommandError(ValueError):
-    """A command that there is not; the text says what was found and what is allowed."""
+    """An unknown command; the text says what was found and what is allowed."""
 
 
 class Emulator:
@@ -45,9 +45,9 @@ class Emulator:
     Each command is answered by one line: its state and counters as JSON.
 
     :param link: the bus.
-    :param serial_rate_baud: pace of the serial line in both directions; 0: none.
-    :param commands_fd: descriptor with one command a line; its end is not the adapter's end.
-    :param say: takes each answer.
+    :param serial_rate_baud: baud rate of the serial line in both directions; 0: unlimited.
+    :param commands_fd: descriptor with one command per line; its end of file does not end the adapter.
+    :param say: called with each answer.
     """
 
     def __init__(
@@ -68,11 +68,11 @@ class Emulator:
         self._command = b""
         self._say = say
         self._device = Device(build)
-        #: Of the devices before the last unplugging.
+        #: Counters of the devices before the last unplugging.
         self._counters: Counter[str] = Counter()
         self._is_stalled = False
         self._garble_bytes = 0
-        #: What is undone by itself, and when (monotonic ns).
+        #: Commands that are undone automatically, and when (monotonic ns).
         self._later: dict[str, int] = {}
         self._is_over = False
 
@@ -91,13 +91,13 @@ class Emulator:
     # -- bytes and frames -------------------------------------------------------------------------------------------
 
     def _turn(self) -> None:
-        """Wait until there is something to do, and do all of it once."""
+        """Wait until there is something to do, and process it once."""
         now_ns = time.monotonic_ns()
         plugged = self._terminal.is_plugged_in
         read = plugged and not self._is_stalled
         write = plugged and bool(self._device.to_host)
         wait_s = [_LOOK_S, *(max(0, due_ns - now_ns) / 1e9 for due_ns in self._later.values())]
-        # Asked anew each time: the link may have opened its interface again.
+        # Queried each time: the link may have reopened its interface.
         bus_fd = self._link.bus.fileno()
         readers: list[int] = [bus_fd]
         writers: list[int] = []
@@ -112,7 +112,7 @@ class Emulator:
         self._undo(time.monotonic_ns())
         if bus_fd in readable:
             self._take_from_bus()
-        # The port may have been pulled out since.
+        # The port may have been unplugged meanwhile.
         if self._terminal.is_plugged_in and self._terminal.fileno() in readable:
             self._take_from_host()
         if self._terminal.is_plugged_in and self._terminal.fileno() in writable:
@@ -171,9 +171,9 @@ class Emulator:
                 self._say(f"adapter: {error}")
 
     def obey(self, words: list[str]) -> None:
-        """Carry out one command.
+        """Execute one command.
 
-        :raises CommandError: there is no such command, or not with these words.
+        :raises CommandError: there is no such command, or not with these arguments.
         """
         name, arguments = words[0], words[1:]
         action, undo = self._actions().get(name, (None, ""))
@@ -192,7 +192,7 @@ class Emulator:
             self._later[undo] = time.monotonic_ns() + int(numbers[0] * 1e9)
 
     def _actions(self) -> dict[str, tuple[Callable[..., object], str]]:
-        """Each command: what it does, and the command that undoes it."""
+        """Each command: its action, and the command that undoes it."""
         return {
             "unplug": (lambda *_: self._unplug(), "replug"),
             "replug": (self._replug, ""),

@@ -1,7 +1,7 @@
 """The command line of the emulated serial CAN adapter.
 
-The serial port (a pseudo-terminal) appears under PATH; the bus behind it is any python-can interface. Commands come
-on standard input, one a line (:class:`railhil.machines.adapter.emulator.Emulator` lists them)::
+The serial port (a pseudo-terminal) appears under PATH; the bus behind it is any python-can interface. Commands are read
+from standard input, one per line (:class:`railhil.machines.adapter.emulator.Emulator` lists them)::
 
     railhil bus hub -c hub.sock &
     python -m railhil.machines.adapter --link ttyEMU -i railhil -c hub.sock
