@@ -47,4 +47,4 @@ class AnyController(Protocol):
 
     @property
     def controller(self) -> Any:
-        """The object that computes, with ``counters``, ``cost`` and ``telemetry`` of its arithmetic; ``kept()``: its memory."""
+        """The object that computes, with ``counters``, ``cost`` and ``telemetry``; ``kept()``: the law's memory."""

@@ -61,7 +61,7 @@ class BatchOutput:
 def _watched(
     scenario: Scenario, law: LawSpec, arithmetic: Arithmetic[Any], may_wrap: bool = False
 ) -> tuple[ControlLoop[Any], LawProgram, Telemetry, Cost]:
-    """A control loop whose arithmetic notes its quantities, its recorded program, its telemetry and the cost of a step."""
+    """A control loop whose arithmetic notes its quantities, its program, its telemetry and the cost of a step."""
     loop: ControlLoop[Any] = ControlLoop(scenario, law, arithmetic)
     program = record(scenario, law, wide=arithmetic.wide)
     if not arithmetic.wide and not may_wrap:

@@ -133,8 +133,9 @@ class Law(ABC, Generic[T, State]):
     def memory_key(cls, scenario: Scenario) -> str:
         """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
 
-        A law with a key is constructed with one more argument, ``memory``: what :meth:`memory` returned at the end of its
-        last run, None before the first. Its program is recorded with that memory too, so that its formats are checked.
+        A law with a key is constructed with one more argument, ``memory``: what :meth:`memory` returned at the end of
+        its last run, None before the first. Its program is recorded with that memory too, so that its formats are
+        checked.
         """
         return ""
 
