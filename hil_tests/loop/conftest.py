@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hil_tests.support.health import bench_runs, healthy  # noqa: F401 - fixtures
+from hil_tests.support.health import healthy, noted_runs, pytest_runtest_setup  # noqa: F401 - fixtures, hook
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.load import load

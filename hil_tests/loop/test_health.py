@@ -36,4 +36,4 @@ def test_what_is_disturbed(
 
 def test_folders_of_a_test_are_looked_into(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     assert request.node.funcargs["tmp_path"] == tmp_path
-    assert {"healthy", "bench_runs"} <= set(request.fixturenames)
+    assert {"healthy", "noted_runs"} <= set(request.fixturenames)

@@ -215,6 +215,7 @@ def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> 
     assert "nothing kept, the run is INVALID" in done.out
 
 
+@pytest.mark.faults
 def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: Path) -> None:
     path, folder = tmp_path / "memory.json", tmp_path / "killed"
     write_memory(no_memory("learning", path), path)

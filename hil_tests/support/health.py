@@ -35,32 +35,41 @@ def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
     return found
 
 
+#: Runs in this process since the last test of such a folder began, by whatever fixture.
+_RUNS: list[BenchRun] = []
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup() -> None:
+    """Runs of tests in other folders are not those of this test."""
+    _RUNS.clear()
+
+
 @pytest.fixture(scope="session", autouse=True)
-def bench_runs() -> Iterator[list[BenchRun]]:
-    """Every run in this process, by whatever fixture."""
-    runs: list[BenchRun] = []
+def noted_runs() -> Iterator[None]:
+    """Every run in this process is noted when it is made."""
     make = BenchRun.__init__
 
     def noted(run: BenchRun, *given: object, **named: object) -> None:
         make(run, *given, **named)  # type: ignore[arg-type]
-        runs.append(run)
+        _RUNS.append(run)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(BenchRun, "__init__", noted)
-        yield runs
+        yield
 
 
 @pytest.fixture(autouse=True)
 def healthy(
-    bench_runs: list[BenchRun], request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+    noted_runs: None, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[None]:
-    """After every test: none of its runs has lost, refused or reordered anything, but for a test of such faults.
+    """After every test: none of its runs has lost, refused or reordered anything, except in a test of such faults.
 
-    Its runs are those in this process and those whose folders stand in a folder that the test was given.
+    Its runs are those in this process and those whose folders are below a folder that the test was given.
     """
     yield
-    found = [run.refused for run in bench_runs]
-    bench_runs.clear()
+    found = [run.refused for run in _RUNS]
+    _RUNS.clear()
     if request.node.get_closest_marker("faults") is not None:
         return
     assert not any(found), found

@@ -45,9 +45,12 @@ def interface_status(interface: Any) -> Status | None:
     return Status(telegram.PORT, "" if flags is None else flags.name, tuple(notes))
 
 
-def wrap_failure(trace: Trace, status: Status) -> str:
-    """The failure of a controller that says its arithmetic has wrapped: what it commands after that means nothing."""
-    if not status.flags:
+def wrap_failure(trace: Trace, status: Status | None) -> str:
+    """The failure if the controller reports a wrap of its arithmetic, after which its commands mean nothing; else empty.
+
+    :param status: where it reports; None: nowhere.
+    """
+    if status is None or not status.flags:
         return ""
     wrapped = np.flatnonzero(trace.raw(status.port, status.flags) & ControllerFlag.WRAP)
     return f"{WRAP_FAILURE}, reported at {trace.times_s(status.port)[wrapped[0]]:.2f} s" if len(wrapped) else ""
