@@ -1,4 +1,4 @@
-"""What tests of the whole loop share, and the health of the bus after every one of them."""
+"""Fixtures for tests of the whole loop, and a check of the bus after each of them."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def train(monkeypatch: pytest.MonkeyPatch) -> list[tuple[CommandWatchLevel, floa
 
 @pytest.fixture(scope="session", autouse=True)
 def _runs() -> Iterator[list[BenchRun]]:
-    """Every run in this process, by whatever fixture."""
+    """Every run in this process, from any fixture."""
     runs: list[BenchRun] = []
     make = BenchRun.__init__
 
@@ -50,7 +50,7 @@ def _runs() -> Iterator[list[BenchRun]]:
 
 @pytest.fixture(autouse=True)
 def healthy(_runs: list[BenchRun], request: pytest.FixtureRequest) -> Iterator[None]:
-    """After every test: none of its runs has lost, refused or reordered anything, but for a test of such faults."""
+    """After every test except those of such faults: none of its runs has lost, refused or reordered anything."""
     yield
     found = [run.refused for run in _runs]
     _runs.clear()

@@ -1,4 +1,4 @@
-"""The toy system of ``hil_tests/data/toy_system``, installed as any distribution is, into a folder of its own."""
+"""The toy system of ``hil_tests/data/toy_system``, installed like any distribution, into a separate folder."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _BUILD = "import sys; from setuptools import build_meta; build_meta.build_wheel(
 
 
 def install_toy(folder: Path) -> Path:
-    """Build its wheel, offline, and unpack it as an installer does; returns the folder for PYTHONPATH."""
+    """Build its wheel offline and unpack it like an installer; returns the folder for PYTHONPATH."""
     copy, wheels, site = folder / "source", folder / "wheels", folder / "site"
     shutil.copytree(SOURCE, copy)
     wheels.mkdir()
