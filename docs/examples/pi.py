@@ -1,9 +1,9 @@
-"""Control law pi: proportional and integral, led by the slope of the set-point.
+"""Control law pi: proportional-integral, with feed-forward of the slope.
 
     notch = Kf (slope of the set-point) + Kp e + I,   I = I before + Ki Ts e inside the notch range
 
-While another notch than the law's is sent (a hold, a cut of the traction), I stands still: it would wind up on an error
-that the law has no hand in. Written by ``railhil new law``.
+While a notch other than the law's is sent (hold, traction cut), I is frozen: it would wind up on an error that the law
+cannot influence. Written by ``railhil new law``.
 """
 
 from __future__ import annotations
@@ -21,26 +21,26 @@ from railhil.scenarios.model import Scenario
 
 #: Gains, notch per km/h.
 GAIN_Q = 24
-#: Of the gains times speeds: as the notch before it is clipped.
+#: Format of gain times speed: that of the notch before clipping.
 _SPEED_TO_NOTCH = GAIN_Q + SPEED_Q - NOTCH_RAW_Q
-#: Control periods over which the slope of the set-point is taken.
+#: Control periods over which the slope of the set-point is computed.
 _AHEAD = 2
 
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """What a parameter file may set, and in which range; the defaults are chosen by hand."""
+    """Parameters that a file may set, with their ranges; the defaults are chosen by hand."""
 
     #: Notch per km/h, and per km/h and second.
     proportional: Annotated[float, Field(ge=0, le=20)] = 3.0
     integral_per_s: Annotated[float, Field(ge=0, le=5)] = 0.1
-    #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s on the train of lvshun_tieshan.
+    #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s for the train of lvshun_tieshan.
     lead_s: Annotated[float, Field(ge=0, le=10)] = 1.15
 
 
 @dataclass(frozen=True)
 class Constants:
-    """Everything the run needs as numbers, each with its format and its origin."""
+    """All numbers needed in the run, each with its format and its origin."""
 
     proportional: Constant = field(metadata=held(GAIN_Q, "Kp"))
     integral: Constant = field(metadata=held(GAIN_Q, "Ki times the control period"))
@@ -51,7 +51,7 @@ class Constants:
 
 
 class State(NamedTuple, Generic[T]):
-    """Memory of the law: the integral now and a control period before (notches, Q19), the notch sent (Q8)."""
+    """Memory of the law: the integral now and one control period earlier (notches, Q19), the notch sent (Q8)."""
 
     integral: T
     before: T
@@ -103,7 +103,7 @@ class Pi(Law[T, State[T]]):
         return State(self._zero, self._zero, self._zero)
 
     def with_sent(self, state: State[T], notch: T) -> State[T]:
-        """Another notch than the law's was sent: what this control period added to the integral is taken back."""
+        """A notch other than the law's was sent: undo this control period's change of the integral."""
         ar = self._ar
         overridden = ar.gt(ar.abs(ar.sub(notch, state.notch)), self._zero)
         return State(ar.where(overridden, state.before, state.integral), state.before, notch)
@@ -123,5 +123,5 @@ class Pi(Law[T, State[T]]):
         return State(integral, state.integral, notch), outputs
 
     def _limited(self, speed: T) -> T:
-        """What the formats hold; whether there are formats is known beforehand, so this is no branch on data."""
+        """Limited to the range of the format. Whether there are formats is known beforehand: no branch on data."""
         return speed if self._ar.wide else self._ar.sat(speed, self._speed_max, self._speed_min)

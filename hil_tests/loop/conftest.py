@@ -1,4 +1,4 @@
-"""What tests of the whole loop share, and the health of the bus after every one of them."""
+"""Fixtures for tests of the whole loop, and a check of the bus after each of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The exported controller in C, for tests: as the program of ``make node``, and as a library beside our node."""
+"""The exported controller in C, for tests: as the program of ``make node``, and as a library in parallel with the
+Python node."""
 
 from __future__ import annotations
 
@@ -23,7 +24,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
-#: The controller around the law; the program has its sockets and its loop besides.
+#: The controller around the law; the program additionally has sockets and a loop.
 PORTABLE = ("railhil_clock.c", "railhil_position.c", "railhil_guard.c", "railhil_law.c", "railhil_control.c")
 PROGRAM = (*PORTABLE, "railhil_socket.c", "railhil_node.c")
 #: The same around a law of a system with an interface.
@@ -32,7 +33,7 @@ PROGRAM_INTERFACE = (*PORTABLE_INTERFACE, "railhil_socket.c", "railhil_node.c")
 #: Undefined behaviour and memory errors end the program.
 SANITIZED = ("-std=c99", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined",
              "-fno-sanitize-recover=all")  # fmt: skip
-#: What the library has besides: one controller in it, at known places.
+#: Additional code of the library: one controller, with access functions.
 _SHIM = """\
 #include "railhil_control.h"
 static railhil_control_t control;
@@ -47,13 +48,13 @@ _LEVEL = "int level(void) { return control.law.guard.watch.level; }\n"
 
 
 def export_node(scenario: Scenario, folder: Path, indexing: str = "time", law: str = "ipfc") -> None:
-    """An export without its reference log, which takes nine tenths of the time and is not played here."""
+    """An export without its reference log, which takes nine tenths of the time and is not used here."""
     with patch("railhil.controller_node.export.bundle.reference_log", return_value="# not computed\n"):
         write_bundle(make_bundle(scenario, LawSpec(law, indexing=indexing)), folder)
 
 
 def build(folder: Path, sources: Sequence[str], name: str, flags: Sequence[str], compiler: str = "gcc") -> Path:
-    """Compile files of an export; a warning is an error."""
+    """Compile files of an export; warnings are errors."""
     command = [compiler, *flags, "-o", name, *sources]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, f"{' '.join(command)}\n{done.stderr}"
@@ -72,7 +73,7 @@ class CFrame(ctypes.Structure):
 
 
 class CNode:
-    """The C controller in this process: takes frames as :meth:`ControllerNode.handle` does.
+    """The C controller in this process: takes frames like :meth:`ControllerNode.handle`.
 
     :param folder: of the export; the library is compiled there once.
     :param portable: files of the controller around the law.
@@ -111,13 +112,13 @@ class CNode:
 
     @property
     def counters(self) -> dict[str, int]:
-        """What was refused, by the names of the Python node."""
+        """Counters of refused telegrams, by the names of the Python node."""
         names = [self._c.railhil_count_name(index).decode() for index in range(self._c.counters())]
         return {name: count for index, name in enumerate(names) if index >= 2 and (count := self._c.counted(index))}
 
 
 def without_telemetry(answer: list[Frame]) -> list[Frame]:
-    """An answer as C can give it: of CTL_STAT, the second block without the rows of telemetry and their check."""
+    """An answer in the form that C can give: in CTL_STAT, the second block without telemetry and its check sequence."""
     first, second, _, *_ = CtlStat.port().can_ids
     if not answer or answer[0].can_id != first:
         return answer
@@ -128,7 +129,7 @@ def without_telemetry(answer: list[Frame]) -> list[Frame]:
 
 @dataclass(slots=True)
 class TwinRun:
-    """A run of both controllers on the same frames: answers that were equal, counters of each, levels passed."""
+    """A run of both controllers on the same frames: number of equal answers, counters of each, levels passed."""
 
     answers: int
     python: dict[str, int]
@@ -148,9 +149,9 @@ def twin_run(
     indexing: str = "time",
     wire: Callable[[Frame], list[Frame]] | None = None,
 ) -> TwinRun:
-    """A run in this process in which the C sees every frame that our node sees, and must give the same answers.
+    """A run in this process in which the C gets every frame that the Python node gets, and must give the same answers.
 
-    :param wire: what the bus does to a frame on its way to both.
+    :param wire: applied to each frame on its way to both (faults).
     :raises AssertionError: at the first answer that differs.
     """
     spec = RunSpec(law=LawSpec(law, indexing=indexing), seed=seed, perturbed=drawn)
@@ -165,7 +166,7 @@ def twin_run(
         for item in [frame] if wire is None else wire(frame):
             expected, found = node.handle(item), c.handle(item)
             assert without_telemetry(found) == without_telemetry(expected), f"{item} at {run.answers} answers"
-            # Before the handshake the C may still stand where another run has left it.
+            # Before the handshake the C may still have the state of an earlier run.
             met = met or [each.can_id for each in expected] == [*CtlIdent.port().can_ids]
             if met:
                 assert c.level == node.guard.level, f"{item} at {run.answers} answers"
@@ -190,7 +191,7 @@ class ForeignRun:
 
 
 def foreign_run(program: Path, channel: Path, out: Path, *arguments: str) -> ForeignRun:
-    """``railhil run --no-controller`` beside the program on a hub of their own.
+    """``railhil run --no-controller`` with the program on a private hub.
 
     :param channel: path for the hub's socket.
     """
@@ -212,6 +213,6 @@ def foreign_run(program: Path, channel: Path, out: Path, *arguments: str) -> For
 
 
 def without_status(log: Path) -> list[str]:
-    """Lines of a frame log but those of CTL_STAT."""
+    """Lines of a frame log except those of CTL_STAT."""
     own = {f"{can_id:X}" for can_id in CtlStat.port().can_ids}
     return [line for line in log.read_text().splitlines() if line.split()[2].partition("#")[0] not in own]

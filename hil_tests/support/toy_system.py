@@ -1,4 +1,4 @@
-"""Distributions of laws and systems, the toy system among them, installed as any is, into a folder of their own."""
+"""Distributions of laws and systems, among them the toy system, each installed into a separate folder."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def install_toy(folder: Path) -> Path:
 
 
 def install(source: Path, folder: Path) -> Path:
-    """Build a distribution's wheel, offline, and unpack it as an installer does; returns the folder for PYTHONPATH."""
+    """Build a distribution's wheel offline and unpack it like an installer; returns the folder for PYTHONPATH."""
     copy, wheels, site = folder / "source", folder / "wheels", folder / "site"
     shutil.copytree(source, copy)
     wheels.mkdir()

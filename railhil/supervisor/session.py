@@ -1,6 +1,6 @@
 """The supervisor on the bus: records every frame, answers its polls, notices the end of the run.
 
-The answer to the SUP_CMD poll is the flow control: it leaves only after everything before has been taken. Frames
+The answer to the SUP_CMD poll is the flow control: it is sent only after all earlier frames have been received. Frames
 that only need recording are not decoded here; the score reads them back from the log.
 """
 
@@ -26,7 +26,7 @@ from railhil.supervisor.framelog import log_line
 class Session:
     """Records one run.
 
-    :param write: takes each line of the log.
+    :param write: called with each line of the log.
     :param on_progress: called at each SUP_CMD poll with the simulation time in s.
     """
 
@@ -41,16 +41,16 @@ class Session:
     ) -> None:
         contract = system_named(scenario.system).contract
         self.ended: Event | None = None
-        #: In what the nodes disagree, one sentence each; the run is then not started.
+        #: Disagreements between the nodes, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
-        #: Number and monotonic wall time of each new tick: the jitter side file.
+        #: Number and monotonic wall time of each new tick, for the file of arrivals.
         self.wall_ticks: array[int] = array("q")
         self.wall_ns: array[int] = array("q")
         self.first_frame_ns = 0
         self.last_poll_ns = 0
         self.frames = 0
         self.recording = False
-        #: Wall time for which the recorder's interface was out during the record.
+        #: Wall time for which the recorder's interface was down during recording.
         self.unheard_ns = 0
         #: The end that the plant has told; the run has :attr:`ended` with the plant's last poll.
         self.ending: Event | None = None
@@ -79,7 +79,7 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # Everything else is recorded unseen, and that is most of it.
+        # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
 
@@ -99,7 +99,7 @@ class Session:
         return self._clock.rate
 
     def was_out(self, wall_ns: int) -> None:
-        """The interface was out for ``wall_ns``: time went on, and the record has a hole."""
+        """The interface was down for ``wall_ns``: time continued, and the record has a gap."""
         if self.recording:
             self.unheard_ns += wall_ns
         self._clock.silence(wall_ns)
@@ -133,14 +133,14 @@ class Session:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
         if not self.recording and not scan:
-            # A run that began without this supervisor is somebody else's.
+            # A run that began without this supervisor belongs to another one.
             return []
         answers = self._responder.handle(frame)
         if answers:
-            # The plant's last poll comes after its last event: only then is everything here.
+            # The plant's last poll comes after its last event: only then is the record complete.
             self.ended = self.ending
         if self.recording and not scan:
-            # The device status scan goes on until all nodes are there: bus management, not part of the record.
+            # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
                 self.frames += 1
                 self._write(log_line(self._clock.now_ns, item))
@@ -152,7 +152,7 @@ class Session:
             self.ending = Event(code)
 
     def _take_ident(self, reading: Reading[Ident]) -> None:
-        """Take a handshake telegram, unless it says another role than that of its port's source."""
+        """Take a handshake telegram, unless its role differs from that of its port's source."""
         ident = reading.telegram
         if not ident.is_own:
             self._responder.store.counters["wrong_role"] += 1
@@ -162,7 +162,7 @@ class Session:
             self._compare()
 
     def _compare(self) -> None:
-        """Compare what the nodes say; plant and controller alone do not know which controller was asked for."""
+        """Compare the nodes' handshakes; plant and controller do not know which controller was requested."""
         plant, controller = self._heard.get(PltIdent.PORT), self._heard.get(CtlIdent.PORT)
         if plant is not None and controller is not None:
             own = self._ident

@@ -46,7 +46,7 @@ def interface_status(interface: Any) -> Status | None:
 
 
 def wrap_failure(trace: Trace, status: Status | None) -> str:
-    """The failure if the controller reports a wrap of its arithmetic, after which its commands mean nothing; else empty.
+    """The failure if the controller reports a wrap, after which its commands mean nothing; empty without one.
 
     :param status: where it reports; None: nowhere.
     """

@@ -1,4 +1,4 @@
-"""The C functions of the exported controller by themselves: MVB framing against ours, fuzzing, sending."""
+"""The C functions of the exported controller in isolation: MVB framing against Python's, fuzzing, sending."""
 
 from __future__ import annotations
 
