@@ -1,1 +1,2 @@
-"""Performance figures of the bench: ``python -m benchmarks`` prints them with the machine they were taken on."""
+"""Performance figures of the bench: ``python -m benchmarks`` prints them with the machine on which they were
+measured."""

@@ -1,4 +1,4 @@
-"""``python -m benchmarks``: measure, and print the figures beside the machine they hold for."""
+"""``python -m benchmarks``: measure, and print the figures with a description of the machine."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
 from railhil.common.extras import missing
 
-#: In the order in which they are measured. Each module has TITLE, METHOD and ``measure(setting)``.
+#: Benchmarks in the order of measurement. Each module has TITLE, METHOD and ``measure(setting)``.
 NAMES = (
     "lockstep",
     "transports",
@@ -35,7 +35,7 @@ NAMES = (
     "memory",
     "predictive_peer",
 )
-#: Width of the tables where there is no terminal to fit into.
+#: Width of the tables when the output is not a terminal.
 _FILE_COLUMNS = 150
 
 
@@ -107,7 +107,7 @@ def _print(console: Console, result: dict[str, Any]) -> None:
 
 
 def work() -> int:
-    """Measure what the command line asks for."""
+    """Run the benchmarks selected on the command line."""
     namespace = _parser().parse_args()
     names = namespace.only or list(NAMES)
     for name in names:
@@ -115,7 +115,7 @@ def work() -> int:
             raise InputError("command line", "--only", name, ", ".join(NAMES))
     machine = _module("machine").this_machine()
     stream = sys.stderr if namespace.json else sys.stdout
-    # A file is as wide as the table wants, unless the environment says otherwise.
+    # In a file the table has its full width, unless the environment sets another.
     wide = None if stream.isatty() or "COLUMNS" in os.environ else _FILE_COLUMNS
     console = Console(file=stream, width=wide)
     for key, text in machine.lines():

@@ -1,6 +1,6 @@
-"""What each element of IPFC+ is worth: ``python -m benchmarks.ablation`` switches them off one by one.
+"""Contribution of each element of IPFC+: ``python -m benchmarks.ablation`` switches them off one by one.
 
-The same perturbed runs for every row, so that a difference is the element's.
+Every row uses the same perturbed runs, so a difference is due to the element.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec
 
 LAW = "ipfc_plus"
-#: What is switched off, or put in the place of something, and the parameters that do it.
+#: What is switched off or replaced, and the parameters that do it.
 ELEMENTS: dict[str, Mapping[str, Any]] = {
     "IPFC+": {},
     "no balises": {"wheel_error_max": 0.0, "balise_error_max_m": 0.0},

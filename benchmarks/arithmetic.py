@@ -40,18 +40,19 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """One operation: what it gives exactly before the overflow, and what the peers call its parts."""
+    """One operation: its exact result before overflow handling, and the names of its settings in the other
+    libraries."""
 
     name: str
     exact: Callable[[int, int], int]
     saturates: bool
-    #: The Python operator behind it.
+    #: The corresponding Python operator.
     operator: Callable[[Any, Any], Any]
     quantization: Any
     fxp_rounding: str
 
     def wanted(self, a: int, b: int) -> int:
-        """Result in whole numbers."""
+        """Result in integers."""
         exact = self.exact(a, b)
         if self.saturates:
             return min(max(exact, -(2**31)), 2**31 - 1)
@@ -59,7 +60,7 @@ class Operation:
 
     @property
     def more(self) -> tuple[int, ...]:
-        """Arguments of our method after the operands."""
+        """Arguments of railhil's method after the operands."""
         return () if self.name == "add" else (_Q,)
 
     @property
@@ -68,7 +69,7 @@ class Operation:
         return (_INT_BITS, _Q, self.quantization, OverflowMode.SAT if self.saturates else OverflowMode.WRAP)
 
     def fxp(self, raw: Any) -> Fxp:
-        """An operand of fxpmath, which has its modes with it."""
+        """An operand of fxpmath, which includes its modes."""
         overflow = "saturate" if self.saturates else "wrap"
         return Fxp(raw, True, _BITS, _Q, raw=True, rounding=self.fxp_rounding, overflow=overflow, op_sizing="same")
 
@@ -100,7 +101,7 @@ def _apy_raw(numbers: Any) -> Ints:
 
 
 def _right_figures(operation: Operation) -> list[Figure]:
-    """How often the peers give the right result; ours must always."""
+    """Share of right results of the other libraries; railhil's must always be right."""
     a, b = _operands(_CHECKED, 2**31 - 1, _SEED)
     pairs = list(zip(a.tolist(), b.tolist(), strict=True))
     wanted = np.array([operation.wanted(x, y) for x, y in pairs])
@@ -118,7 +119,7 @@ def _right_figures(operation: Operation) -> list[Figure]:
 
 
 def _speed_figures(what: str, per_call: int, taken_ns: dict[str, float]) -> list[Figure]:
-    """Operations per second; the first entry is ours, the others are compared with it."""
+    """Operations per second; the first entry is railhil's, the others are compared with it."""
     ours, ours_ns = next(iter(taken_ns.items()))
     return [
         Figure(
@@ -165,7 +166,7 @@ def _scalar_figures(operation: Operation, setting: Setting) -> list[Figure]:
     if operation.name == "mpy":
         functions["plain int"] = floor
     taken_ns = dict(zip(functions, cpu_ns(setting, *functions.values(), calls=20, blocks=30), strict=True))
-    # Two calls of 200 take as long as a thousand of the others.
+    # Two calls with 200 operands take as long as a thousand of the others.
     (taken_ns["fxpmath"],) = cpu_ns(setting, fxpmath, calls=2, blocks=5)
     return _speed_figures(f"{operation.name}, scalar", _SCALAR_PAIRS, taken_ns)
 
@@ -189,7 +190,7 @@ def _array_figures(operation: Operation, count: int, setting: Setting) -> list[F
 def measure(setting: Setting) -> list[Figure]:
     """Speed of every operation scalar and on arrays, then the share of right results.
 
-    :raises MeasurementError: an operation of ours gives a wrong result, scalar or batch.
+    :raises MeasurementError: one of railhil's operations gives a wrong result, scalar or batch.
     """
     figures: list[Figure] = []
     for operation in OPERATIONS:

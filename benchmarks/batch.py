@@ -28,7 +28,7 @@ METHOD = (
 
 
 def _best_s(passes: range, work: Callable[[int], Any]) -> float:
-    """Least CPU time of a pass; each is given its number."""
+    """Minimum CPU time of a pass; each pass gets its number."""
     taken = []
     for number in passes:
         start_s = process_time()
@@ -40,7 +40,7 @@ def _best_s(passes: range, work: Callable[[int], Any]) -> float:
 def _parts_s(setting: Setting, runs: int) -> dict[str, float]:
     """CPU time per run of the parts in float64.
 
-    :raises MeasurementError: the plant does not end where it has ended.
+    :raises MeasurementError: the plant does not end where the original run ended.
     """
     engine = Engine(Case(setting.scenario))
     seeds, times = range(runs), engine.times
@@ -87,7 +87,7 @@ def _peak_mb(case: Case, runs: int) -> float:
 def measure(setting: Setting) -> list[Figure]:
     """Rates of three arithmetics, the parts of a run, memory.
 
-    :raises MeasurementError: a part is not the run that it is a part of.
+    :raises MeasurementError: a part does not reproduce its run.
     """
     scenario, runs = setting.scenario, setting.count(CHUNK, 4)
     passes = range(setting.count(3, 1))
@@ -99,7 +99,7 @@ def measure(setting: Setting) -> list[Figure]:
     per_run_s = {}
     for arithmetic in ("float64", "iq", "float32"):
         case = Case(scenario, LawSpec(arithmetic=arithmetic))
-        # Other seeds in every pass: the numbers of known ones are kept.
+        # Different seeds in every pass, because the noise of known seeds is cached.
         first = len(per_run_s) * 1_000_000
 
         def work(number: int, case: Case = case, first: int = first) -> None:

@@ -1,4 +1,4 @@
-"""The transports of the bench as benchmarks use them: what must be started, and where the ends attach."""
+"""The transports of the bench for benchmarks: what must be started, and where the ends attach."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ VCAN = "vcan0"
 class Ends:
     """Where the two ends of a pair attach.
 
-    ``near``, ``far``: kind and address as :mod:`benchmarks.peer` takes them. ``hub_pids``: processes between them.
+    ``near``, ``far``: kind and address for :mod:`benchmarks.peer`. ``hub_pids``: processes between them.
     """
 
     near: tuple[str, str]
@@ -47,11 +47,11 @@ def _flags(kind: str, address: str) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class Transport:
-    """One way from node to node.
+    """One transport between nodes.
 
-    :ivar short: name for folders; a socket path must stay short.
-    :ivar opened: starts what is between the ends in an empty folder (short path), and ends it.
-    :ivar runs: a run of the bench can go over it.
+    :ivar short: name for folders, short because of the length limit of socket paths.
+    :ivar opened: starts and ends the processes between the ends, in an empty folder (short path).
+    :ivar runs: whether a run of the bench can use it.
     """
 
     name: str
@@ -103,14 +103,14 @@ KERNEL = Transport("kernel vcan", "vcan", _vcan)
 
 
 def transports(*, emulated: bool | None = None, vcan: bool | None = None) -> tuple[list[Transport], list[Missing]]:
-    """The transports that are measured on a machine, and those that are not, with the reason.
+    """The transports to measure on a machine, and those left out, with the reason.
 
     :param emulated: whether its processor is emulated; None: that of this machine.
     :param vcan: whether its kernel has :data:`VCAN`; None: that of this machine.
     """
     found, missing = [SOCKET_PAIR, UNIX_HUB], []
     if is_emulated() if emulated is None else emulated:
-        # Starting their processes would take minutes there, and elsewhere they can be had as they are.
+        # Starting their processes would take minutes there, and they can be measured on other machines.
         missing += [Missing(way.name, "left out on an emulated machine") for way in (TCP_HUB, GATEWAY)]
     else:
         found += [TCP_HUB, GATEWAY]

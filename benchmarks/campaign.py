@@ -1,4 +1,4 @@
-"""Campaigns: how the engines scale, and what the frame around the runs costs."""
+"""Campaigns: scaling of the engines, and the overhead around the runs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | Non
     """
     runs = {task.chunk.name: task.chunk.runs for task in tasks}
     with running(engine, workers, scheduler, lambda sentence: None) as start:
-        # Each worker's first chunk pays for its start.
+        # Each worker's first chunk includes its start.
         for _ in start(tasks):
             pass
         start_s = time.perf_counter()
@@ -49,7 +49,7 @@ def _rate(tasks: Sequence[Task], engine: str, workers: int, scheduler: str | Non
 
 
 def _frame(plan: Plan, task: Task, folder: Path) -> list[Figure]:
-    """CPU time of a part around its runs, and of the end of a campaign, per run."""
+    """CPU time of a part excluding its runs, and of the end of a campaign, per run."""
     chunk = task.chunk
     case = Case(plan.scenario, chunk.entry.law)
     start_s = process_time()
@@ -90,7 +90,7 @@ def _peak_mb(setting: Setting, runs: int) -> float:
 
 
 def measure(setting: Setting) -> list[Figure]:
-    """Rates of the engines, cost of the frame, memory."""
+    """Rates of the engines, overhead, memory."""
     chunks = setting.count(8, 4)
     chunk = setting.count(500, 5)
     plan = make_plan(Request(scenario=setting.scenario_name, runs=chunks * chunk, chunk=chunk))

@@ -1,4 +1,4 @@
-"""Telegrams to frames and back, check sequence, and the line of the frame log, against the libraries of the field."""
+"""Telegrams to frames and back, check sequence, and the line of the frame log, compared with common libraries."""
 
 from __future__ import annotations
 

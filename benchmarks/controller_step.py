@@ -25,7 +25,7 @@ METHOD = (
     "times the cycles of TI's guides (program in RAM); an estimate, not measured on the chip."
 )
 _ARITHMETICS = ("iq", "iq-portable", "float32", "float64")
-#: What the chip has.
+#: The arithmetics that the chip supports.
 _ON_CHIP = ("iq", "float32")
 _TRAINS = 1000
 _SPREAD_01MMPS = 5000
@@ -71,7 +71,7 @@ def _batch_us(scenario: Scenario, arithmetic: str, recording: Recording) -> list
 def measure(setting: Setting) -> list[Figure]:
     """Figures of every arithmetic, then the cycles.
 
-    :raises MeasurementError: the steps measured do not give the notches of the recorded run, or not the same without
+    :raises MeasurementError: the measured steps do not give the notches of the recorded run, or give others without
         telemetry.
     """
     scenario = setting.scenario

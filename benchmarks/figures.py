@@ -1,4 +1,4 @@
-"""What a benchmark gives: figures with units, and the arithmetic on samples behind them."""
+"""Results of a benchmark: figures with units, and the statistics of their samples."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ overtime_max_s = 1
 
 
 class MeasurementError(Exception):
-    """A benchmark could not measure what it says; one line."""
+    """A benchmark could not make its measurement; one line."""
 
     exit_code = 3
 
@@ -39,7 +39,7 @@ class MeasurementError(Exception):
 class Figure:
     """One measured value.
 
-    ``ratio`` is a pure number and ``against`` says what to what; both are absent where nothing is compared.
+    ``ratio`` is a pure number and ``against`` names what is compared; both are absent if nothing is compared.
     ``spread``: further values of the same samples in the same unit, such as ``{"p99": 12.5}``.
     """
 
@@ -53,7 +53,7 @@ class Figure:
 
 @dataclass(frozen=True, slots=True)
 class Missing:
-    """A figure that this machine cannot give: it stands in the table with the reason, so that nobody misses it."""
+    """A figure that this machine cannot provide: it is shown in the table with the reason."""
 
     name: str
     why: str
@@ -103,7 +103,7 @@ def p99(samples: Sequence[float]) -> float:
 
 
 def spread_of(samples: Sequence[float], *percents: float) -> dict[str, float]:
-    """The least sample, percentiles under their usual names (``p99.9``), and the largest sample."""
+    """The smallest sample, percentiles under their usual names (``p99.9``), and the largest sample."""
     found = {f"p{percent:g}": float(np.percentile(samples, percent)) for percent in percents}
     return {"min": min(samples)} | found | {"max": max(samples)}
 
@@ -111,7 +111,8 @@ def spread_of(samples: Sequence[float], *percents: float) -> dict[str, float]:
 def cpu_ns(setting: Setting, *functions: Callable[[], object], calls: int = 500, blocks: int = 60) -> list[float]:
     """CPU time of a call of each function in ns, best of ``blocks`` blocks of ``calls`` calls.
 
-    The best, because what disturbs a block only ever adds to it; in turns, so that a busy spell meets all functions.
+    The best, because a disturbance can only increase the time; alternating, so that a busy period affects all
+    functions.
     """
     timers = [timeit.Timer(function, timer=process_time) for function in functions]
     number = setting.count(calls, min(calls, 20))

@@ -1,4 +1,4 @@
-"""How late a loop with absolute deadlines is: on every transport, idle and loaded, with and without SCHED_FIFO."""
+"""Lateness of a loop with absolute deadlines: on every transport, idle and loaded, with and without SCHED_FIFO."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ METHOD = (
     "nothing but count. FIFO: ends at SCHED_FIFO 50 and their hubs at 51, memory not locked; else normal scheduling."
 )
 _PERIOD_NS = 10_000_000
-#: Longest life of a load, should nobody end it.
+#: Maximum lifetime of a load process that is not ended.
 _LOAD_S = 300.0
 _NOT_PERMITTED = "not permitted here; root, or `ulimit -r 60`"
 

@@ -1,4 +1,4 @@
-"""A whole lockstep run: three processes over the hub, and the same run in one process without sockets."""
+"""A complete lockstep run: three processes over the hub, and the same run in one process without sockets."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class _Timed:
 
 
 def _in_one_process(scenario: Scenario, arithmetic: str, folder: Path) -> _Timed:
-    """The run without sockets; times of its first and last frame are those at which the controller is given them."""
+    """The run without sockets; times of its first and last frame are those at which the controller gets them."""
     folder.mkdir()
     first_ns = last_ns = 0
 
@@ -64,7 +64,7 @@ def measure(setting: Setting) -> list[Figure]:
             found["wall"].append(done.wall_s)
             found["factor"].append(run["speed_factor"])
             found["frames/s"].append(run["frames"] / run["wall_time_s"])
-            # In turns, so that a busy spell of the machine meets both.
+            # Alternating, so that a busy period of the machine affects both.
             alone = _in_one_process(scenario, arithmetic, out.with_suffix(".local"))
             found["alone"].append(alone.speed_factor)
             if alone.frames_sha256 != done.frames_sha256:

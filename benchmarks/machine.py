@@ -1,4 +1,4 @@
-"""The machine on which the figures are taken: without it they say nothing."""
+"""Description of the machine on which the figures are measured, without which they are meaningless."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from pathlib import Path
 import psutil
 
 _LIBRARIES = ("python-can", "cantools", "numpy", "scipy", "psutil", "fxpmath", "apytypes", "do-mpc")
-#: A machine counts as busy when others use more than this share of it.
+#: A machine counts as busy if other processes use more than this share of it.
 _BUSY_SHARE = 0.5
 _LOOK_S = 0.5
-#: In the CPU's name when QEMU translates instead of running on the host's CPU.
+#: Part of the CPU's name if QEMU emulates it instead of using the host's CPU.
 _EMULATOR = "QEMU TCG"
 
 
@@ -36,12 +36,12 @@ class Machine:
 
     @property
     def busy(self) -> bool:
-        """True when something else uses the machine, so that the figures are worse than it can do."""
+        """True if other processes use the machine, so that the figures are worse than it can achieve."""
         return self.load_1min > _BUSY_SHARE * self.cores or self.cpu_used > _BUSY_SHARE
 
     @property
     def emulated(self) -> bool:
-        """True in a machine whose instructions are translated by software, such as that of ``railhil vcan``."""
+        """True in a machine that is emulated by software, such as that of ``railhil vcan``."""
         return _EMULATOR in self.cpu
 
     @property
@@ -68,7 +68,7 @@ class Machine:
 
 
 def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
-    """Name of the CPU as the kernel knows it, else the architecture."""
+    """Name of the CPU according to the kernel, else the architecture."""
     if cpuinfo.is_file():
         for line in cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines():
             key, _, value = line.partition(":")
@@ -83,7 +83,7 @@ def is_emulated() -> bool:
 
 
 def this_machine() -> Machine:
-    """Look at the machine for half a second."""
+    """Description of this machine; observes its load for half a second."""
     return Machine(
         cpu=cpu_model(),
         cores=len(os.sched_getaffinity(0)),

@@ -33,7 +33,7 @@ def peak_mb(pid: int) -> float:
 
 
 def _role(process: psutil.Process) -> str | None:
-    """Role of a child of the command; None before it has become one of the nodes."""
+    """Role of a child of the command; None before it has executed one of the nodes."""
     try:
         words = process.cmdline()
     except psutil.Error:
@@ -44,7 +44,7 @@ def _role(process: psutil.Process) -> str | None:
 def measure(setting: Setting) -> list[Figure]:
     """One figure per process.
 
-    :raises MeasurementError: the run failed, or a process was never seen.
+    :raises MeasurementError: the run failed, or a process was never found.
     """
     peaks_mb = dict.fromkeys(("hub", "plant", "controller", "supervisor"), 0.0)
     with RunCommand(setting, "iq", setting.folder / "memory") as running:

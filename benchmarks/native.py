@@ -1,4 +1,4 @@
-"""The C loop, compiled where there is a compiler."""
+"""The C loop, compiled if there is a compiler."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ def compiler() -> str | None:
 
 
 def c_loop(folder: Path, source: Path = _SOURCE) -> Path | Missing:
-    """The loop, ``c/loop.c``, compiled into ``folder`` with -O2, or the word that there is no compiler.
+    """The loop, ``c/loop.c``, compiled into ``folder`` with -O2, or the reason that there is no compiler.
 
-    :raises MeasurementError: the compiler refuses it.
+    :raises MeasurementError: it does not compile.
     """
     found = compiler()
     if found is None:

@@ -19,20 +19,20 @@ from benchmarks.processes import end
 
 PYTHON = "Python"
 C = "C"
-#: Identifiers of the pairs' frames: two pairs may share a bus, each hears its own frames only.
+#: Identifiers of the pairs' frames: two pairs may share a bus, and each receives only its own frames.
 _FIRST_ID = {PYTHON: 0x110, C: 0x120}
 _READY_S = 60.0
-#: Longest that a command may take.
+#: Time limit of a command.
 ANSWER_S = 120.0
-#: The hub goes before its clients, as in a run.
+#: The hub has priority over its clients, as in a run.
 _HUB_PRIORITY, _END_PRIORITY = 51, 50
-#: CPU time without a wait after which the kernel ends a SCHED_FIFO process: it would starve the machine.
+#: CPU time without a wait after which the kernel ends a SCHED_FIFO process, which would otherwise block the machine.
 _RUNAWAY_S = 5
 _SPIN = "import sys, time\nend = time.monotonic() + float(sys.argv[1])\nwhile time.monotonic() < end: pass"
 
 
 def _start(program: Sequence[str], mode: str, where: tuple[str, str], first_id: int) -> subprocess.Popen[bytes]:
-    """An end; it inherits its own socket of a pair, and not that of the other end."""
+    """Start an end; it inherits its own socket of a pair, but not that of the other end."""
     kind, address = where
     return subprocess.Popen(
         [*program, mode, kind, address, hex(first_id)],
@@ -80,21 +80,21 @@ class Pair:
         return [self._near.pid, self._far.pid]
 
     def wait_until_ready(self) -> None:
-        """Wait until frames go round.
+        """Wait until frames are echoed.
 
-        :raises MeasurementError: they do not.
+        :raises MeasurementError: they are not.
         """
         if self._line(_READY_S) != "ready":
             raise MeasurementError(f"{self._name}: the near end is not ready")
 
     def tell(self, command: str) -> None:
-        """Send a command of :mod:`benchmarks.peer`; :meth:`answer` has its result."""
+        """Send a command of :mod:`benchmarks.peer`; :meth:`answer` returns its result."""
         assert self._near.stdin is not None
         self._near.stdin.write(f"{command}\n".encode())
         self._near.stdin.flush()
 
     def answer(self) -> list[int]:
-        """Nanoseconds of the command told before.
+        """Nanoseconds measured by the previous command.
 
         :raises MeasurementError: an end has failed, or does not answer in time.
         """
@@ -121,7 +121,7 @@ class Pair:
         return line.decode()
 
     def _last_words(self) -> str:
-        """Why the near end has ended, or else the far end."""
+        """Why the near end, or else the far end, has ended."""
         said: list[str] = []
         for process in (self._near, self._far):
             end(process)
@@ -148,9 +148,9 @@ def _set_affinity(pids: Iterable[int], cpus: set[int]) -> None:
 
 @contextmanager
 def fifo(pairs: Sequence[Pair]) -> Iterator[None]:
-    """SCHED_FIFO for the pairs and their hubs, which go first.
+    """SCHED_FIFO for the pairs and their hubs, which have the higher priority.
 
-    :raises PermissionError: this user may not.
+    :raises PermissionError: not permitted for this user.
     """
     priorities = {pid: _HUB_PRIORITY for pair in pairs for pid in pair.hub_pids}
     priorities |= {pid: _END_PRIORITY for pair in pairs for pid in pair.pids}
@@ -162,14 +162,14 @@ def fifo(pairs: Sequence[Pair]) -> Iterator[None]:
         yield
     finally:
         for pid, limit in limits.items():
-            # One that has died has nothing to give back; the others have.
+            # A process that has ended needs no reset.
             with suppress(ProcessLookupError):
                 os.sched_setscheduler(pid, os.SCHED_OTHER, os.sched_param(0))
                 resource.prlimit(pid, resource.RLIMIT_RTTIME, limit)
 
 
 def _runaway_limit_us(limits_us: tuple[int, int]) -> tuple[int, int]:
-    """Soft and hard RLIMIT_RTTIME: ours, or the lower hard limit that the process was started with."""
+    """Soft and hard RLIMIT_RTTIME: our limits, or the lower hard limit that the process was started with."""
     hard_us = limits_us[1]
     wanted_us = _RUNAWAY_S * 1_000_000
     return (wanted_us if hard_us == resource.RLIM_INFINITY else min(wanted_us, hard_us)), hard_us
@@ -177,7 +177,7 @@ def _runaway_limit_us(limits_us: tuple[int, int]) -> tuple[int, int]:
 
 @contextmanager
 def busy_cores(limit_s: float) -> Iterator[None]:
-    """A process that does nothing but count on every core; they end by themselves after ``limit_s``."""
+    """A busy loop on every core; the processes end by themselves after ``limit_s``."""
     spinners: list[subprocess.Popen[Any]] = []
     with ExitStack() as stack:
         for cpu in os.sched_getaffinity(0):
@@ -185,6 +185,6 @@ def busy_cores(limit_s: float) -> Iterator[None]:
             stack.callback(end, spinner)
             os.sched_setaffinity(spinner.pid, {cpu})
             spinners.append(spinner)
-        # The interpreters have started, and the machine has been loaded for a moment.
+        # Wait until the interpreters have started and the load is effective.
         time.sleep(0.3)
         yield

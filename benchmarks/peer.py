@@ -1,4 +1,4 @@
-"""One end of a measured connection, a process of its own.
+"""One end of a measured connection, as a separate process.
 
 ``python -m benchmarks.peer echo|near KIND ADDRESS FIRST_ID``. KIND and ADDRESS: ``pair FD`` (an inherited end of an
 AF_UNIX SEQPACKET pair), ``hub PATH``, ``tcp HOST:PORT``, ``can INTERFACE``. ``c/loop.c`` is the same program in C, with
@@ -41,7 +41,7 @@ from railhil.bus.select import HUB_INTERFACE
 BATCH_FRAMES = 8
 WINDOW_BATCHES = 16
 _ANSWER_S = 20.0
-#: A far end whose near end has vanished from a bus that stays ends by itself; longer than the other pairs' turns.
+#: Silence after which a far end without its near end ends by itself; longer than the turns of the other pairs.
 _IDLE_S = 300.0
 _PINGS_MAX = 400
 _PING_S = 0.05
@@ -49,7 +49,7 @@ _SETTLE_PERIODS = 2
 
 
 class PeerError(Exception):
-    """The other end does not do its part; one line."""
+    """The other end does not respond as expected; one line."""
 
 
 class _End(Protocol):
@@ -59,7 +59,7 @@ class _End(Protocol):
 
 
 class _PairEnd:
-    """One end of a SEQPACKET pair: the packets of the hub, and no hub. Waits for ever."""
+    """One end of a SEQPACKET pair: the packet format of the hub, without a hub. Waits for ever."""
 
     def __init__(self, descriptor: int) -> None:
         self._sock = socket.socket(fileno=descriptor)
@@ -80,7 +80,7 @@ class _PairEnd:
 
 
 def open_end(kind: str, address: str, first_id: int) -> Link | _PairEnd:
-    """Open an end as the nodes open theirs; on CAN with a filter for this pair's frames."""
+    """Open an end like a node; on CAN with a filter for this pair's frames."""
     if kind == "pair":
         return _PairEnd(int(address))
     if kind == "can":
@@ -109,7 +109,7 @@ def echo(end: _End, first_id: int) -> None:
 
 
 class Near:
-    """The near end: what it is asked to measure."""
+    """The near end, which makes the measurements."""
 
     def __init__(self, end: _End, first_id: int) -> None:
         self._end = end
@@ -127,7 +127,7 @@ class Near:
         raise PeerError("no echo process")
 
     def _trip(self, sent: Frame, expected: Frame) -> int:
-        """One frame there and back, in ns; what comes before the answer (that to a late ping) is passed over."""
+        """Round trip of one frame, in ns; frames before the answer (late replies to a ping) are skipped."""
         start_ns = time.monotonic_ns()
         self._end.send([sent])
         while True:
@@ -149,7 +149,7 @@ class Near:
         return [self._there_and_back(number) for number in range(count)]
 
     def stream(self, windows: int) -> list[int]:
-        """Wall time in ns of so many windows, one way."""
+        """Wall time in ns of this many windows, one way."""
         batch = [Frame(self._stream_id, bytes(8))] * BATCH_FRAMES
         question = Frame(self._count_id, bytes(8))
         all_came = Frame(self._count_id, (WINDOW_BATCHES * BATCH_FRAMES).to_bytes(8, sys.byteorder))
@@ -161,7 +161,7 @@ class Near:
         return [time.monotonic_ns() - start_ns]
 
     def pace(self, cycles: int, period_ns: int, phase_ns: int) -> list[int]:
-        """Lateness of start and answer of each cycle in ns, with the pacer of the nodes."""
+        """Lateness of start and answer of each cycle in ns, with the nodes' pacer."""
         pacer = Pacer(rate=1.0)
         start_ns = (time.monotonic_ns() // period_ns + _SETTLE_PERIODS) * period_ns + phase_ns
         time.sleep((start_ns - time.monotonic_ns()) / 1e9)
@@ -174,7 +174,7 @@ class Near:
         return taken_ns
 
     def obey(self, line: str) -> list[int]:
-        """Carry out one command."""
+        """Execute one command."""
         name, *numbers = line.split()
         commands: dict[str, Callable[..., list[int]]] = {
             "trips": self.trips,
@@ -185,16 +185,16 @@ class Near:
 
 
 def main(words: Sequence[str]) -> int:
-    """Be one end until the bus or standard input ends."""
+    """Run one end until the bus or standard input ends."""
     mode, kind, address, first = words
     first_id = int(first, 0)
-    # As in the nodes: no collection inside a cycle.
+    # As in the nodes: no garbage collection inside a cycle.
     gc.freeze()
     gc.disable()
     try:
         end = open_end(kind, address, first_id)
         if mode == "echo":
-            # The near end leaves first: that is how an echo process ends.
+            # The near end leaves first, which ends the echo process.
             with suppress(BusLost):
                 echo(end, first_id)
             return 0

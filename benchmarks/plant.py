@@ -61,7 +61,7 @@ def _run_s(scenario: Scenario, arithmetic: str) -> float:
 def measure(setting: Setting) -> list[Figure]:
     """Tick, then runs per second of both arithmetics.
 
-    :raises MeasurementError: the replay is not the recorded run.
+    :raises MeasurementError: the replay differs from the recorded run.
     """
     scenario = setting.scenario
     recording = record(scenario)

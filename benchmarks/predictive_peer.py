@@ -1,4 +1,5 @@
-"""The step of IPFC against that of a general tool for model predictive control, do-mpc, on one tracking problem."""
+"""Compares the step of IPFC with that of do-mpc, a general tool for model predictive control, on one tracking
+problem."""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
 with warnings.catch_warnings():
-    # It names every optional part that is not installed.
+    # It prints a line for every optional part that is not installed.
     warnings.simplefilter("ignore")
     import do_mpc
 
@@ -32,13 +33,13 @@ METHOD = (
     "beforehand. "
     "Ratios of step times are do-mpc over IPFC. The scores of one run stand beside it: a law, not a tuned rival."
 )
-#: Weight of a squared change of notch against a squared km/h: enough to make the optimum unique.
+#: Weight of a squared change of notch relative to a squared km/h: enough to make the optimum unique.
 _CHANGE_WEIGHT = 1e-2
 _CODES_PER_NOTCH = 256
 
 
 class _DoMpc:
-    """Model predictive control of the train's speed with do-mpc; a step is given km/h and answers notches."""
+    """Model predictive control of the train's speed with do-mpc; a step takes km/h and returns notches."""
 
     def __init__(self, scenario: Scenario) -> None:
         period_s = scenario.timing.control_period_ns / 1e9
@@ -49,10 +50,10 @@ class _DoMpc:
         own = IpfcParameters()
         self._fit = polynomial_fit(range(1 - own.error_window, 0), own.error_order)
         self._past = np.zeros(own.error_window)
-        #: Model error now and at the periods ahead.
+        #: Model error now and in the future periods.
         self._errors = np.zeros_like(self._ahead)
         with warnings.catch_warnings():
-            # do-mpc calls numpy on symbols, of which casadi warns.
+            # do-mpc calls numpy on symbols, about which casadi warns.
             warnings.simplefilter("ignore", FutureWarning)
             self._mpc = self._made(period_s, scenario.train.notch_max)
 
@@ -102,7 +103,7 @@ class _DoMpc:
 
 
 def _driven(scenario: Scenario, peer: bool) -> tuple[BenchRun, list[float]]:
-    """A whole run, and the time of each step in us."""
+    """A complete run, and the time of each step in us."""
     number = make("float64")
     loop: ControlLoop[float] = ControlLoop(scenario, LawSpec(), number)
     mpc = _DoMpc(scenario) if peer else None
@@ -123,9 +124,9 @@ def _driven(scenario: Scenario, peer: bool) -> tuple[BenchRun, list[float]]:
 
 
 def measure(setting: Setting) -> list[Figure]:
-    """Step times and the scores of the run that each has driven.
+    """Step times and the scores of each run.
 
-    :raises MeasurementError: a run did not come to its stop.
+    :raises MeasurementError: a run did not stop.
     """
     figures: list[Figure] = []
     ours_us = 0.0

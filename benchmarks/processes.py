@@ -1,4 +1,4 @@
-"""Processes that the benchmarks start: the hub, and a whole ``railhil run`` on it."""
+"""Processes started by the benchmarks: the hub, and a complete ``railhil run`` on it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from railhil.bus.select import HUB_INTERFACE
 from railhil.common.exit_codes import FAIL, PASS
 
 _READY = "railhil hub ready at "
-#: Longer than a run on a machine ten times too busy.
+#: Longer than a run on a machine with ten times the load.
 _PATIENCE_S = 300.0
 _LEAVE_S = 5.0
 #: In an emulated machine Python takes most of a minute to import a node.
@@ -28,7 +28,7 @@ _SLOW_START = ("--appear-timeout", "120")
 
 
 def end(process: subprocess.Popen[Any]) -> None:
-    """End a process that was started here, and wait for it."""
+    """End a process started here, and wait for it."""
     if process.poll() is None:
         process.terminate()
         try:
@@ -42,7 +42,7 @@ def end(process: subprocess.Popen[Any]) -> None:
 def hub(channel: str, *options: str) -> Iterator[tuple[str, int]]:
     """A hub process, ready; with the hub's own command-line ``options``.
 
-    Gives the channel on which it really listens (TCP port 0 has become a real one) and the process id.
+    Yields the actual channel (TCP port 0 is replaced by the real one) and the process id.
 
     :raises MeasurementError: the hub does not start.
     """
@@ -76,7 +76,7 @@ class RunCommand:
     """``railhil run`` in lockstep, recording; a context manager.
 
     :param out: run folder, must not exist.
-    :param flags: bus and whatever else ``railhil run`` takes; a hub of its own unless told otherwise.
+    :param flags: bus and other options of ``railhil run``; by default it starts its own hub.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class RunCommand:
     def finish(self) -> Finished:
         """Wait for the end of the command.
 
-        :raises MeasurementError: the run is neither a pass nor a fail.
+        :raises MeasurementError: the verdict is neither PASS nor FAIL.
         """
         try:
             out, err = self.process.communicate(timeout=_PATIENCE_S)
@@ -122,13 +122,13 @@ class RunCommand:
 def attached_run(
     setting: Setting, out: Path, near: Sequence[str], far: Sequence[str], hub_pids: Sequence[int]
 ) -> Finished:
-    """A run on a bus that is there already: plant and supervisor at its near end, the controller at the far end.
+    """A run on an existing bus: plant and supervisor at its near end, the controller at the far end.
 
-    Placed as ``railhil run`` places its own: in lockstep hub, plant and controller work one after the other, so they
-    share a CPU, and the supervisor has the others.
+    The processes are bound as by ``railhil run``: in lockstep hub, plant and controller work one after the other, so
+    they share a CPU, and the supervisor uses the others.
 
     :param near, far: command-line flags of the bus.
-    :raises MeasurementError: the run is neither a pass nor a fail.
+    :raises MeasurementError: the verdict is neither PASS nor FAIL.
     """
     cpus = os.sched_getaffinity(0)
     shared = {min(cpus)}

@@ -1,7 +1,9 @@
-"""``python -m benchmarks.published``: can the figures of the paper's Table 2 belong to one run of this train?
+"""``python -m benchmarks.published``: checks whether the figures of the paper's Table 2 can belong to one run of this
+train.
 
-IPFC drives the nominal train while an alternating notch is added to its answer, larger from run to run: comfort (sum of
-the changes of acceleration) rises towards the published one, and energy with it. ITAE is printed in m/s too.
+IPFC drives the nominal train while an alternating notch, increasing from run to run, is added to its output: comfort
+(sum of the changes of acceleration) rises towards the published value, and energy rises with it. ITAE is also printed
+in m/s.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ _KMH = 3.6
 
 @dataclass(frozen=True, slots=True)
 class Alternating:
-    """Score of a run with an alternating notch of this amplitude on top of the law's."""
+    """Score of a run with an alternating notch of this amplitude added to the law's."""
 
     notches: float
     score: Score

@@ -1,4 +1,4 @@
-"""Inputs for the benchmarks of single parts: what a nominal run gives to the controller and to the train."""
+"""Inputs for the benchmarks of single parts: the inputs of controller and train in a nominal run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Every transport of the bench against a plain C loop on the same transport, and a whole lockstep run over each."""
+"""Compares every transport of the bench with a plain C loop on the same transport, and makes a lockstep run over
+each."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ _PLACES = ("free", "one CPU")
 
 @contextmanager
 def open_pairs(transport: Transport, loop: Path | Missing, folder: Path) -> Iterator[list[Pair]]:
-    """The Python pair on a transport, and the C pair where there is one; both ready.
+    """The Python pair on a transport, and the C pair if there is one; both ready.
 
     :raises MeasurementError: a process did not start or did not answer.
     """
@@ -49,7 +50,7 @@ def open_pairs(transport: Transport, loop: Path | Missing, folder: Path) -> Iter
 
 
 def to_c(values: dict[str, float], language: str, more: str = "") -> tuple[float | None, str]:
-    """Ratio of a language's value to that of C, and what it is; nothing for C itself and where there is no C."""
+    """Ratio of a language's value to that of C, and its description; nothing for C itself or without C."""
     if language == C or C not in values:
         return None, ""
     return values[language] / values[C], f"Python to C{more}"
@@ -61,7 +62,7 @@ def _trip_figures(pairs: list[Pair], name: str, place: str, setting: Setting) ->
     for turn in range(setting.count(5 if is_emulated() else 11, 3)):
         for pair in pairs:
             taken_us = [taken_ns / 1000 for taken_ns in pair.ask(f"trips {trips}")]
-            # The first turn warms up.
+            # The first turn is a warm-up.
             samples_us[pair.language] += taken_us if turn else []
     medians_us = {language: median(taken_us) for language, taken_us in samples_us.items()}
     return [
@@ -106,7 +107,7 @@ def _loop_figures(transport: Transport, loop: Path | Missing, setting: Setting) 
 
 
 def _added_by_the_gateway(figures: list[Figure]) -> Figure:
-    """What the second hub and the gateway add to a round trip."""
+    """Time added to a round trip by the second hub and the gateway."""
     trips_us = {figure.name: figure.value for figure in figures}
     through, direct = (trips_us[f"{way.name}: round trip, one CPU, {PYTHON}"] for way in (GATEWAY, UNIX_HUB))
     return Figure(
@@ -126,7 +127,7 @@ def _run_over(transport: Transport, setting: Setting, number: int) -> Finished:
 
 
 def _run_figures(ways: list[Transport], setting: Setting) -> list[Figure]:
-    """Speed of a whole run over each transport.
+    """Speed of a complete run over each transport.
 
     :raises MeasurementError: a run failed, or the frame logs are not all the same.
     """
@@ -149,7 +150,7 @@ def _run_figures(ways: list[Transport], setting: Setting) -> list[Figure]:
 
 
 def measure(setting: Setting) -> list[Figure | Missing]:
-    """Round trips, streams and runs; what this machine does not have is said.
+    """Round trips, streams and runs; what this machine lacks is reported as missing.
 
     :raises MeasurementError: a process did not start or did not answer, a frame was lost, or frame logs differ.
     """

@@ -1,4 +1,4 @@
-"""Fixtures of the bench's own tests; users of the bench may import them too."""
+"""Fixtures of the bench's own tests; users of the bench may also import them."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from railhil.scenarios.run_spec import RunSpec
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Processes that tests start must not pick up a bus from the user's own python-can configuration; and be quick."""
+    """Processes started by tests must ignore the user's python-can configuration, and must start quickly."""
     for name in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
         os.environ.pop(name, None)
-    # The tests start hundreds of processes: without bytecode on disk each would compile all modules anew.
+    # The tests start hundreds of processes: without bytecode on disk each would recompile all modules.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
 
@@ -48,7 +48,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Where every capability is demanded, a skipped test is a failure, whatever it says of itself."""
+    """If every capability is required, a skipped test is a failure, whatever its reason."""
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")
     if os.environ.get("RAILHIL_REQUIRE_ALL") and reporter is not None and reporter.stats.get("skipped"):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
@@ -56,7 +56,8 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 @pytest.fixture(autouse=True)
 def signals_as_found() -> Iterator[None]:
-    """A command run inside the test process ends with its signals ignored; the next test's children inherit that."""
+    """Restore signals: a command run inside the test process leaves them ignored, which the next test's children would
+    inherit."""
     found = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     yield
     for number, handler in found.items():
@@ -72,7 +73,7 @@ def lvshun() -> Scenario:
 
 @pytest.fixture(scope="session")
 def nominal(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
-    """The published scenario without sockets, seed 1; only to be looked at."""
+    """A run of the published scenario without sockets, seed 1; read-only."""
     return local_run(lvshun, tmp_path_factory.mktemp("nominal"), RunSpec(seed=1))
 
 

@@ -1,10 +1,11 @@
-"""One part of ``make test``: a command whose last line is pytest's, with the tools that it needs installed before.
+"""One part of ``make test``: a command that ends with pytest's summary line, after installing the tools that it needs.
 
-A capability that cannot be had (a tool; a machine that ends with 77) is said loudly; with ``RAILHIL_REQUIRE_ALL=1`` it
-is a failure, so that continuous integration never skips silently.
+A missing capability (a tool; a machine that ends with 77) is reported prominently; with ``RAILHIL_REQUIRE_ALL=1`` it is
+a failure, so that continuous integration never skips silently.
 
-Exit code: 0 when all that could run has passed, else 1. With ``--counts FILE`` the counts go there, the exit code is 0
-and the next part is run in any case: ``--total N`` prints the sum of the N parts, and judges.
+Exit code: 0 if everything that could run has passed, else 1. With ``--counts FILE`` the counts are written there and
+the exit code is 0, so the next part runs in any case; ``--total N`` prints the sum of the N parts and sets the exit
+code.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _COUNT = re.compile(r"(\d+) (passed|failed|skipped|error)")
 
 
 def _counted(text: str) -> Counter[str]:
-    """The counts of all closing lines in a text; an error is a failure."""
+    """The counts of all summary lines in a text; an error counts as a failure."""
     counts: Counter[str] = Counter()
     for number, word in _COUNT.findall(text):
         counts["failed" if word == "error" else word] += int(number)
@@ -54,19 +55,19 @@ def _install(tools: Sequence[str]) -> Counter[str]:
 
 
 def _run(name: str, command: Sequence[str]) -> Counter[str]:
-    """Run the command and pass on what it prints; the counts of its closing line."""
+    """Run the command and pass on its output; returns the counts of its summary line."""
     closing = ""
     running: list[subprocess.Popen[str]] = []
 
     def end(*_: object) -> None:
-        """Machines are taken down by the command that has brought them up."""
+        """End the command, which shuts down the machines that it started."""
         for one in running:
             one.terminate()
         if not running:
             sys.exit(1)
 
     signal.signal(signal.SIGTERM, end)
-    # Ctrl-C reaches the command without our help.
+    # Ctrl-C reaches the command directly.
     signal.signal(signal.SIGINT, lambda *_: None)
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as process:
         running.append(process)
@@ -94,7 +95,7 @@ def main(words: Sequence[str] | None = None) -> int:
     if options.total is not None:
         lines = options.counts.read_text().splitlines() if options.counts.exists() else []
         counts = _counted("\n".join(lines))
-        # One that was killed has counted nothing.
+        # A part that was killed has written no counts.
         counts["failed"] += options.total - len(lines)
         print("\n=== all parts ===", *lines, sep="\n", flush=True)
     else:

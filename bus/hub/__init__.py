@@ -1,7 +1,7 @@
 """The hub: a software CAN switch in user space, for machines without a kernel CAN.
 
 ============ ==================================================================================
-module       what it holds
+module what it holds
 ============ ==================================================================================
 ``wire``     the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)

@@ -21,12 +21,12 @@ from dataclasses import dataclass
 from railhil.bus.errors import BusUnavailable
 
 TCP_SCHEME = "tcp://"
-#: ``sizeof(sun_path)`` of Linux less the closing zero byte.
+#: ``sizeof(sun_path)`` of Linux minus the terminating zero byte.
 MAX_PATH_BYTES = 107
-#: A hub that is only just starting is waited for so long.
+#: How long to wait for a hub that is still starting.
 HUB_START_S = 5.0
-#: The hub that a run starts itself is waited for while its process lives, on a machine however busy; this is the last
-#: resort of a node, which cannot see that process.
+#: A run waits for the hub that it starts itself as long as that process lives, however busy the machine; this is the
+#: fallback limit of a node, which cannot see that process.
 OWN_HUB_START_S = 300.0
 _BACKLOG = 32
 _LOCK_TIMEOUT_S = 2.0
@@ -102,9 +102,9 @@ def connect(sock: socket.socket, address: Address) -> None:
 
 
 def listen(address: Address) -> tuple[socket.socket, Address]:
-    """Listening socket (non-blocking) and the address it really has (TCP port 0 picks a free one).
+    """Listening socket (non-blocking) and its actual address (TCP port 0 picks a free one).
 
-    A socket file that nobody listens on is replaced. Raises :class:`BusUnavailable` with one line otherwise.
+    A socket file without a listener is replaced. Raises :class:`BusUnavailable` with one line otherwise.
     """
     sock = None
     try:
@@ -133,7 +133,7 @@ def listen(address: Address) -> tuple[socket.socket, Address]:
 
 
 def remove_socket_file(path: str, listener: socket.socket, inode: tuple[int, int]) -> None:
-    """Remove the socket file at the end, unless another hub has meanwhile put its own there."""
+    """Remove the socket file at the end, unless another hub has meanwhile created its own there."""
     listener.close()
     with contextlib.suppress(FileNotFoundError):
         if file_identity(path) == inode:
@@ -147,13 +147,13 @@ def file_identity(path: str) -> tuple[int, int]:
 
 
 def describe(error: OSError) -> str:
-    """Plain words of an operating system error."""
+    """Text of an operating system error."""
     return (error.strerror or str(error)).lower()
 
 
 @contextlib.contextmanager
 def _directory_lock(path: str) -> Iterator[None]:
-    """Serialise check, unlink and bind of two hubs that start on one path at once; leaves no lock file."""
+    """Serialise check, unlink and bind of two hubs that start on the same path; leaves no lock file."""
     folder = os.path.dirname(path) or "."
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -177,7 +177,7 @@ def _bind_path(sock: socket.socket, path: str) -> None:
             raise BusUnavailable(f"hub channel {path}: the file exists and is not a socket")
         _refuse_if_alive(path)
         os.unlink(path)
-    # The mode must be right from the first moment on: chmod after bind leaves a gap.
+    # The mode must be right from the start: chmod after bind would leave a gap.
     previous_umask = os.umask(0o177)
     try:
         sock.bind(path)
@@ -193,10 +193,10 @@ def _refuse_if_alive(path: str) -> None:
         except ConnectionRefusedError:
             return
         except BlockingIOError:
-            # A full backlog is a live listener.
+            # A full backlog means a live listener.
             reason = "is in use by a running hub"
         except OSError as error:
-            # Another socket type (EPROTOTYPE) is somebody's live or dead socket, not ours to remove.
+            # A socket of another type (EPROTOTYPE) belongs to another program and must not be removed.
             reason = f"the socket belongs to another program ({describe(error)})"
         else:
             reason = "is in use by a running hub"

@@ -1,4 +1,4 @@
-"""Frames on their way from the thread that reads a bus to the switch."""
+"""Queue of frames from the thread that reads a bus to the switch."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from railhil.bus.hub.backlog import LIMIT_FRAMES
 
 
 class Arrivals:
-    """First in, first out, bounded; the oldest frames make room when the switch does not read."""
+    """First in, first out, bounded; the oldest frames are dropped when the switch does not read."""
 
     def __init__(self) -> None:
         self._frames: deque[Frame] = deque(maxlen=LIMIT_FRAMES)
@@ -24,7 +24,7 @@ class Arrivals:
         return self._wake_fd
 
     def put(self, frames: list[Frame]) -> int:
-        """For the thread: add frames at the end; returns how many had to make room."""
+        """For the thread: add frames at the end; returns how many old ones were dropped."""
         with self._lock:
             dropped = max(0, len(self._frames) + len(frames) - LIMIT_FRAMES)
             self._frames.extend(frames)
@@ -32,11 +32,11 @@ class Arrivals:
         return dropped
 
     def wake(self) -> None:
-        """For the thread: let the switch look."""
+        """For the thread: wake the switch."""
         os.eventfd_write(self._wake_fd, 1)
 
     def take(self) -> list[Frame]:
-        """For the switch: all that have come."""
+        """For the switch: all frames that have arrived."""
         with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self._wake_fd)
         with self._lock:

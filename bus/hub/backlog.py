@@ -1,4 +1,4 @@
-"""Frames that wait for a bus which does not take them at once."""
+"""Frames waiting for a bus that does not accept them at once."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from collections.abc import Callable
 from railhil.bus.frame import Frame
 from railhil.bus.wallclock import WallClock
 
-#: Most frames that wait for one bus.
+#: Maximum number of frames waiting for one bus.
 LIMIT_FRAMES = 4096
-#: Unless nothing may be lost, a frame that has waited longer is not sent any more: half of what cuts traction.
+#: Unless the port is lossless, a frame that has waited longer is no longer sent: half the age that cuts traction.
 STALE_NS = 30_000_000
 
 
 class Backlog:
-    """First in, first out, bounded; the oldest frames go first when there are too many.
+    """First in, first out, bounded; the oldest frames are dropped when there are too many.
 
-    :param lossless: frames wait as long as it takes; else none older than :data:`STALE_NS` is given out.
+    :param lossless: frames wait as long as necessary; otherwise none older than :data:`STALE_NS` is sent.
     """
 
     def __init__(self, lossless: bool, wall: WallClock = time) -> None:
@@ -31,7 +31,7 @@ class Backlog:
         return bool(self._waiting)
 
     def add(self, frames: list[Frame]) -> int:
-        """Put frames at the end; returns how many had to make room for them."""
+        """Add frames at the end; returns how many old ones were dropped."""
         self._waiting.append((self._wall.monotonic_ns(), frames))
         self.frames += len(frames)
         dropped = 0
@@ -40,7 +40,7 @@ class Backlog:
         return dropped
 
     def drop_stale(self) -> int:
-        """Forget what is too old; returns how many frames."""
+        """Drop stale frames; returns how many."""
         oldest_ns = self._wall.monotonic_ns() - STALE_NS
         dropped = 0
         while not self._lossless and self._waiting and self._waiting[0][0] < oldest_ns:
@@ -48,13 +48,14 @@ class Backlog:
         return dropped
 
     def drop_all(self) -> int:
-        """Forget everything; returns how many frames."""
+        """Drop all frames; returns how many."""
         dropped, self.frames = self.frames, 0
         self._waiting.clear()
         return dropped
 
     def give(self, offer: Callable[[list[Frame]], int]) -> None:
-        """Hand over from the first on, until ``offer``, which returns how many it took, does not take all."""
+        """Pass on frames from the first on, until ``offer``, which returns how many it accepted, does not accept
+        all."""
         while self._waiting:
             since_ns, frames = self._waiting[0]
             taken = offer(frames)

@@ -1,4 +1,4 @@
-"""How many bit times a frame takes on the wire, its own stuff bits counted exactly.
+"""Bit times of a frame on the wire, with an exact count of stuff bits.
 
 Classic frames (Bosch CAN 2.0; ISO 11898-1): the field from start of frame to the end of the CRC is stuffed
 (after five equal bits one opposite bit, which counts for the next five), then come CRC delimiter,
@@ -8,8 +8,8 @@ acknowledge slot and delimiter, 7 bits end of frame and 3 bits interframe space:
     SOF 1 | id 11 | SRR IDE | id 18 | RTR r1 r0 | DLC 4 | data 8n | CRC 15 || ...  extended
 
 CAN FD frames: stuffed up to the end of the data; then stuff count (4 bits) and CRC (17 bits up to 16 data
-bytes, else 21) with a fixed stuff bit before the first and after every fourth bit, so that their length
-does not depend on values. With bit rate switch, ESI to CRC delimiter count at the data bit rate.
+bytes, else 21) with a fixed stuff bit before the first and after every fourth bit, so their number does not depend on
+values. With bit rate switch, ESI to CRC delimiter count at the data bit rate.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def crc15(bits: str) -> int:
 
 
 def stuff_bit_positions(bits: str, at_end: bool) -> list[int]:
-    """Indices in ``bits`` after which a stuff bit goes; ``at_end``: one may follow the last bit."""
+    """Indices in ``bits`` after which a stuff bit is inserted; ``at_end``: one may follow the last bit."""
     positions: list[int] = []
     run, last = 0, ""
     for index, bit in enumerate(bits):
@@ -41,7 +41,7 @@ def stuff_bit_positions(bits: str, at_end: bool) -> list[int]:
         last = bit
         if run == 5:
             positions.append(index)
-            # The stuff bit is the opposite and is the first of the next run.
+            # The stuff bit has the opposite value and is the first bit of the next run.
             last = "1" if bit == "0" else "0"
             run = 1
     if positions and not at_end and positions[-1] == len(bits) - 1:
@@ -77,7 +77,7 @@ def _fd_bits(frame: Frame) -> tuple[int, int]:
     content = nominal + "0" + f"{_FD_DLC[len(frame.data)]:04b}" + _data_bits(frame.data)
     check_bits = 4 + (17 if len(frame.data) <= 16 else 21)
     fixed_stuff_bits = 1 + check_bits // 4
-    # No stuff bit of the data's own at their end: the first fixed stuff bit stands there.
+    # No dynamic stuff bit at the end of the data: the first fixed stuff bit is there.
     positions = stuff_bit_positions(content, at_end=False)
     early_stuff_bits = sum(index < len(nominal) - 1 for index in positions)
     total = len(content) + len(positions) + fixed_stuff_bits + check_bits + _TAIL_BITS
@@ -90,7 +90,7 @@ def _fd_bits(frame: Frame) -> tuple[int, int]:
 def frame_bits(frame: Frame) -> tuple[int, int]:
     """Bit times of a frame: (at the nominal bit rate, at the data bit rate), interframe space included.
 
-    An error frame takes none: SocketCAN's error frames are reports of a controller and not on the wire.
+    An error frame takes none: SocketCAN's error frames are reports of a controller, not frames on the wire.
     """
     if frame.flags & ERROR:
         return 0, 0
@@ -104,7 +104,7 @@ def arbitration_key(frame: Frame) -> int:
 
     Order of the bits: base identifier, RTR or SRR, IDE, identifier extension, RTR of the extended frame. So
     a standard frame wins against an extended one with the same base identifier, a data frame against the
-    remote frame. Error frames come first (they are no bus traffic, see :func:`frame_bits`).
+    remote frame. Error frames come first (they are not bus traffic, see :func:`frame_bits`).
     """
     can_id, _, flags = frame
     if flags & ERROR:

@@ -14,7 +14,7 @@ from railhil.common.command_line import add_priority_argument, whole_number
 from railhil.common.plain_text import plain
 from railhil.common.scheduling import cycle
 
-#: Far beyond every CAN, and every memory.
+#: Upper limits, far beyond any CAN bus and any memory.
 _BITRATE_MAX_BPS, _QUEUE_MAX_BYTES = 1_000_000_000, 1 << 40
 _bit_rate = whole_number(1, _BITRATE_MAX_BPS)
 
@@ -71,7 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the hub as the parsed options say; the exit code (0, or 2 with one line on standard error)."""
+    """Run the hub with the parsed options; returns the exit code (0, or 2 with one line on standard error)."""
     try:
         if not args.bitrate_model and (args.bitrate is not None or args.data_bitrate is not None):
             option = "-b/--bitrate" if args.bitrate is not None else "--data-bitrate"
@@ -81,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
         channel = args.channel or default_channel()
         ports = parse_ports(args.port, channel)
         bitrate_bps = (args.bitrate or DEFAULT_BITRATE_BPS) if args.bitrate_model else None
-        # A hub that serves one run after the other keeps its garbage collector.
+        # A hub that serves several runs keeps its garbage collector enabled.
         around = cycle("hub", args.realtime_priority) if args.realtime_priority else contextlib.nullcontext()
         with around:
             serve(

@@ -1,8 +1,8 @@
-"""Packets for a client that reads in bulk: handed over together, like a network card's interrupt coalescing.
+"""Packets for a client that reads in bulk: delivered together, like a network card's interrupt coalescing.
 
-Waking a process for every packet is what a fast bench spends most of its time on. A recorder does not need it: it
-asks for its packets in bulk, and names the frames for which it must be woken at once (the polls that it answers).
-Order and content stay as they are; nothing is held for longer than :data:`HOLD_S` while the hub has time.
+A fast bench spends most of its time on waking a process for every packet. A recorder does not need that: it requests
+its packets in bulk, and names the frames for which it must be woken at once (the polls that it answers). Order and
+content are unchanged; no packet is held for longer than :data:`HOLD_S` unless the hub is overloaded.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ _WAKE_LIMIT = 64
 
 
 class Coalescer:
-    """What one client has coming.
+    """The pending packets of one client.
 
-    :param limit_frames: held frames at which they are handed over, 1..256.
-    :param wake_on: packed classic frames (16 bytes); a packet that ends with one is handed over at once.
+    :param limit_frames: number of held frames at which they are delivered, 1..256.
+    :param wake_on: packed classic frames (16 bytes); a packet that ends with one is delivered at once.
     """
 
     def __init__(self, limit_frames: int, wake_on: frozenset[bytes], wall: WallClock = time) -> None:
@@ -32,10 +32,10 @@ class Coalescer:
         self._since_s = 0.0
 
     def take(self, packet: bytes) -> list[bytes]:
-        """Packets to hand over now, in order, after ``packet`` has come."""
+        """Packets to deliver now, in order, after ``packet`` has arrived."""
         held = self._held
         if len(packet) % CLASSIC_SIZE:
-            # A CAN FD frame or an own packet stands alone.
+            # A CAN FD frame or an own packet is delivered separately.
             return [*self.flush(), packet]
         ready: list[bytes] = []
         if len(held) + len(packet) > MAX_PACKET_SIZE:
@@ -51,11 +51,11 @@ class Coalescer:
 
     @property
     def due_ns(self) -> int | None:
-        """When what is held is to be handed over at the latest (monotonic clock); None when nothing is held."""
+        """Latest time for delivering the held packets (monotonic clock); None when nothing is held."""
         return round((self._since_s + HOLD_S) * 1e9) if self._held else None
 
     def flush(self) -> list[bytes]:
-        """What is held, as one packet or none."""
+        """The held frames as one packet, if any."""
         if not self._held:
             return []
         packet = bytes(self._held)
@@ -64,9 +64,9 @@ class Coalescer:
 
 
 def coalescer_of(hello: dict[str, object]) -> Coalescer | None:
-    """The coalescer that a client's hello asks for (``coalesce_frames``, ``wake_on``), or None.
+    """The coalescer requested by a client's hello (``coalesce_frames``, ``wake_on``), or None.
 
-    Raises ValueError with one line for values that make no sense.
+    Raises ValueError with one line for invalid values.
     """
     limit = hello.get("coalesce_frames", 0)
     if not isinstance(limit, int) or not 0 <= limit <= MAX_PACKET_SIZE // CLASSIC_SIZE:

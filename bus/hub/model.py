@@ -1,15 +1,15 @@
-"""What a wire does to frames and the plain hub does not: they take time, and contend by identifier.
+"""Effects of a wire that the plain hub does not have: frames take time, and arbitrate by identifier.
 
-Both are off unless asked for. Each client is a CAN controller with one first-in-first-out transmit queue.
+Both are off by default. Each client is a CAN controller with one first-in-first-out transmit queue.
 
 *Bit rate*: one frame at a time is on the wire, for its exact length (:mod:`railhil.bus.hub.bitlength`), and is
 delivered at its end. Time is the monotonic clock of the hub process; a hub that is woken late catches up,
 so rounding does not accumulate.
 
-*Arbitration*: when the wire falls idle, of the frames that head their queues at that instant the lowest
-arbitration key leaves first. Without a bit rate the wire is always idle; then the frames found waiting in
-one pass of the hub's loop contend. A tie (the same identifier from two clients, an error on a real bus)
-goes to the earlier arrival.
+*Arbitration*: when the wire becomes idle, of the frames at the heads of their queues the one with the lowest
+arbitration key is sent first. Without a bit rate the wire is always idle; then the frames found waiting in one pass of
+the hub's loop arbitrate. In a tie (the same identifier from two clients, an error on a real bus) the earlier arrival
+wins.
 
 Not modelled: acknowledgement, bit errors, error counters, bus-off, propagation delay.
 """
@@ -23,8 +23,8 @@ from railhil.bus.hub.bitlength import arbitration_key, frame_bits
 from railhil.bus.hub.ports import SwitchPort
 from railhil.bus.hub.wire import CLASSIC_SIZE, FD_SIZE, unpack_frames
 
-#: A client with this many frames waiting is not read until the wire has taken some: its ``send`` then
-#: blocks, as with the transmit queue of a real interface. (One packet more may be in.)
+#: A client with this many waiting frames is not read until some have been sent: its ``send`` then blocks, as with the
+#: transmit queue of a real interface. (One more packet may be queued.)
 PENDING_LIMIT_FRAMES = 512
 
 
@@ -40,7 +40,7 @@ class _Pending(NamedTuple):
 class WireModel:
     """The wire between the ports; ``bitrate_bps`` None means that frames take no time.
 
-    ``data_bitrate_bps`` is that of CAN FD frames with bit rate switch.
+    ``data_bitrate_bps`` applies to CAN FD frames with bit rate switch.
     """
 
     def __init__(self, bitrate_bps: int | None, data_bitrate_bps: int | None, arbitration: bool) -> None:
@@ -53,7 +53,7 @@ class WireModel:
         self._wire_free_ns = 0
 
     def offer(self, source: SwitchPort, packet: bytes, arrival_ns: int) -> None:
-        """Put the frames of a valid packet at the end of the source's queue."""
+        """Append the frames of a valid packet to the source's queue."""
         queue = self._queues.setdefault(source, deque())
         step = len(packet) if len(packet) == FD_SIZE else CLASSIC_SIZE
         for index, frame in enumerate(unpack_frames(packet)):
@@ -69,7 +69,7 @@ class WireModel:
         return len(self._queues.get(source, ())) >= PENDING_LIMIT_FRAMES
 
     def due(self, now_ns: int) -> list[tuple[SwitchPort, bytes]]:
-        """Frames whose end on the wire has come by ``now_ns``: (source, packet) in the order of the wire."""
+        """Frames whose transmission has ended by ``now_ns``: (source, packet) in the order of the wire."""
         delivered: list[tuple[SwitchPort, bytes]] = []
         while True:
             if self._on_wire is None:
@@ -80,7 +80,7 @@ class WireModel:
             self._on_wire = None
 
     def next_due_ns(self) -> int | None:
-        """After :meth:`due`: when it will next have a frame, None when the wire is idle."""
+        """After :meth:`due`: when the next frame will end, None when the wire is idle."""
         return None if self._on_wire is None else self._wire_free_ns
 
     def pending_frames(self) -> int:

@@ -1,4 +1,4 @@
-"""The hub process: listens, says what it is, serves until a signal or the last client's leave, tidies up."""
+"""The hub process: listens, prints its properties, serves until a signal or until the last client leaves, cleans up."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ def serve(
 ) -> None:
     """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM, SIGINT or SIGHUP.
 
-    ``once``: end when the last client has left. ``bitrate_bps``: model the wire time of frames (None: no
-    wire time), CAN FD data phases at ``data_bitrate_bps`` (None: the same). ``arbitration``: frames that
-    wait at the same time leave by identifier. ``queue_limit_bytes``: how far a client may fall behind
-    before it is cut off. ``ports``: other buses that frames are carried to and from; ``lossless``: frames for
-    them wait when they are full or down (lockstep) instead of being dropped.
+    ``once``: end when the last client has left. ``bitrate_bps``: model the wire time of frames (None: no wire time),
+    CAN FD data phases at ``data_bitrate_bps`` (None: the same). ``arbitration``: frames that wait at the same time are
+    sent by priority of their identifiers. ``queue_limit_bytes``: how far a client may fall behind before it is
+    disconnected. ``ports``: other buses to which frames are forwarded in both directions; ``lossless``: frames for them
+    wait when they are full or down (lockstep) instead of being dropped.
 
-    A stop first hands out, for at most a second, what clients had already sent. A hub behind a port is waited for at
-    the start; a stop ends that too.
+    A stop first delivers, for at most a second, what clients had already sent. At the start the hub waits for another
+    hub behind a port; a stop ends that wait too.
 
-    Prints one line to standard output when clients may connect, and one to standard error for each client
-    cut off, for each bus that goes or comes back, and at the end or SIGUSR1 for what each bus has carried.
-    Raises :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be had.
+    Prints one line to standard output when clients may connect, and one to standard error for each client disconnected,
+    for each bus that goes down or comes back, and at the end or on SIGUSR1 the statistics of each bus. Raises
+    :class:`railhil.bus.errors.BusUnavailable` when the channel or a port cannot be opened.
     """
     data_bitrate_bps = bitrate_bps if data_bitrate_bps is None else data_bitrate_bps
     model = None
@@ -107,13 +107,14 @@ def _ready_line(
 
 
 def _report(line: str) -> None:
-    # A closed standard error (a parent that went away) is no reason to stop carrying frames.
+    # A closed standard error (the parent has ended) must not stop the hub.
     with contextlib.suppress(OSError):
         print(plain(f"{PROGRAM}: {line}"), file=sys.stderr, flush=True)
 
 
 class _StoppedAtStart(BaseException):
-    """A signal has come before the switch ran; no driver that is being opened takes it for an error of its own."""
+    """A signal came before the switch ran; a separate class, so that a driver being opened does not treat it as its own
+    error."""
 
 
 class _Signals:
@@ -149,7 +150,7 @@ class _Signals:
 
     @contextlib.contextmanager
     def sent_to(self, switch: Switch) -> Iterator[None]:
-        """Let the switch have them during the block."""
+        """Pass the signals to the switch during the block."""
         self._switch = switch
         if self._is_stopped:
             switch.stop()

@@ -1,4 +1,4 @@
-"""What tests of the commands share."""
+"""Fixtures for tests of the commands."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Railhil = Callable[..., Done]
 
 @pytest.fixture
 def here(monkeypatch, capsys, tmp_path) -> Iterator[Railhil]:
-    """The command in this process, in an empty folder: as in a process of its own, but faster."""
+    """The command in this process, in an empty folder: like in a separate process, but faster."""
     monkeypatch.chdir(tmp_path)
     handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGHUP)}
 

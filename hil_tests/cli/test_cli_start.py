@@ -1,4 +1,4 @@
-"""How a command starts: with what it needs, and as the whole command line has it."""
+"""The start of a command: it loads only what it needs, and parses like the whole command line."""
 
 from __future__ import annotations
 

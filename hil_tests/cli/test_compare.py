@@ -1,4 +1,4 @@
-"""``railhil compare``: real processes, one law after another, and ``railhil report`` of what they left."""
+"""``railhil compare``: real processes, one law after another, and ``railhil report`` of the results."""
 
 from __future__ import annotations
 

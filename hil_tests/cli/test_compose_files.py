@@ -1,4 +1,4 @@
-"""The compose files by themselves, without an engine: what a version of Compose that is not here would refuse."""
+"""The compose files without an engine: constructs that other versions of Compose would refuse."""
 
 from __future__ import annotations
 

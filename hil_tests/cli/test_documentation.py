@@ -1,4 +1,4 @@
-"""README and docs: every link leads somewhere, every command line that is printed is one that the command takes."""
+"""README and docs: every link has a target, and every printed command line is valid."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A DBC that is not that of the port table, of a user's or of the installation."""
+"""A DBC that does not match the port table: a user's, or that of the installation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is kept of a run that does not come to its end: stopped, without a terminal, on a full disk."""
+"""What is kept of an incomplete run: stopped, terminal closed, disk full."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The parts of ``make test``: what is counted, what is missing, what is demanded, and how a part is ended."""
+"""The parts of ``make test``: counting, missing and required capabilities, and how a part is ended."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a run says of its assumptions and of the next step: one line each, from facts."""
+"""The lines of a run about its assumptions and the next step: one line each, based on facts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""``railhil vcan``: what it says when it cannot; a namespace passes everything on and leaves nothing behind."""
+"""``railhil vcan``: its messages when it is not possible; a namespace passes everything on and leaves nothing
+behind."""
 
 from __future__ import annotations
 

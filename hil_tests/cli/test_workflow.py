@@ -1,5 +1,5 @@
-"""The workflows of hosted CI, which cannot run here: GitHub's schema, shell text that parses and takes no expressions,
-targets that exist; and the step that runs the bench for others, run."""
+"""The workflows of hosted CI, which cannot run here: GitHub's schema, shell text that parses and contains no
+expressions, make targets that exist; the step that runs the bench for other repositories is executed."""
 
 from __future__ import annotations
 

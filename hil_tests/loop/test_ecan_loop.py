@@ -1,4 +1,4 @@
-"""Mailboxes that a task reads late: in the node, in the loop, and through the real command."""
+"""Mailboxes read late by a task: in the node, in the loop, and through the real command."""
 
 from __future__ import annotations
 

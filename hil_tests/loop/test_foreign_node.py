@@ -1,4 +1,4 @@
-"""The exported controller in C in the place of ours: the same answers, frame by frame, on any kind of bus."""
+"""The exported controller in C instead of the Python node: the same answers, frame by frame, on any kind of bus."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The exported controller as a program of its own on the hub: whole runs, refusals, and how it ends."""
+"""The exported controller as a program on the hub: complete runs, refusals, and its exit."""
 
 from __future__ import annotations
 

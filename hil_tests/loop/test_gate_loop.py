@@ -1,4 +1,4 @@
-"""The whole loop in one process with a bad bus: the reactions of both watches, and books that balance."""
+"""The whole loop in one process with a faulty bus: the reactions of both watches, and consistent counters."""
 
 from __future__ import annotations
 

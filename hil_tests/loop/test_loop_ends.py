@@ -1,4 +1,4 @@
-"""How a run ends when something is not as it should be: always, and with the right event."""
+"""A run always ends when something goes wrong, and with the right event."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who is waited for in lockstep, and for how long."""
+"""Which nodes lockstep waits for, and for how long."""
 
 from __future__ import annotations
 

@@ -1,6 +1,8 @@
-"""The whole loop with a position or balises that cannot be trusted: the train stops before its stopping point or at it.
+"""The whole loop with an implausible position or implausible balises: the train stops before its stopping point or at
+it.
 
-Laws that use the position (IPFC+, and every law by distance) reckon for a second and then brake; the others run on.
+With laws that use the position (IPFC+, and every law by distance) the node uses dead reckoning for a second and then
+brakes; the others run on.
 """
 
 from __future__ import annotations

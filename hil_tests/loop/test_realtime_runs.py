@@ -1,4 +1,4 @@
-"""Realtime runs in processes: what each was granted, and one of them stopped for a while (fault K2)."""
+"""Real-time runs in processes: the scheduling granted to each, and one of them stopped for a while (fault K2)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One frame lost, strange or doubled around the milestones of a run never turns its verdict without a word."""
+"""One lost, stray or duplicate frame around the milestones of a run never changes its verdict silently."""
 
 from __future__ import annotations
 

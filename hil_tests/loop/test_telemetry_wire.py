@@ -1,4 +1,4 @@
-"""Telemetry on the wire: what CTL_STAT says of the quantities of a law, and what is read from it."""
+"""Telemetry on the wire: encoding of a law's quantities in CTL_STAT, and decoding."""
 
 from __future__ import annotations
 

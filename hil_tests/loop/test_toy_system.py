@@ -1,6 +1,6 @@
-"""A system that plugs in: two carts on a spring, in a distribution of its own, through every command of railhil.
+"""A plug-in system: two carts on a spring, in a separate distribution, through every command of railhil.
 
-No line of the tree knows of it: it is installed here, and its entry points are all that railhil sees.
+Nothing in the tree depends on it: it is installed here, and railhil sees only its entry points.
 """
 
 from __future__ import annotations

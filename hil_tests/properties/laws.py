@@ -1,4 +1,4 @@
-"""What holds for every control law, as a class: a law inherits its tests by a subclass (``test_laws.py``)."""
+"""Properties of every control law, as a test class: a law inherits the tests through a subclass (``test_laws.py``)."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ YIZHUANG = (
     "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
     "yizhuang_11_jinghai_lu_ciqu_nan",
 )
-#: Of the perturbed runs; the train of each differs in mass, resistance, brakes, wheels, delays.
+#: Seeds of the perturbed runs; their trains differ in mass, resistance, brakes, wheels, delays.
 SEEDS = range(1000, 1020)
 _WORN = "lvshun_tieshan_worn_wheels"
 
 
 class LawProperties:
-    """Whatever its scores: a law stops, keeps below the limits, wraps nowhere, and is the same law in every arithmetic,
-    on one train and on many, over the bus, coupled directly, in the batch and in C."""
+    """Whatever its scores, a law stops, stays below the limits, wraps nowhere, and behaves the same in every
+    arithmetic, on one train and on many, over the bus, coupled directly, in the batch and in C."""
 
     #: Its registered name.
     law: ClassVar[str]
-    #: Where its single steps are looked at.
+    #: Scenario on which its single steps are examined.
     scenario: ClassVar[str] = "lvshun_tieshan"
-    #: Fixed point beside float64 on equal inputs: largest error of the raw notch, in notches.
+    #: Fixed point compared with float64 on equal inputs: largest error of the raw notch, in notches.
     notch_raw_error_max: ClassVar[float] = 2e-4
-    #: And the least share of equal notch codes.
+    #: And the minimum share of equal notch codes.
     equal_share_min: ClassVar[float] = 0.99
 
     def pytest_generate_tests(self, metafunc: pytest.Metafunc) -> None:
-        """Set-points by time and distance, for a law that has both."""
+        """Set-points by time and by distance, for a law that supports both."""
         if "indexing" in metafunc.fixturenames:
             metafunc.parametrize("indexing", self.kind().indexings)
 
@@ -61,7 +61,8 @@ class LawProperties:
         return load_law(cls.law)
 
     def corners(self) -> Iterator[dict[str, float]]:
-        """Parameters at which no operation may wrap: its own, and corners of the search, drawn with a fixed seed."""
+        """Parameters at which no operation may wrap: its own, and corners of the search space, drawn with a fixed
+        seed."""
         generator = np.random.Generator(np.random.PCG64(7))
         yield {}
         for _ in range(12):
@@ -71,7 +72,7 @@ class LawProperties:
 
     @pytest.mark.parametrize("arithmetic", ["float64", "float32", "iq", "iq-portable"])
     def test_many_trains_equal_each_alone(self, arithmetic: str) -> None:
-        """Random and wild speeds of 4 trains, stepped together and alone, other notches sent now and then."""
+        """Random and extreme speeds of 4 trains, stepped together and alone, with other notches sent occasionally."""
         scenario = load(self.scenario)
         generator = np.random.Generator(np.random.PCG64(20210825))
         batch = BatchController(scenario, 4, LawSpec(self.law, arithmetic))
@@ -91,7 +92,7 @@ class LawProperties:
                     controller.sent(int(code))
 
     def test_fixed_point_follows_float64(self, indexing: str) -> None:
-        """It drives a nominal run in fixed point, and computes along in float64."""
+        """A nominal run in fixed point, with a float64 copy on the same inputs."""
         scenario = load(self.scenario)
         quantities = record(scenario, LawSpec(self.law, indexing=indexing)).quantities
         run = shadow_run(scenario, LawSpec(self.law, indexing=indexing), make("iq"), quantities)
@@ -122,11 +123,11 @@ class LawProperties:
         done = checked(compiled(tmp_path, "gcc", SANITIZED, "run", self.law), tmp_path / f"{self.law}_log.txt")
         assert done.returncode == 0, done.stdout
 
-    # -- what it is given ---------------------------------------------------------------------------------------------
+    # -- its inputs ---------------------------------------------------------------------------------------------
 
     def test_nothing_drawn_is_in_the_program(self) -> None:
-        """It knows the nominal scenario only: not the sensors and loop delay of a run, not where the balises lie,
-        nor the ranges from which all is drawn."""
+        """The law knows only the nominal scenario: neither the sensors and loop delay of a run, nor the true balise
+        positions, nor the ranges of the draws."""
         known = load("yizhuang_04_jiugong_yizhuang_qiao")
         drawn = perturbed(load(_WORN), 1003)
         balises = tuple(replace(balise, true_m=balise.true_m + 7.0) for balise in known.line.balises)
@@ -156,7 +157,7 @@ class LawProperties:
             assert runs.overspeed_mps.max() == 0.0
             assert not any("emergency" in text for texts in runs.failures for text in texts)
             assert runs.wraps.max() == 0
-        # A wheel that is half a percent off puts the train that trusts it some ten metres off, not more.
+        # A wheel that is half a percent off makes a train that relies on it stop about ten metres off, not more.
         assert drawn.values["stop_error_m"].max() < 20.0
         assert nominal.values["stop_error_m"][0] < 1.5
 

@@ -1,4 +1,4 @@
-"""The safety gate under dense sweeps, and the sweeps themselves: each mutant of the gate must be noticed by them."""
+"""The safety gate under dense sweeps, and the sweeps themselves: they must detect each mutant of the gate."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from railhil.controller_node import guard
 from railhil.plant_sim import gate
 
 ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
-#: Mutants whose change nobody can see, by module: (source line, change) and why.
+#: Equivalent mutants, which no test can detect, by module: (source line, change) and why.
 EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     lifesign: {
         ("self._last = -1", "1 -> 2"): "any negative number says 'none yet'",
@@ -57,7 +57,7 @@ def test_every_mutant_is_noticed(module: ModuleType) -> None:
     lines = inspect.getsource(module).splitlines()
     count, alive = survivors(module, ALL_SWEEPS[module])
     found = {(lines[mutant.line - 1].strip(), mutant.text) for mutant in alive}
-    # Equal in both directions: a stale entry of the list hides a mutant that is noticed by now.
+    # Compared in both directions: a stale entry of the list would hide a mutant that is now detected.
     assert found == set(EQUIVALENT[module])
     assert count >= 20
 

@@ -20,13 +20,14 @@ from railhil.scenarios.run_spec import LawSpec
 
 
 class PredictiveProperties(LawProperties):
-    """Those with the paper's internal model: what wraps first is where the model is largest."""
+    """Laws with the paper's internal model, which wraps first where the model's response is largest."""
 
-    # By chance a raw notch lies within 1e-4 of a code's edge in up to four of 393 periods; unit tests take four runs.
+    # By chance a raw notch lies within 1e-4 of a code's edge in up to four of 393 periods; the unit tests use four
+    # runs.
     equal_share_min = 0.985
 
     def corners(self) -> Iterator[dict[str, float]]:
-        """Highest gain, least damping or stiffness; any corner of the rest."""
+        """Highest gain, smallest damping or stiffness; any corner for the others."""
         tunable = self.kind().tunable
         model = {"model_gain_mps": (0.10,), "model_damping_per_s": (0.30, 0.60), "model_stiffness_per_s2": (0.025,)}
         assert {key: tunable[key] for key in model} == {
@@ -80,7 +81,7 @@ def test_every_registered_law_inherits_them() -> None:
 
 
 def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
-    """The inputs of track laws arrive: with worn wheels nothing else can know where the train is."""
+    """The inputs of track laws arrive: with worn wheels no other law can know the train's position."""
     scenario = load("lvshun_tieshan_worn_wheels")
     worst = {
         law: run_batch(Case(scenario, LawSpec(law)), SEEDS).values["stop_error_m"].max()
@@ -91,7 +92,7 @@ def test_the_law_that_reads_balises_is_the_one_that_stops() -> None:
 
 
 def test_what_a_law_may_know_is_in_the_program() -> None:
-    """The comparison of programs sees a difference when there is one."""
+    """The comparison of programs detects a difference."""
     scenario = load("yizhuang_04_jiugong_yizhuang_qiao")
     heavier = replace(scenario, train=replace(scenario.train, inertial_mass_kg=scenario.train.inertial_mass_kg * 1.1))
     assert record(heavier, LawSpec("ipfc_plus")) != record(scenario, LawSpec("ipfc_plus"))

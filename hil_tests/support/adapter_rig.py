@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
-#: For the processes to come up, at a tenth of the usual speed.
+#: Time for the processes to start, at a tenth of the usual speed.
 _START_S = 60.0
 _END_S = 10.0
 
@@ -21,7 +21,7 @@ class Rig:
     """Context manager that leaves no process behind.
 
     :param folder: with a path short enough for a Unix socket.
-    :param options: of the adapter, as on its command line.
+    :param options: the adapter's command-line options.
     """
 
     def __init__(self, folder: Path, *options: str) -> None:
@@ -51,7 +51,7 @@ class Rig:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
-            # What has been read ahead is not seen by select.
+            # select does not see data that have already been read into a buffer.
             bufsize=0,
         )
         self._processes.append(process)
@@ -81,14 +81,14 @@ class Rig:
         return {"interface": "slcan", "channel": str(self.port), "bitrate": 500_000, "sleep_after_open": 0}
 
     def controller_command(self, scenario: Path, *options: str) -> list[str]:
-        """The controller behind the adapter, as a user starts it."""
+        """The controller behind the adapter, as started by a user."""
         return [
             sys.executable, "-m", "railhil.cli", "node", "controller", str(scenario), *options, "-i", "slcan", "-c",
             str(self.port), "-b", "500000", "--bus-kwargs", "sleep_after_open=0",
         ]  # fmt: skip
 
     def order(self, command: str) -> None:
-        """Give the adapter a command; its answer is not waited for."""
+        """Send a command to the adapter without waiting for its answer."""
         _pipe(self._adapter.stdin).write(f"{command}\n".encode())
         self._unread_answers += 1
 
@@ -115,9 +115,9 @@ def _pipe(stream: IO[bytes] | None) -> IO[bytes]:
 
 
 class Timetable:
-    """``on_progress`` of a run that gives the adapter commands at instants of simulation time (s).
+    """``on_progress`` callback of a run that sends commands to the adapter at instants of simulation time (s).
 
-    :ivar given_s: instants at which the commands were really given.
+    :ivar given_s: instants at which the commands were actually sent.
     """
 
     def __init__(self, rig: Rig, orders: Mapping[float, str]) -> None:
@@ -126,7 +126,7 @@ class Timetable:
         self.given_s: list[float] = []
 
     def __call__(self, sim_time_s: float) -> None:
-        """Give what is due."""
+        """Send the commands that are due."""
         while self._orders and sim_time_s >= self._orders[0][0]:
             self._rig.order(self._orders.pop(0)[1])
             self.given_s.append(sim_time_s)

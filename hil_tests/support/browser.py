@@ -1,4 +1,4 @@
-"""Opening a page in Chromium without a screen, as a reader of the report does, and asking it what it shows."""
+"""Opens a page in headless Chromium and evaluates what it shows."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.machines.debian import BROWSERS, find_command
 
 _TIMEOUT_S = 90
 _MARK = "railhil-found"
-#: Forbids every fetch, and notes what the page would have fetched in ``window.fetched``.
+#: Forbids every fetch, and records attempted fetches in ``window.fetched``.
 _WATCH = """<meta http-equiv="Content-Security-Policy"
 content="default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'">
 <script>window.fetched = [];
@@ -29,8 +29,8 @@ def browser() -> str | None:
 def asked(page: Path, expression: str, width_px: int = 1100) -> Any:
     """Value of a JavaScript expression on a page that has been loaded.
 
-    A copy of the page with the question at its end is opened; the answer comes back in the dumped document. The
-    expression finds addresses that the page wanted to load from in ``window.fetched``.
+    A copy of the page with a script at its end is opened; the result is read from the dumped document. In the
+    expression, ``window.fetched`` holds the addresses that the page tried to load.
     """
     program = browser()
     assert program is not None

@@ -1,4 +1,4 @@
-"""``railhil campaign`` in this process: faster than in one of its own."""
+"""``railhil campaign`` in this process, which is faster than in a separate one."""
 
 from __future__ import annotations
 

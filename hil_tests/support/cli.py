@@ -1,4 +1,4 @@
-"""Running the ``railhil`` command as a user does."""
+"""Runs the ``railhil`` command like a user."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Any
 
 import psutil
 
-#: Start-up and a run at a tenth of the usual speed fit into this.
+#: Enough for start-up and a run at a tenth of the usual speed.
 TIMEOUT_S = 110
 
 
@@ -32,12 +32,12 @@ class Done:
 
     @property
     def said(self) -> list[str]:
-        """Lines of standard error; without the one that the first batch of a code's version says."""
+        """Lines of standard error, without the one printed when the batch is compiled for the first time."""
         lines = self.err.splitlines()
         return [line for line in lines if line.strip() and not line.startswith("compiling the batch")]
 
     def one_line(self) -> str:
-        """The complaint: what was written to standard error, which must be a single line and no traceback."""
+        """The error message on standard error, which must be a single line without a traceback."""
         lines = [line for line in self.said if not line.startswith("bus: ")]
         assert len(lines) == 1, self.err
         assert "Traceback" not in self.err
@@ -64,13 +64,13 @@ def complaint(done: Done, exit_code: int = 2) -> str:
 
 
 class Started:
-    """A command that goes on while the test does something to it."""
+    """A command that keeps running while the test acts on it."""
 
     def __init__(self, *arguments: str | Path) -> None:
         self.process = subprocess.Popen(command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def child(self, module: str) -> psutil.Process:
-        """The child process that runs a module; waits for it."""
+        """The child process that runs a module; waits until it exists."""
 
         def find() -> psutil.Process | None:
             for child in psutil.Process(self.process.pid).children():
@@ -82,7 +82,7 @@ class Started:
         return found
 
     def finish(self) -> tuple[Done, float]:
-        """Wait for the end; also the seconds that it took."""
+        """Wait for the end; also returns the seconds that it took."""
         start_s = time.monotonic()
         out, err = self.process.communicate(timeout=TIMEOUT_S)
         return Done(self.process.returncode, out, err), time.monotonic() - start_s

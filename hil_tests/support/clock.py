@@ -1,4 +1,4 @@
-"""A wall clock of a test: it stands until it is set, or until somebody waits on it."""
+"""A wall clock for tests: it advances only when it is set or waited on."""
 
 from __future__ import annotations
 
@@ -23,6 +23,6 @@ class SetClock:
         return self.now_ns
 
     def sleep(self, seconds: float) -> None:
-        """Be so much later."""
+        """Advance by the time slept."""
         self.slept_s.append(seconds)
         self.now_ns += round(seconds * 1e9) + self._oversleep_ns

@@ -18,7 +18,7 @@ def flat(value: Any) -> list[Any]:
 
 
 def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
-    """Run the plant with the first controller in charge; the others see the same inputs and are told what was sent."""
+    """Run the plant under the first controller; the others get the same inputs and are told what was sent."""
     plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
     answers: list[list[Any]] = []
     code = 0

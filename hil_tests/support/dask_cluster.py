@@ -6,7 +6,7 @@ from distributed import LocalCluster
 
 
 def loopback_cluster(workers: int) -> LocalCluster:
-    """Scheduler and workers with nannies, all on loopback; their pages get any free port, and nobody looks at them."""
+    """Scheduler and workers with nannies, all on loopback; their dashboards get any free port and are not used."""
     pages = "127.0.0.1:0"
     return LocalCluster(
         n_workers=workers,

@@ -1,4 +1,4 @@
-"""Exported control laws for tests: compiled on the host, run beside the Python law, and in its place."""
+"""Exported control laws for tests: compiled on the host, compared with the Python law, and used instead of it."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ from railhil.controller_node.program.record import leaves
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
-#: As the issue asks for them, with each compiler.
+#: Required warning flags, used with each compiler.
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Werror", "-fwrapv")
-#: Without -fwrapv, under which the sanitizer does not look at overflows.
+#: Without -fwrapv, with which the sanitizer would ignore overflows.
 SANITIZED = ("-std=c99", "-O1", "-Wall", "-Wextra", "-Werror", "-fsanitize=undefined", "-fno-sanitize-recover=all")
 FLAG_BEGIN, FLAG_SENT = 1, 2
 
@@ -33,7 +33,7 @@ Ints = NDArray[np.int64]
 
 
 def compiled(folder: Path, compiler: str, flags: Sequence[str], name: str, law: str = "ipfc") -> Path:
-    """The host program of an export; a warning is an error."""
+    """The host program of an export; warnings are errors."""
     program = folder / name
     command = [compiler, *flags, "-o", str(program), f"{law}.c", "railhil_run.c"]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
@@ -42,7 +42,7 @@ def compiled(folder: Path, compiler: str, flags: Sequence[str], name: str, law: 
 
 
 def checked(program: Path, log: Path) -> subprocess.CompletedProcess[str]:
-    """The program's own comparison with a log."""
+    """Result of the program's own comparison with a log."""
     with log.open("rb") as lines:
         return subprocess.run([program, "check"], stdin=lines, capture_output=True, text=True, check=False)
 
@@ -56,9 +56,9 @@ def written(scenario: Scenario, folder: Path, indexing: str = "time", law: str =
 
 @dataclass(frozen=True, slots=True)
 class Wire:
-    """What N trains give the law over S control periods: arrays of shape (S, N), raw wire integers.
+    """Inputs of the law from N trains over S control periods: arrays of shape (S, N), raw wire integers.
 
-    ``told``: another notch than the answer was sent, ``sent``.
+    ``told``: whether a notch other than the law's was sent, ``sent``.
     """
 
     k: Ints
@@ -66,7 +66,7 @@ class Wire:
     position_01mm: Ints
     told: NDArray[np.bool_]
     sent: Ints
-    #: For a law that is given it.
+    #: For a law that uses it.
     balise: BaliseReading[Ints] | None = None
 
     def records(self) -> bytes:
@@ -122,9 +122,9 @@ def _structures(bundle: Bundle) -> Mapping[str, type[ctypes.Structure]]:
 
 
 class CompiledController(Controller):
-    """The compiled law in the place of :class:`Controller`, for a whole run; its results are those of the C alone.
+    """The compiled law instead of :class:`Controller`, for a complete run; all results come from the C.
 
-    The Python controller is made for what is not computed (cost and names of telemetry) and never stepped.
+    The Python controller is made only for static data (cost and names of telemetry) and never stepped.
     """
 
     def __init__(self, scenario: Scenario, folder: Path, bundle: Bundle, indexing: str) -> None:

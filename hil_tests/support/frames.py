@@ -9,7 +9,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 
 @st.composite
 def frames(draw: st.DrawFn) -> Frame:
-    """Every kind of frame that can stand on a CAN bus."""
+    """Every kind of frame that can occur on a CAN bus."""
     extended = draw(st.sampled_from([0, EXTENDED]))
     can_id = draw(st.integers(0, 0x1FFFFFFF if extended else 0x7FF))
     kind = draw(st.sampled_from([0, 0, REMOTE, ERROR, FD, FD | BRS]))

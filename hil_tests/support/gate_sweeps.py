@@ -1,6 +1,6 @@
-"""Dense sweeps of the safety gate against models written here in another way.
+"""Dense sweeps of the safety gate against independently written models.
 
-Each ``sweep_*`` takes the module to judge, so that the mutation test can run the very same checks on changed source.
+Each ``sweep_*`` takes the module under test, so that the mutation test can run the same checks on changed source.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ def sweep_gate(module: ModuleType) -> None:
                         if 2 <= step <= 7:
                             expected["gap"] = 1
                     assert fresh_gate.counters == expected
-                    # What was refused is not remembered, what was accepted is.
+                    # Refused telegrams are not remembered, accepted ones are.
                     again = fresh_gate.accept(NotchCmd(0, life=life))
                     assert again == (bool(wrong) and (step == -1 or 1 <= step <= 7))
     assert [module.CommandGate.emergency(NotchCmd(emergency=code)) for code in range(4)] == [True, False, True, True]
@@ -72,7 +72,7 @@ def sweep_gate(module: ModuleType) -> None:
 
 
 class PlainGuard:
-    """The guard told as a history: which telegrams counted, and when."""
+    """The guard as a history: which telegrams were accepted, and when."""
 
     def __init__(self) -> None:
         self.ladder = Ladder.of(SCENARIO)
@@ -176,12 +176,12 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
         code = -command_ramp(age_ms) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
         assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
         assert subject.level is level
-    # A limit that comes after the speed of the same tick counts in that tick.
+    # A limit that arrives after the speed of the same tick applies in that tick.
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(edge + 1), 0)
     subject.limit(TrkInfo(speed_limit_4mmps=limit))
     assert subject.notch(500, 0)[1]
-    # An hour without a telegram at standstill is no emergency, and time 0 is a time like any other.
+    # An hour without a telegram at standstill is not an emergency, and time 0 is an ordinary time.
     subject = module.Guard(SCENARIO)
     subject.speed(TrnSpeed(0), 0)
     assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
@@ -189,13 +189,13 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
 
 
 def sweep_guard_position(module: ModuleType) -> None:
-    """A position that is needed and does not come brakes the train; every good speed goes into what is reckoned."""
+    """A required position that does not arrive brakes the train; every good speed enters the dead reckoning."""
     for needed in (False, True):
         counter, odometer = BitCounter(500_000), Odometer(SCENARIO, needed=needed)
         subject = module.Guard(SCENARIO, counter, odometer)
         for tick in range(120):
             now_ns = 10 * tick * MS
-            # Each was received one tick before it is read.
+            # Each telegram was received one tick before it is read.
             subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
             assert subject.level is (SpeedWatchLevel.SERVICE_BRAKE if needed and tick > 100 else SpeedWatchLevel.NORMAL)
         # From 0 to 1.18 s at the speed in the middle, and one tick on at the last speed; 0.1 mm.

@@ -1,4 +1,4 @@
-"""Hubs in processes of their own, and gateways between them."""
+"""Hubs in separate processes, and gateways between them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ PATIENCE_S = 20.0
 
 
 class HubProcess:
-    """A hub in a process of its own; its standard error goes to a file."""
+    """A hub in a separate process; its standard error goes to a file."""
 
     def __init__(self, channel: str, *options: str) -> None:
         self._stderr_file = tempfile.TemporaryFile("w+")  # noqa: SIM115 - closed with the process
@@ -31,7 +31,7 @@ class HubProcess:
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=self._stderr_file, text=True)
         assert self.process.stdout is not None
         self.ready_line = self.process.stdout.readline()
-        #: The channel to connect to (TCP port 0 has become a real one).
+        #: The channel to connect to (TCP port 0 is replaced by the real one).
         self.channel = channel
         if self.ready_line:
             self.channel = self.ready_line.removeprefix("railhil hub ready at ").split(": ")[0]
@@ -47,12 +47,12 @@ class HubProcess:
         return self.process.wait(PATIENCE_S)
 
     def stderr(self) -> str:
-        """What the hub has complained about so far."""
+        """The hub's messages so far."""
         self._stderr_file.seek(0)
         return self._stderr_file.read()
 
     def wait_for_stderr(self, words: str) -> None:
-        """Wait until the hub has complained with these words."""
+        """Wait until the hub has printed these words."""
         deadline_s = time.monotonic() + PATIENCE_S
         while words not in self.stderr():
             assert time.monotonic() < deadline_s, f"no {words!r} in {self.stderr()!r}"
@@ -117,7 +117,7 @@ def opened_port(text: str, *, lossless: bool = False) -> tuple[BusPort, list[str
 
 
 def taken(port: BusPort, enough: Callable[[list[Frame]], bool]) -> list[Frame]:
-    """Frames that the port hands to the switch, until they are enough."""
+    """Frames that the port passes to the switch, until there are enough."""
     frames: list[Frame] = []
 
     def look() -> bool:

@@ -1,4 +1,4 @@
-"""Rows of IQmath vectors: what each function takes, and reading a folder of them line by line."""
+"""Rows of IQmath vectors: the inputs of each function, and reading a folder of them line by line."""
 
 from __future__ import annotations
 
@@ -21,7 +21,8 @@ FORMATS = range(1, 31)
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """What an input may be: whole numbers of a range, or a text (None). ``plain``: a part of the call, no array."""
+    """Allowed values of an input: integers of a range, or a text (None). ``plain``: an argument that is never an
+    array."""
 
     allowed: range | None
     plain: bool = False
@@ -85,7 +86,7 @@ FUNCTIONS = {
 
 
 def _refused(row: Any, profile: str | None) -> tuple[str, Any, str] | None:
-    """What is wrong with a row: key, found, allowed; None for a row that can be run and judged."""
+    """The error in a row: key, found, allowed; None for a row that can be run and judged."""
     if not isinstance(row, dict) or not _is_name(row.get("f")):
         return "f", row, "a row with f, q and i"
     q, inputs, call = row.get("q"), row.get("i"), FUNCTIONS.get(row["f"])
@@ -135,7 +136,7 @@ def read_rows(folder: Path, profile: str | None = None) -> dict[str, list[Row]]:
     """Rows of every ``*.jsonl`` and ``*.jsonl.gz`` of a folder, by function.
 
     Raises :class:`~railhil.common.errors.InputError` when there are none, for a file that cannot be read and for a line
-    that is no row of its function or, with a ``profile``, lacks what that one must give.
+    that is not a row of its function or, with a ``profile``, lacks the expected result of that profile.
     """
     rows: dict[str, list[Row]] = defaultdict(list)
     for path in sorted([*folder.glob("*.jsonl"), *folder.glob("*.jsonl.gz")]):

@@ -1,13 +1,14 @@
 """IQmath vectors: read a folder of them, run them on a profile, report what differs.
 
 ``python -m hil_tests.support.iq_vectors FOLDER [--profile c28|portable] [--arrays]`` prints rows, differences and the
-worst one of every function; exit code 1 with any, 2 with a folder that cannot be read, holds a line that is no row or
-nothing that the profile is judged by. Row format: ``hil_tests/data/iq/SOURCE.md``.
+worst one of every function; exit code 1 if there are differences, 2 for a folder that cannot be read, contains an
+invalid row or has no results for the profile. Row format: ``hil_tests/data/iq/SOURCE.md``.
 
-The portable profile must give ``o`` on every row but those tagged ``u``. The C28x profile must give ``c``. Without a
+The portable profile must give ``o`` on every row except those tagged ``u``. The C28x profile must give ``c``. Without a
 ``c``, a value further from the exact ``r`` than TI's own routine may be (:data:`TOLERANCES`) is a mismatch, and a value
-inside that is *unrounded* when it is not ``r`` itself: our model promises the nearest number, a target would not. The
-exceptions are the rows of exp outside the range of its format and those of atan2PU below 0 (:func:`expected`).
+within that tolerance is *unrounded* if it is not ``r`` itself: railhil's model promises the nearest number, a target
+does not. The exceptions are the rows of exp outside the range of its format and those of atan2PU below 0
+(:func:`expected`).
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ PROFILES = {"c28": (C28, C28Batch), "portable": (Portable, PortableBatch)}
 
 
 def _of_full_scale(lsb: int) -> Callable[[int, int], int]:
-    """So many LSB at 2^31, in proportion below, at least one."""
+    """A tolerance of this many LSB at 2^31, proportionally smaller below, at least one."""
     return lambda q, exact: max(1, math.ceil(lsb * abs(exact) / 2**31))
 
 
@@ -44,7 +45,7 @@ def _own_model_of_exp(q: int, exact: int) -> int:
 
 
 def _at_format(lsb: int, full: int) -> Callable[[int, int], int]:
-    """So many LSB in Q ``full``, in proportion in the formats below, at least one."""
+    """A tolerance of this many LSB in Q ``full``, proportionally smaller in lower formats, at least one."""
     return lambda q, exact: max(1, lsb >> (full - q))
 
 
@@ -68,10 +69,10 @@ TOLERANCES: dict[str, tuple[Callable[[int, int], int], str]] = {
 
 
 def expected(profile: str, row: Row) -> Any:
-    """What a profile must give, None where the row does not say: tagged ``u``, or a text without ``c``.
+    """The expected result of a profile, None if the row has none: tagged ``u``, or a text without ``c``.
 
     The C28x limits the argument of exp to the range of its format, on both sides: outside it, ``r`` is not what the
-    library gives, but the result at the limit. Its atan2PU answers in 0 to 1, where ``r`` is in -1/2 to 1/2.
+    library gives, but the result at the limit. Its atan2PU gives 0 to 1, while ``r`` is in -1/2 to 1/2.
     """
     if profile == "portable":
         return None if row.get("t") == "u" else row["o"]
@@ -95,7 +96,7 @@ def _at_the_limit(argument: int, q: int, exact: int) -> int:
 
 
 def tolerance(function: str, row: Row) -> int:
-    """LSB by which TI's routine may miss ``r``, 0 where nothing is said."""
+    """LSB by which TI's routine may differ from ``r``, 0 if not specified."""
     return TOLERANCES[function][0](row["q"], row["r"]) if function in TOLERANCES else 0
 
 
@@ -105,10 +106,10 @@ class Report:
 
     rows: int = 0
     mismatches: int = 0
-    #: Inside the tolerance of the library, but not the nearest number.
+    #: Within the tolerance of the library, but not the nearest number.
     unrounded: int = 0
     worst_lsb: int = 0
-    #: Rows that say nothing about the profile.
+    #: Rows without a result for the profile.
     unjudged: int = 0
 
     @property
@@ -144,7 +145,7 @@ def as_arrays(arithmetic: Any, function: str, rows: Sequence[Row]) -> list[Any]:
 
 
 def judge(profile: str, function: str, rows: Sequence[Row], results: Sequence[Any]) -> Report:
-    """Compare results with what the rows demand of a profile."""
+    """Compare results with those that the rows require of a profile."""
     report = Report()
     for row, result in zip(rows, results, strict=True):
         wanted = expected(profile, row)

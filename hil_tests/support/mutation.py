@@ -1,6 +1,6 @@
 """A small mutation tester: one change at a time in a module's syntax tree, executed in memory.
 
-A mutant that no check notices shows a check that is missing. Operators: comparison at and beyond its boundary, whole
+A mutant that no check detects shows that a check is missing. Operators: comparison at and beyond its boundary, whole
 numbers plus and minus one, ``and``/``or`` swapped, ``True``/``False`` swapped, ``not`` removed, statement left out.
 """
 
@@ -47,7 +47,7 @@ class Mutant:
 
 
 def _docstrings(tree: ast.Module) -> set[int]:
-    """Ids of the statements that are docstrings: to leave one out changes nothing."""
+    """Ids of the statements that are docstrings: removing one changes nothing."""
     holders = (ast.Module, ast.ClassDef, ast.FunctionDef)
     return {
         id(node.body[0])
@@ -58,7 +58,7 @@ def _docstrings(tree: ast.Module) -> set[int]:
 
 
 def _changes(node: ast.AST) -> Iterator[Change]:
-    """What can be changed at one node."""
+    """Possible changes at one node."""
     if isinstance(node, ast.Compare):
         for place, operator in enumerate(node.ops):
             for other in _COMPARE[type(operator)]:
@@ -83,7 +83,7 @@ def _changes(node: ast.AST) -> Iterator[Change]:
 
 
 def _annotations(tree: ast.Module) -> set[int]:
-    """Ids of all nodes inside type annotations and decorators: they do not act at run time."""
+    """Ids of all nodes inside type annotations and decorators, which have no effect at run time."""
     roots: list[ast.AST | None] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.AnnAssign):
@@ -128,7 +128,7 @@ def mutants(source: str) -> Iterator[Mutant]:
 
 
 def load(mutant: Mutant, original: ModuleType) -> ModuleType:
-    """Execute a mutant as a module of its own; the original stays what everybody else imports."""
+    """Execute a mutant as a separate module; other modules still import the original."""
     module = ModuleType(original.__name__)
     module.__file__ = original.__file__
     exec(compile(mutant.tree, f"mutant of {original.__name__}", "exec"), module.__dict__)  # noqa: S102
@@ -136,7 +136,7 @@ def load(mutant: Mutant, original: ModuleType) -> ModuleType:
 
 
 def survivors(original: ModuleType, checks: Sequence[Callable[[ModuleType], None]]) -> tuple[int, list[Mutant]]:
-    """Number of mutants of a module, and those that no check notices."""
+    """Number of mutants of a module, and those that no check detects."""
     alive = []
     count = 0
     for mutant in mutants(inspect.getsource(original)):
@@ -146,7 +146,7 @@ def survivors(original: ModuleType, checks: Sequence[Callable[[ModuleType], None
             for check in checks:
                 check(module)
         except (Exception, pytest.fail.Exception):
-            # Noticed: by a failed check, or because the module does not even load.
+            # Detected: by a failed check, or because the module does not even load.
             continue
         alive.append(mutant)
     return count, alive

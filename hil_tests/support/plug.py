@@ -1,4 +1,4 @@
-"""Laws of a test, registered as a user registers one: an entry point of a distribution on the path."""
+"""Laws defined in a test, registered like a user's law: by an entry point of a distribution on the path."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from railhil.controller_node.program.tracer import Tracer
 
 
 class Wrapping(Ipfc[Any]):
-    """IPFC with a product that wraps in every period; its record does not show it, else it would not start."""
+    """IPFC with a product that wraps in every period; its recording does not show it, otherwise it would not start."""
 
     def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
         """One control period, wrapped."""
@@ -27,7 +27,7 @@ class Wrapping(Ipfc[Any]):
 
 
 def plug_in(folder: Path, patch: pytest.MonkeyPatch, **laws: type[Law[Any, Any]]) -> None:
-    """Make laws, classes at the top of a test's module, known by these names until the end of the test.
+    """Register laws, top-level classes of a test module, under these names until the end of the test.
 
     :param folder: where the distribution is written.
     """

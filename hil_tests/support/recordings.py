@@ -1,4 +1,4 @@
-"""Run folders without sockets and processes, as ``railhil run`` leaves them."""
+"""Run folders like those of ``railhil run``, made without sockets and processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scores that no run has made, for what only looks at them."""
+"""Made-up scores, for code that only displays or compares them."""
 
 from __future__ import annotations
 
@@ -29,6 +29,6 @@ def made_score(
 
 
 def with_values(score: Score, **changes: float | None) -> Score:
-    """The score with other values; one that has a sign gets that of the change, too."""
+    """The score with other values; a signed one also gets its sign from the change."""
     signed = {one.signed: changes[one.key] for one in limited() if one.signed and one.key in changes}
     return replace(score, values={**score.values, **changes}, signed={**score.signed, **signed})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-#: 72 m in 24 s. The record goes on for 1 s after the stop: longer than the overtime.
+#: 72 m in 24 s. Recording continues for 1 s after the stop: longer than the overtime.
 RUN_72M_TOML = """\
 extends = "lvshun_tieshan"
 name = "short"

@@ -1,6 +1,6 @@
-"""Dense sweeps of what stands before the gates, life sign and traffic store, against the drawings of the mapping.
+"""Dense sweeps of the stages before the gates, life sign and traffic store, against the layout diagrams of the mapping.
 
-As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module to judge.
+As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under test.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PORTS = [
 
 
 def sweep_lifesign(module: ModuleType) -> None:
-    """Every pair of life signs; the four verdicts drawn as a ring."""
+    """Every pair of life signs; the four verdicts as a ring."""
     ring = ["duplicate", "next", *["gap"] * 6, *["out_of_order"] * 8]
     assert module.MAX_STEP == 7
     for last in range(16):
@@ -60,7 +60,7 @@ def changed(frame: Frame, byte: int, mask: int) -> Frame:
 
 
 def expected_cause(port: Port, fd: bool, frame_index: int, byte: int, mask: int) -> str | None:
-    """What the drawings of the mapping say about a flipped bit; None: the bit means nothing."""
+    """What the layout diagrams say about a flipped bit; None: the bit is not used."""
     if port.single_frame:
         if byte in (2, 3) and port.f_code == 0:
             return None
@@ -147,7 +147,7 @@ def sweep_store_forms(module: ModuleType) -> None:
 
 
 def sweep_store_assembly(module: ModuleType) -> None:
-    """Which blocks are there, and how long they took."""
+    """Which blocks have arrived, and how long they took."""
     assert module.ASSEMBLY_NS == 5 * MS
     for port in PORTS[2:]:
         data, frames = telegram_of(port, False)
@@ -158,7 +158,7 @@ def sweep_store_assembly(module: ModuleType) -> None:
             whole = len(some) == len(blocks)
             assert fed(traffic, [*some, trailer]) == (port.name if whole else None)
             assert traffic.counters == ({} if whole else {"missing_block": 1})
-            # Whatever the trailer made of them, the blocks are gone.
+            # Whatever the result of the trailer, the blocks are discarded.
             assert traffic.feed(trailer, 0) is None
             assert traffic.counters["missing_block"] == (1 if whole else 2)
             assert fed(traffic, frames) == port.name
@@ -167,7 +167,7 @@ def sweep_store_assembly(module: ModuleType) -> None:
             for over_ns in (0, 1):
                 arguments = () if limit_ns is None else (limit_ns,)
                 traffic = module.TrafficStore([port], *arguments)
-                # The time counts from the first block, in whatever order they come.
+                # The time counts from the first block, regardless of their order.
                 traffic.feed(blocks[-1], 1000)
                 for block in blocks[:-1]:
                     traffic.feed(block, 1000 + allowed_ns)
@@ -183,7 +183,7 @@ def sweep_store_assembly(module: ModuleType) -> None:
             too_long = max(times_ns) - min(times_ns) > 5 * MS
             assert results[-1] == (None if too_long else port.name)
             assert traffic.counters == ({"assembly_timeout": 1} if too_long else {})
-        # What was left over long ago, or came from nowhere, is replaced by the next telegram.
+        # Blocks left over long ago, or stray ones, are replaced by the next telegram.
         for stray in blocks:
             traffic = module.TrafficStore([port])
             traffic.feed(stray._replace(data=bytes(8)), 5_000 * MS)

@@ -1,4 +1,4 @@
-"""Pythons of this machine, and throw-away environments in which a wheel is installed as a user would."""
+"""Python interpreters of this machine, and throw-away environments in which a wheel is installed like by a user."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from typing import Any
 from hil_tests.support.paths import ROOT
 from railhil.machines.debian import cache_dir, cache_lock
 
-#: Versions that the project says it runs on.
+#: Versions that the project supports.
 VERSIONS = ("3.11", "3.12", "3.13")
 RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
 #: An interpreter of the distribution may be of any version.
@@ -25,7 +25,7 @@ _TIMEOUT_S = 600.0
 
 
 class MissingCapabilityError(Exception):
-    """An interpreter or a package index that this machine does not have; the text is one line."""
+    """A missing interpreter or package index; the text is one line."""
 
 
 def project() -> dict[str, Any]:
@@ -52,24 +52,24 @@ def python_of(version: str) -> str:
     pyenv = Path(os.environ.get("PYENV_ROOT") or Path.home() / ".pyenv") / "versions"
     candidates = [shutil.which(f"python{version}"), *sorted(pyenv.glob(f"{version}*/bin/python")), DEBIAN]
     for candidate in candidates:
-        # pyenv puts a command of each name on the path, also of versions that are not switched on.
+        # pyenv puts a command of each name on the path, also for versions that are not activated.
         if candidate is not None and _version_of(candidate) == version:
             return str(candidate)
     raise MissingCapabilityError(f"MISSING CAPABILITY Python {version}: not on the search path, with pyenv or Debian")
 
 
 def debian_version() -> str | None:
-    """Version of Debian's own interpreter, when it is one that the project runs on and not the running one."""
+    """Version of Debian's own interpreter, if the project supports it and it is not the running one."""
     own, running = Path(DEBIAN).resolve(), Path(getattr(sys, "_base_executable", sys.executable)).resolve()
     version = own.name.removeprefix("python")
     return version if version in VERSIONS and own.exists() and own != running else None
 
 
 def _pip(*words: str | Path, python: str | Path | None = None) -> None:
-    """Run pip for another interpreter, which needs none of its own.
+    """Run pip for another interpreter, which does not need its own pip.
 
     Raises:
-        MissingCapabilityError: it failed; most often no package index is in reach.
+        MissingCapabilityError: it failed; most often no package index is reachable.
     """
     target = [] if python is None else ["--python", str(python)]
     command = [sys.executable, "-m", "pip", *target, "--disable-pip-version-check", "-q", *map(str, words)]
@@ -80,7 +80,8 @@ def _pip(*words: str | Path, python: str | Path | None = None) -> None:
 
 
 def libraries_of(python: str, version: str) -> Path:
-    """Folder with the project's dependencies for an interpreter, kept in the cache; the running one has its own.
+    """Folder with the project's dependencies for an interpreter, kept in the cache; the running interpreter uses its
+    own.
 
     Raises:
         MissingCapabilityError: no package index is in reach.
@@ -126,7 +127,7 @@ class Environment:
 
     @classmethod
     def make(cls, folder: Path, python: str, libraries: Path, *wheels: Path) -> Environment:
-        """New environment with wheels installed; their dependencies come from ``libraries``, unseen by pip."""
+        """New environment with wheels installed; their dependencies come from ``libraries``, without pip."""
         subprocess.run([python, "-m", "venv", "--without-pip", str(folder / "venv")], check=True, timeout=_TIMEOUT_S)
         environment = cls(folder / "venv" / "bin", folder / "empty")
         environment.folder.mkdir()
@@ -147,7 +148,7 @@ class Environment:
         return done.stdout
 
     def complaint(self, command: str, *arguments: str | Path) -> str:
-        """Standard error of a command that refuses its input and says nothing else."""
+        """Standard error of a command that refuses its input and prints nothing else."""
         done = self._done(command, *arguments)
         assert (done.returncode, done.stdout) == (2, ""), done.stdout + done.stderr
         return done.stderr

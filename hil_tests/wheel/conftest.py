@@ -19,7 +19,7 @@ _BACKEND = "import setuptools.build_meta as build, sys; print(getattr(build, 'bu
 
 @dataclass(frozen=True, slots=True)
 class Built:
-    """What a release uploads; and the wheel that the source archive makes."""
+    """The files of a release, and the wheel built from the source archive."""
 
     wheel: Path
     sdist: Path
@@ -55,7 +55,7 @@ def _build(source: Path, kind: str, folder: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
-    """From what git would check out, as after a clone: what lies about in the work tree must not matter."""
+    """Built from what git would check out, as after a clone: other files in the work tree must not matter."""
     folder = tmp_path_factory.mktemp("build")
     listed = subprocess.run(
         ["git", "ls-files", "--cached", "--others", "--exclude-standard"], cwd=ROOT, capture_output=True, text=True,

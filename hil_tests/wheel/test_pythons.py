@@ -1,4 +1,4 @@
-"""The wheel with every Python that the project names: equal logs, and complaints of one line."""
+"""The wheel with every supported Python version: equal logs, and error messages of one line."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wheel in an empty folder, beside distributions of PyPI that have the names of our folders."""
+"""The wheel in an empty folder, together with distributions from PyPI that have the names of railhil's folders."""
 
 from __future__ import annotations
 

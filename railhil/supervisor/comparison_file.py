@@ -1,4 +1,4 @@
-"""What a comparison leaves behind beside the run folders: ``compare.json`` and ``compare.csv``."""
+"""The files of a comparison in addition to the run folders: ``compare.json`` and ``compare.csv``."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.recorded import RecordedRun
 
-#: Name in the folder of a comparison, beside ``compare.json``.
+#: Name in the folder of a comparison, next to ``compare.json``.
 _TABLE = "compare.csv"
 
 
 def _row(folder: Path, run: RecordedRun) -> dict[str, Any]:
-    """One law, wall-clock figures left out."""
+    """One law, without wall-clock figures."""
     found, row = run.score, run.published
     parameters = run.certificate.get("parameters")
     return {
@@ -57,13 +57,13 @@ def write_comparison(
     runs: Sequence[tuple[Path, RecordedRun]],
     notes: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Write both files, whole; ``compare.json`` comes last and marks the comparison as whole.
+    """Write both files atomically; ``compare.json`` comes last and marks the comparison as complete.
 
-    :param common: any of the runs: what all have in common is taken from it.
-    :param runs: run folders below ``folder`` and what was recorded there, in order.
+    :param common: any of the runs, from which the common properties are taken.
+    :param runs: run folders below ``folder`` with their recorded runs, in order.
     :param notes: sentences on the comparison as a whole.
     :returns: the content of ``compare.json``.
-    :raises RecordFailed: they cannot be written; then neither is there.
+    :raises RecordFailed: they cannot be written; then neither exists.
     """
     rows = [_row(path, run) for path, run in runs]
     document = {

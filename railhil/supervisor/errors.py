@@ -1,4 +1,4 @@
-"""What is said when something cannot be written."""
+"""Errors when something cannot be written."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from pathlib import Path
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR
 
-#: What the operating system says when there is no room.
+#: Errors of the operating system when the disk is full.
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 
 class RecordFailed(Exception):
-    """What was asked for cannot be written (disk full); what has reached the log stays there."""
+    """Results cannot be written (disk full); the frames already in the log are kept."""
 
     exit_code = TOOL_ERROR
 
 
 def not_written(key: str, path: Path, kind: str, error: OSError) -> InputError | RecordFailed:
-    """The one line for a file or folder of the user's that cannot be written: bad input, unless the disk is full.
+    """The error for a user's file or folder that cannot be written: bad input, unless the disk is full.
 
     :param key: option that named it.
     :param kind: ``file`` or ``folder``.

@@ -1,7 +1,7 @@
-"""The frame log: candump text, stamped with simulation time and a neutral channel name.
+"""The frame log: candump text with simulation time and a neutral channel name.
 
-It is the evidence of a run: written while the run goes on, hashed, read back for the score; the BLF beside it is
-made from it. One run has one log, byte for byte, on every transport.
+It is the authoritative record of a run: written during the run, hashed, and read back for the score; the BLF is made
+from it. A run has the same log, byte for byte, on every transport.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ _ERROR_ID = 0x20000080
 _NS_PER_US = 1000
 #: Simulation times are 64 bit.
 _TIME_MAX_NS = (1 << 63) - 1
-#: No line is longer: 64 bytes of CAN FD in hexadecimal, with what stands around them.
+#: Longest line: 64 bytes of CAN FD in hexadecimal, with time stamp, channel and identifier.
 _LINE_MAX_BYTES = 1024
 BLF_SUFFIX = ".blf"
-#: What python-can's reader raises on bytes that are no BLF, or end too early.
+#: Exceptions of python-can's reader for data that are not BLF, or end too early.
 _NO_BLF = (BLFParseError, struct.error, zlib.error, ValueError, OverflowError, EOFError)
-#: Standard identifiers as they stand in the log.
+#: Standard identifiers as formatted in the log.
 _STANDARD = tuple(f"{can_id:03X}#" for can_id in range(0x800))
 
 
 @lru_cache(maxsize=4)
 def _stamp(time_ns: int) -> str:
-    """What a line begins with; all frames of a tick share it."""
+    """Beginning of a line; shared by all frames of a tick."""
     return f"({time_ns // 1_000_000_000}.{time_ns // _NS_PER_US % 1_000_000:06d}) {CHANNEL} "
 
 
 def log_line(time_ns: int, frame: Frame) -> str:
-    """One candump line with its newline, as python-can's writer makes it (a test compares the two).
+    """One candump line with its newline, identical to that of python-can's writer (a test compares the two).
 
-    Written here because it is on the path of every frame, where building a message for the library's writer costs
-    three times as much as the line.
+    It is formatted here because every frame passes through, and building a message for the library's writer costs three
+    times as much as the line.
     """
     can_id, data, flags = frame
     stamp = _stamp(time_ns)
@@ -62,20 +62,20 @@ def log_line(time_ns: int, frame: Frame) -> str:
 
 
 class FrameLog:
-    """Writes ``frames.log`` of one run folder while the run goes on."""
+    """Writes ``frames.log`` of one run folder during the run."""
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / "frames.log"
         self._stream = self.path.open("w", encoding="ascii", newline="\n", buffering=1 << 16)
         self.write = self._stream.write
-        #: Hand what is buffered to the kernel: from then on a killed recorder no longer loses it.
+        #: Flush the buffer to the kernel: from then on a killed recorder no longer loses it.
         self.flush = self._stream.flush
 
     def close(self) -> str:
         """Finish the file.
 
         :returns: its SHA-256.
-        :raises OSError: the rest of it cannot be written; the file then ends with its last whole line.
+        :raises OSError: the rest cannot be written; the file then ends with its last complete line.
         """
         try:
             self._stream.close()
@@ -86,7 +86,7 @@ class FrameLog:
 
 
 def _cut_to_whole_lines(path: Path) -> None:
-    """What a full disk has cut off in the middle can still be read, up to there."""
+    """Truncate a log that a full disk has cut off, so that it can still be read up to that point."""
     with path.open("r+b") as stream:
         size = stream.seek(0, os.SEEK_END)
         start = stream.seek(max(0, size - _LINE_MAX_BYTES))
@@ -100,7 +100,7 @@ def sha256_of(path: Path) -> str:
 
 
 def log_sha256(path: Path) -> str:
-    """SHA-256 of a record as its certificate has it: that of the candump log, also for the BLF made from it."""
+    """SHA-256 of a record as in its certificate: that of the candump log, also for the BLF made from it."""
     if path.suffix != BLF_SUFFIX:
         return sha256_of(path)
     digest = hashlib.sha256()
@@ -112,13 +112,14 @@ def log_sha256(path: Path) -> str:
 def read_log(path: Path) -> Iterator[tuple[int, Frame]]:
     """Frames ``(time_ns, frame)`` of a candump log or of the BLF made from it, in bus order.
 
-    :raises InputError: unreadable file, a line that is no candump line, a file that ends inside a line, no BLF.
+    :raises InputError: unreadable file, a line that is not a candump line, a file that ends inside a line, an invalid
+        BLF.
     """
     return _read_blf(path) if path.suffix == BLF_SUFFIX else _read_candump(path)
 
 
 def _read_blf(path: Path) -> Iterator[tuple[int, Frame]]:
-    """Stamps are whole microseconds, as in the candump log; BLF has them as floating-point seconds."""
+    """Time stamps are whole microseconds, as in the candump log; BLF stores them as floating-point seconds."""
     allowed = "a BLF file with at least one frame"
     count = 0
     try:
@@ -160,7 +161,7 @@ def _read_candump(path: Path) -> Iterator[tuple[int, Frame]]:
 
 @lru_cache(maxsize=4)
 def _time_ns(stamp: str) -> int:
-    """Time of what a line begins with, the other way round than :func:`_stamp`; ValueError or IndexError."""
+    """Time from the beginning of a line, the inverse of :func:`_stamp`; raises ValueError or IndexError."""
     seconds, micros = stamp.split(".")
     if seconds[0] != "(" or micros[-1] != ")" or len(micros) != 7 or not (seconds[1:] + micros[:-1]).isdigit():
         raise ValueError(stamp)
@@ -171,14 +172,14 @@ def _time_ns(stamp: str) -> int:
 
 
 def _parsed(line: str) -> tuple[int, Frame]:
-    """Time and frame of a line; ValueError or IndexError when it is none."""
+    """Time and frame of a line; raises ValueError or IndexError if it is invalid."""
     fields = line.split()
     time_ns = _time_ns(fields[0])
     identifier, mark, payload = fields[2].partition("#")
     if not mark or len(identifier) not in (3, 8):
         raise ValueError(line)
     if len(identifier) == 3 and payload[:1] not in "#R":
-        # Nearly every line of a record.
+        # Fast path for nearly every line of a record.
         return time_ns, quick_frame((int(identifier, 16), bytes.fromhex(payload), 0))
     can_id = int(identifier, 16)
     flags = 0

@@ -1,4 +1,4 @@
-"""With what a run is made: written into its folder at the start, so that the record can be judged anywhere."""
+"""The inputs of a run, written into its folder at the start, so that the record can be judged anywhere."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from railhil.scenarios.stored import SCENARIO, any_document
 from railhil.scenarios.system import system_named
 from railhil.supervisor.json_file import write_json
 
-#: Parameters of the law, when they did not come from the law itself.
+#: Parameters of the law, if they are not the law's own.
 PARAMETERS = "parameters.json"
 
 
 def write_inputs(folder: Path, scenario: AnyScenario, parameters: ParameterSet | None) -> None:
-    """Write resolved scenario, wire contract and parameters; the nominal scenario, whatever the seed draws.
+    """Write resolved scenario, wire contract and parameters; always the nominal scenario.
 
     :raises OSError: it cannot be written.
     """

@@ -1,8 +1,9 @@
-"""How well a run has kept its time: lateness of the cycles, latency of the answers, missed polls.
+"""Timing of a run: lateness of the cycles, latency of the answers, missed polls.
 
-Measured by the plant, which has the deadlines; it leaves ``timing.csv`` in the run folder. Where there is none (a plant
-that was started elsewhere, or was killed) the arrivals of the ticks at the recorder take its place: those are later and
-less even than the ticks themselves, and an answer that came too late for the plant cannot be told from one in time.
+It is measured by the plant, which has the deadlines and writes ``timing.csv`` to the run folder. Without that file (a
+plant that was started elsewhere, or was killed) the arrivals of the ticks at the recorder are used instead: they are
+later and less even than the ticks themselves, and an answer that was too late for the plant cannot be told from one in
+time.
 """
 
 from __future__ import annotations
@@ -21,14 +22,14 @@ from railhil.supervisor.trace import Trace
 
 #: Names in the run folder: what the plant measured, and the arrivals at the recorder.
 TIMING, WALL = "timing.csv", "wall.csv"
-#: A run in which more than this share of the cycles came more than ``LATE_MS`` late is INVALID.
+#: A run with more than this share of its cycles more than ``LATE_MS`` late is INVALID.
 LATE_SHARE_MAX = 0.001
 LATE_MS = 5.0
-#: So is a run with one cycle so late: in a long one a host that paused would be too small a share.
+#: So is a run with one cycle this late: in a long run a single pause of the host would be too small a share.
 PAUSE_MS = 200.0
-#: Bins of the histogram in ms, five per decade; what lies outside is counted in the first or last.
+#: Bins of the histogram in ms, five per decade; values outside are counted in the first or last bin.
 EDGES_MS: tuple[float, ...] = tuple(float(f"{10 ** (step / 5):.3g}") for step in range(-15, 16))
-#: Who measured.
+#: Source of the measurement.
 PLANT, RECORDER, NOBODY = "plant", "supervisor", "none"
 _TICK = "tick"
 Milliseconds = npt.NDArray[np.float64]
@@ -48,7 +49,7 @@ class Jitter:
 
     @property
     def valid(self) -> bool:
-        """Good enough for a verdict."""
+        """Whether the timing is good enough for a verdict."""
         return self.late_share <= LATE_SHARE_MAX and self.max_ms < PAUSE_MS
 
     def sentence(self) -> str:
@@ -67,7 +68,7 @@ class Jitter:
 
 @dataclass(frozen=True, slots=True)
 class Answers:
-    """Polls of one port: how many, how many without an answer in time, and how long the others took, in ms."""
+    """Polls of one port: their number, those without an answer in time, and the latency of the others, in ms."""
 
     port: str
     polls: int
@@ -79,10 +80,10 @@ class Answers:
 
 @dataclass(frozen=True, slots=True)
 class RunTiming:
-    """Timing of a run. ``source`` says who measured; in lockstep nobody did, for there was nothing to be late for.
+    """Timing of a run. ``source`` says who measured; in lockstep there are no deadlines and no measurement.
 
-    ``answers`` are known to the plant only; ``scheduling`` holds what each process was granted, by role. ``pace``: a
-    sentence when the plant kept another one than was asked for here, else empty.
+    ``answers`` are known only to the plant; ``scheduling`` holds what each process was granted, by role. ``pace``: a
+    sentence if the plant kept a pace other than the requested one, else empty.
     """
 
     source: str
@@ -110,7 +111,8 @@ class RunTiming:
 
 
 def jitter_from(late_ms: Milliseconds) -> Jitter:
-    """Jitter of cycles that were so late, shape (n,). No cycle at all is not good enough for a verdict."""
+    """Jitter of cycles with these latenesses, shape (n,). Without any cycle the timing is not good enough for a
+    verdict."""
     if len(late_ms) == 0:
         return Jitter(0, 0.0, 0.0, 0.0, 0.0, 1.0, (0,) * (len(EDGES_MS) - 1))
     p50, p99, p999 = np.percentile(late_ms, (50, 99, 99.9))
@@ -127,17 +129,17 @@ def jitter_from(late_ms: Milliseconds) -> Jitter:
 
 
 def write_wall_times(ticks: array[int], wall_ns: array[int], out: Path) -> None:
-    """Write the side file of a realtime run: arrival of each tick in ns of wall time since the first."""
+    """Write the additional file of a real-time run: arrival of each tick in ns of wall time since the first."""
     rows = np.column_stack([np.array(ticks, dtype=np.int64), np.array(wall_ns, dtype=np.int64)])
     rows[:, 1] -= rows[0, 1] if len(rows) else 0
     np.savetxt(out, rows, fmt="%d", delimiter=",", header="tick,wall_ns", comments="")
 
 
 def kept_pace(asked: float, told: float) -> tuple[float, str]:
-    """Pace of the ticks in simulated seconds per wall second, and a sentence when it is not the one that was asked for.
+    """Pace of the ticks in simulated seconds per wall second, and a sentence if it is not the requested one.
 
-    :param asked: what this command was given, exact.
-    :param told: what TIME_SYNC said, in tenths (:func:`railhil.bus.clock.rate_to_10th`); 0: nothing.
+    :param asked: the exact pace given to this command.
+    :param told: pace from TIME_SYNC, in tenths (:func:`railhil.bus.clock.rate_to_10th`); 0: none.
     """
     asked_10th, told_10th = rate_to_10th(asked), round(told * 10)
     if told_10th in (0, asked_10th):
@@ -153,7 +155,7 @@ def arrivals_of(ticks: Sequence[int], wall_ns: Sequence[int], tick_ns: float) ->
 
 
 def plant_timing(path: Path) -> tuple[Jitter, tuple[Answers, ...]] | None:
-    """Lateness and answers as the plant wrote them; None when it has left no whole table."""
+    """Lateness and answers as written by the plant; None if there is no complete table."""
     found: dict[str, list[int]] = {_TICK: []}
     try:
         lines = path.read_text(encoding="ascii").splitlines()
@@ -161,14 +163,14 @@ def plant_timing(path: Path) -> tuple[Jitter, tuple[Answers, ...]] | None:
             _, event, ns = line.split(",")
             found.setdefault(event, []).append(int(ns))
     except (OSError, ValueError):
-        # Written by a process that may have been killed; the arrivals then stand for it.
+        # Written by a process that may have been killed; then the arrivals are used instead.
         return None
     late_ms = np.array(found.pop(_TICK), dtype=np.float64) / 1e6
     return jitter_from(late_ms), tuple(_answers(port, np.array(taken_ns)) for port, taken_ns in sorted(found.items()))
 
 
 def _answers(port: str, taken_ns: npt.NDArray[np.int64]) -> Answers:
-    """Statistics of one port's polls; a latency below zero is a missed one."""
+    """Statistics of one port's polls; a latency below zero means a missed poll."""
     answered_ms = taken_ns[taken_ns >= 0] / 1e6
     p50, p99 = np.percentile(answered_ms, (50, 99)) if len(answered_ms) else (0.0, 0.0)
     longest_ms = float(answered_ms.max()) if len(answered_ms) else 0.0
@@ -176,14 +178,14 @@ def _answers(port: str, taken_ns: npt.NDArray[np.int64]) -> Answers:
 
 
 def lockstep_timing(trace: Trace) -> RunTiming:
-    """Timing of a run whose time waited for everybody."""
+    """Timing of a lockstep run, without deadlines."""
     return RunTiming(NOBODY, trace.polls, trace.missed_polls)
 
 
 def realtime_timing(
     folder: Path, trace: Trace, arrivals: Jitter, scheduling: Mapping[str, str], pace: str = ""
 ) -> RunTiming:
-    """Timing of a realtime run, from the plant's table in ``folder`` or else from what the recorder saw."""
+    """Timing of a real-time run, from the plant's table in ``folder`` or else from the arrivals at the recorder."""
     measured = plant_timing(folder / TIMING)
     if measured is None:
         return RunTiming(RECORDER, trace.polls, trace.missed_polls, arrivals, arrivals, (), scheduling, pace)

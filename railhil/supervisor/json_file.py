@@ -10,6 +10,6 @@ from railhil.common.whole_file import whole_file
 
 
 def write_json(path: Path, document: dict[str, Any]) -> None:
-    """Write a JSON document whole or not at all."""
+    """Write a JSON document atomically."""
     with whole_file(path) as draft:
         draft.write_text(json.dumps(document, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")

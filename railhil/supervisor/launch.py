@@ -31,7 +31,7 @@ def start_nodes(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice
     plant += ["--perturbed"] * run.perturbed
     if run.is_realtime:
         plant += ["--rate", str(run.rate)]
-        # A plant that is told nothing would ask by itself.
+        # Without the option a plant would request it by itself.
         plant += _scheduling(run, start_up, NODE_PRIORITY) or ["--realtime-priority", "0"]
         plant += ["--timing-file", str(folder / TIMING)]
     ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]

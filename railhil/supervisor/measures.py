@@ -1,6 +1,6 @@
-"""What the score adds up, sample by sample: pure functions on numbers or on arrays of them.
+"""The terms of the scores, sample by sample: pure functions on numbers or on arrays.
 
-They, and the order in which their results are added up (:func:`total`), are all that decides the digits of a score; a
+These functions, and the order in which their results are added (:func:`total`), determine every digit of a score. A
 compiled loop over many trains gives the same digits by using them in the same order: the batch compiles the marked ones
 for single numbers (:mod:`railhil.common.compilable` says what they may be made of).
 """
@@ -26,7 +26,7 @@ def total(values: Any) -> Any:
 
 @compilable
 def error_kmh(wanted_mps: Any, speed_mps: Any) -> Any:
-    """Size of a speed error in km/h."""
+    """Magnitude of a speed error in km/h."""
     return abs(wanted_mps - speed_mps) * KMH
 
 
@@ -40,7 +40,7 @@ def work_j(seconds: Any, first_w: Any, last_w: Any) -> Any:
 def limits_under_train(limits: Profile, front_m: Any, length_m: float) -> Any:
     """Speed limit in force for the whole train at each front position, m/s, shape of ``front_m``.
 
-    A lower limit holds from the front's passing, a higher one when the rear has passed.
+    A lower limit applies when the front has passed, a higher one when the rear has passed.
     """
     allowed: Any = inf
     for index in range(len(limits)):

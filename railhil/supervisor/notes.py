@@ -1,4 +1,4 @@
-"""What a law has told of itself in CTL_STAT: which signal is which note, from what the controller says of its law."""
+"""Notes of a law in CTL_STAT: the meaning of each signal, from the controller's description of its law."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _HALF, _WHOLE = 1 << 15, 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class ToldNote:
-    """One note: its signal in CTL_STAT; ``name`` heads a column, ``title`` and ``symbol`` stand in figures.
+    """One note: its signal in CTL_STAT; ``name`` is a column header, ``title`` and ``symbol`` are used in figures.
 
     Value = raw * ``scale`` in ``unit``, raw in two's complement (16 bits) when ``signed``. ``bits`` names the bits of a
     bit field from bit 0 on.
@@ -43,13 +43,13 @@ class ToldNote:
         return " ".join(word for word in (self.title, self.symbol, f"({self.unit})" if self.unit else "") if word)
 
 
-#: The notes of a record whose contract names them itself: up to version 0.1.0 they were IPFC's.
+#: The notes of a record whose wire contract names them: up to version 0.1.0 they were those of IPFC.
 _EARLIER = (
     ToldNote("BasisInUse", "basis_in_use", "basis functions", "", "", 1.0, False, ("step", "wavelet", "ramp")),
     ToldNote("SofteningFactor", "softening_factor", "softening factor", "α", "", _UNIPOLAR2, False, ()),
     ToldNote("Satisfaction", "satisfaction", "satisfaction", "μ", "", _UNIPOLAR2, False, ()),
 )
-#: Of a law that nobody has said anything of.
+#: The notes of a law without a description.
 _UNKNOWN = (
     ToldNote("Note1", "note_1", "note 1", "", "", 1.0, False, ()),
     ToldNote("Note2", "note_2", "note 2", "", "", _UNIPOLAR2, False, ()),
@@ -58,9 +58,9 @@ _UNKNOWN = (
 
 
 def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ToldNote, ...]:
-    """Notes from what the controller says of its law.
+    """Notes from the controller's description of its law.
 
-    :raises LookupError, TypeError, ValueError: it is none.
+    :raises LookupError, TypeError, ValueError: it is not a valid description.
     """
     found = []
     for one in documents:
@@ -73,9 +73,9 @@ def told_notes(documents: Sequence[dict[str, Any]]) -> tuple[ToldNote, ...]:
 
 
 def notes_of(trace: Trace, told: Sequence[dict[str, Any]] | None) -> tuple[ToldNote, ...]:
-    """The notes of a record; the wire contract that it was made with decides whether it says itself what they are.
+    """The notes of a record; its wire contract determines whether their names are fixed.
 
-    :param told: ``notes`` of its certificate; None: nobody said.
+    :param told: ``notes`` of its certificate; None: unknown.
     """
     if not trace.has(CtlStat.PORT, _UNKNOWN[0].signal):
         return _EARLIER

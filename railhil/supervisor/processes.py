@@ -15,13 +15,13 @@ from pathlib import Path
 
 from railhil.common.scheduling import is_said
 
-#: Time that a node gets to end by itself after SIGTERM.
+#: Time for a node to end by itself after SIGTERM.
 TERMINATE_S = 1.0
-#: Exit codes of a node that a signal has ended in good order.
+#: Exit codes of a node that ended in an orderly way after a signal.
 _STOPPED = {128 + number: number.name for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
-#: What a link says of an outage that is over, and at the end of a node: no reason for anything.
+#: Lines of a link about a past outage, or at the end of a node: not a reason for the end.
 _OF_THE_CONNECTION = re.compile(r" is back after [\d.]+ s$|: [a-z_]+ \d+(, [a-z_]+ \d+)*$")
-#: Index of ``starttime`` in /proc/PID/stat, counted behind the command name (proc(5), field 22).
+#: Index of ``starttime`` in /proc/PID/stat, counted after the command name (proc(5), field 22).
 _STARTTIME = 19
 
 
@@ -35,7 +35,7 @@ def process_start_ns() -> int:
 
 @dataclass(slots=True)
 class Node:
-    """A child process with its role and the file that holds what it said."""
+    """A child process with its role and the file with its output."""
 
     role: str
     process: subprocess.Popen[bytes]
@@ -46,7 +46,7 @@ class Node:
         return self.process.poll()
 
     def last_words(self) -> str:
-        """Last line that the node wrote of why it ends, or how it ended."""
+        """The node's last line about the reason for its end, or how it ended."""
         code = self.process.poll()
         if code is not None and code < 0:
             return f"killed by {signal.Signals(-code).name}"
@@ -58,7 +58,7 @@ class Node:
 
     @property
     def was_killed(self) -> bool:
-        """True when a signal has ended it, caught or not: then the others have ended because of it."""
+        """True when a signal has ended it, caught or not: the others have then ended as a consequence."""
         code = self.exit_code() or 0
         return code < 0 or code in _STOPPED
 
@@ -69,18 +69,18 @@ class Nodes:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self.nodes: list[Node] = []
-        # Writing ends of the lifelines whose node is not started yet, and the supervisor's own.
+        # Write ends of the lifelines of nodes that are not started yet, and the supervisor's own.
         self._lifelines: dict[str, int] = {}
-        #: The supervisor's own processors, to be given back.
+        #: The supervisor's original processor affinity, to be restored.
         self._before: set[int] = set()
 
     def start(self, role: str, module: str, arguments: Sequence[str], watches: Sequence[str] = ()) -> Node:
         """Start ``python -m module arguments`` with its output in ``<role>.txt``.
 
-        :param watches: this command (``supervisor``) and nodes that are started later, of whose end it is told at once.
+        :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
         """
         output = self._folder / f"{role}.txt"
-        # See bus.patience.Lifelines: this node's own one, and the reading ends of those that it watches.
+        # See common.patience.Lifelines: this node's own write end, and the read ends of those that it watches.
         handed = [self._lifelines.pop(role)] if role in self._lifelines else []
         words = []
         for other in watches:
@@ -106,16 +106,16 @@ class Nodes:
     def keep_together(self) -> None:
         """Put hub, plant and controller on one processor, the supervisor on the others.
 
-        In lockstep only one of the three works at a time, so nothing is lost; handing over between processors,
-        each of which went to sleep meanwhile, would cost more than the work itself. Which processor is taken
-        depends on the process number, so that benches side by side spread.
+        In lockstep only one of the three works at a time, so nothing is lost; switching between processors that have
+        gone to sleep would cost more than the work itself. The processor is chosen by the process number, so that
+        several benches spread over the processors.
         """
         processors = sorted(os.sched_getaffinity(0))
         if len(processors) < 2:
             return
         chosen = processors[os.getpid() % len(processors)]
         for node in self.nodes:
-            # A node that has just ended is noticed elsewhere.
+            # The end of a node is detected elsewhere.
             with contextlib.suppress(ProcessLookupError):
                 os.sched_setaffinity(node.process.pid, {chosen})
         self._before = set(processors)
@@ -126,7 +126,7 @@ class Nodes:
         return [node for node in self.nodes if node.exit_code() is not None]
 
     def blamed(self) -> Node | None:
-        """Of the nodes that have ended, the one that did first: one that was killed, and the hub before all."""
+        """Of the nodes that have ended, the probable cause: a killed one, and the hub before all others."""
         roles = ("hub", "plant", "controller")
         return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
 

@@ -1,4 +1,4 @@
-"""A recorded run as a user names it: its log, the certificate beside it, and whether the two belong together."""
+"""A recorded run as named by the user: its log, its certificate, and whether they belong together."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _BESIDE = "a certificate beside the log, or --scenario"
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """A record whose parts fit together.
+    """A record whose parts belong together.
 
-    ``invalid``: why the bench could not be trusted when it was made, or that the log is not the one that was made
-    then; ``certificate``: empty when none is of this log.
+    ``invalid``: why the run was not trustworthy, or that the log is not the certified one; ``certificate``: empty if
+    there is none for this log.
     """
 
     log: Path
-    #: Of its system: what the system's own parts make of it, they know.
+    #: Scenario of its system, interpreted by the system's own parts.
     scenario: Any
     trace: Trace
     invalid: str = ""
@@ -36,7 +36,7 @@ class Record:
 
 
 def log_path(text: str) -> Path:
-    """Path of the log that a user named by itself or by its run folder.
+    """Path of the log that a user named directly or by its run folder.
 
     :raises InputError: there is no such file.
     """
@@ -49,11 +49,11 @@ def log_path(text: str) -> Path:
 
 
 def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
-    """The scenario that a log was recorded with: by name, else of its folder, else what the certificate names.
+    """The scenario with which a log was recorded: by name, else from its folder, else as named in the certificate.
 
     A folder of version 0.1.0 has no scenario; the shipped ones of that version are kept with their hashes.
 
-    :raises InputError: none of them says it.
+    :raises InputError: none of them gives it.
     """
     if name is not None:
         return load_any(name)
@@ -73,15 +73,15 @@ def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
 
 
 def checked_record(text: str, name: str | None) -> Record:
-    """Log, scenario and telegrams of a record, after all of them were compared with each other.
+    """Log, scenario and telegrams of a record, checked against each other.
 
-    The SHA-256 in the certificate is compared last: that a log belongs to another scenario says more than that it
-    is not the one that was certified.
+    The SHA-256 in the certificate is compared last: the message that a log belongs to another scenario is more helpful
+    than that it is not the certified one.
 
     :param text: log or run folder.
-    :param name: scenario when the user names one. A certificate that is broken is then left aside; a log that is not
-        the one that it certifies is a record all the same, INVALID.
-    :raises InputError: one line for the first thing that does not fit.
+    :param name: scenario, if the user names one. A damaged certificate is then ignored; a log that does not match its
+        certificate is accepted as an INVALID record.
+    :raises InputError: one line for the first inconsistency.
     """
     log = log_path(text)
     scenario = _recorded_scenario(log, name)
@@ -106,7 +106,7 @@ def checked_record(text: str, name: str | None) -> Record:
 
 
 def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], name: str | None) -> None:
-    """The limits in the folder must be those of the run; a scenario that the user names may have others."""
+    """The limits in the folder must be those of the run; a scenario named by the user may have others."""
     wanted, found = document.get("judged_sha256"), any_judged_sha256(scenario)
     if name is None and wanted is not None and wanted != found:
         allowed = f"{wanted} ({CERTIFICATE}): limits that nobody changed"
@@ -114,7 +114,7 @@ def _check_judged(log: Path, scenario: AnyScenario, document: dict[str, Any], na
 
 
 def _trace(log: Path, scenario: AnyScenario, contract: Contract) -> Trace:
-    """Telegrams of a log, after its handshake was compared with scenario and DBC."""
+    """Telegrams of a log, after checking its handshake against scenario and DBC."""
     trace = trace_of(read_log(log), contract)
     ident = trace.ident(PltIdent)
     if ident is None:

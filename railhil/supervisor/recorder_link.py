@@ -1,4 +1,4 @@
-"""How the supervisor comes to its bus: opened for recording, and free of other benches."""
+"""The supervisor's link to the bus: opened for recording, and checked for other benches."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from railhil.bus.telegrams import SupCmd
 from railhil.dbc import wire_contract
 from railhil.supervisor.processes import Nodes
 
-#: Frames that the recorder takes at once from the hub: about a tenth of a second of the bus.
+#: Frames that the recorder reads at once from the hub: about a tenth of a second of traffic.
 _BULK_FRAMES = 64
 _ANSWERED = (SupCmd.PORT, SupIdent.PORT)
-#: A running bench polls every 20 ms of its time, one that waits for its nodes every 100 ms.
+#: Listening time: a running bench polls every 20 ms of its time, one that waits for its nodes every 100 ms.
 _LISTEN_S = 0.15
 
 
@@ -27,10 +27,10 @@ def open_recorder(
 ) -> Link:
     """Open the bus for the recorder.
 
-    A hub of the run's own is waited for while its process lives.
+    It waits for a hub of the run's own as long as that process lives.
 
     :param open_bus: makes the link from the arguments of ``can.Bus`` and the name of the node.
-    :raises BusUnavailable: it cannot be opened; the reason is the hub's when that has ended.
+    :raises BusUnavailable: it cannot be opened; if the hub has ended, the reason is the hub's.
     """
 
     def look() -> None:
@@ -49,7 +49,7 @@ def open_recorder(
 
 
 def _bulk_reading(choice: BusChoice) -> dict[str, Any]:
-    """On the hub in lockstep, take frames in bulk and be woken at once only for the polls to answer."""
+    """On the hub in lockstep, read frames in bulk and wake at once only for polls to be answered."""
     if choice.config.get("interface") != HUB_INTERFACE:
         return {}
     contract = wire_contract()
@@ -58,9 +58,9 @@ def _bulk_reading(choice: BusChoice) -> dict[str, Any]:
 
 
 def refuse_occupied(link: Link, choice: BusChoice) -> None:
-    """Listen before the nodes are started: two benches on one bus would spoil both.
+    """Listen before the nodes are started: two benches on one bus would corrupt both runs.
 
-    :raises BusOccupied: a bus administrator polls there.
+    :raises BusOccupied: a bus administrator is polling there.
     """
     poll_id = wire_contract().poll_id
     deadline_s = time.monotonic() + _LISTEN_S

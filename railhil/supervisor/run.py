@@ -40,24 +40,24 @@ from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary
 from railhil.supervisor.trace import Trace, trace_of
 
-#: Realtime: wall time without a tick after which a started run counts as dead; an outage of the interface is no part of
-#: it. In lockstep it is the patience of the plant, and a little.
+#: Real time: wall time without a tick after which a started run counts as dead, not counting outages of the interface.
+#: In lockstep the limit is slightly longer than the plant's patience.
 SILENCE_S = 4.0
-#: After a node was lost, the rest may take this long to stop by itself.
+#: Time for the other nodes to stop by themselves after a node was lost.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
-#: Wall time after which the log is handed to the kernel: about as much of it a recorder that is killed can lose.
+#: Wall time after which the log is flushed to the kernel: about the amount that a killed recorder can lose.
 FLUSH_S = 0.2
 _REAP_S = 1.0
 
 
 class Run:
-    """Starts what is needed, records until the run has ended, and scores.
+    """Starts the nodes, records until the run has ended, and scores.
 
     :param folder: existing run folder; the log and the nodes' output go there.
     :param open_bus: makes the recorder's link from the arguments of ``can.Bus`` and the name of the node.
     :param silence_s: wall time without a tick after which a started run counts as dead.
-    :param after_loss_s: wall time that the rest may take to stop by itself after a node was lost.
+    :param after_loss_s: wall time for the other nodes to stop by themselves after a node was lost.
     """
 
     def __init__(
@@ -85,21 +85,21 @@ class Run:
         self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress)
         contract = system_named(scenario.system).contract
         self._judging = judging_of(scenario)
-        #: Telegrams of the record, read back from the log when the run has ended.
+        #: Telegrams of the record, read back from the log after the run.
         self.trace = Trace(contract)
-        #: Exit code of a run that a signal has ended (128 + its number), else 0.
+        #: Exit code of a run ended by a signal (128 + its number), else 0.
         self.stopped_exit_code = 0
-        #: Who writes results after :meth:`execute` enters it too: then no signal strikes before they are whole.
+        #: Also to be entered by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
         self._lost = ""
         self._scheduling = Scheduling()
-        # The hub has one order for all; a kernel bus has one per processor.
+        # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
         self._order = None if in_order else BusOrder(fd=choice.fd, contract=contract)
 
     def execute(self) -> RunResult:
-        """The whole run. A signal (Ctrl-C, SIGTERM, SIGHUP) during the record ends it as INVALID, with what was
-        recorded; one that comes after the record is only noted in :attr:`stop`.
+        """Make the complete run. A signal (Ctrl-C, SIGTERM, SIGHUP) during recording ends it as INVALID, with the
+        frames recorded so far; one that comes after recording is only noted in :attr:`stop`.
 
         :raises BusUnavailable: the bus cannot be opened (nothing was recorded).
         """
@@ -114,7 +114,7 @@ class Run:
                 try:
                     self._record_until_stopped(link, nodes)
                 except BusLost as error:
-                    # A killed process closes its sockets a moment before it can be seen to have ended.
+                    # A killed process closes its sockets slightly before its end can be detected.
                     nodes.wait(("hub",), _REAP_S)
                     self._lost = self._who_died(nodes) or str(error)
                 except (KeyboardInterrupt, SystemExit):
@@ -135,7 +135,7 @@ class Run:
         return self._result(started_ns, sha256, counters, line, refused)
 
     def _join(self, nodes: Nodes) -> Link:
-        """Start the nodes and open the bus; a bus that is there already is looked at first."""
+        """Start the nodes and open the bus; an existing bus is checked first."""
         lockstep = not self.spec.is_realtime
         if self.choice.needs_hub:
             start_hub(nodes, self.spec, self.start_up, self.choice)
@@ -162,7 +162,7 @@ class Run:
             try:
                 self._record(link, nodes, self.stop)
             except BusLost:
-                # Ctrl-C ends the other nodes too, and they may be quicker.
+                # Ctrl-C also ends the other nodes, and they may be quicker.
                 self.stop.check()
                 raise
             self.stop.check()
@@ -194,7 +194,7 @@ class Run:
             if give_up_s is None:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)
-                # A node may end well just before its last frames are read here.
+                # A node may end regularly just before its last frames are read here.
                 if failed or (ended and not self._drain(link, stop)):
                     self._lost = self._who_died(nodes)
                     give_up_s = now_s + self._after_loss_s
@@ -202,7 +202,7 @@ class Run:
                         return
             elif now_s > give_up_s:
                 return
-            # Only the plant's ticks count: on a shared bus there may be frames of somebody else for ever.
+            # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
             if not session.recording and now_s - opened_s > self.start_up.appear_s + LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.start_up.appear_s:g} s"
                 return
@@ -211,9 +211,9 @@ class Run:
                 return
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
-        """Take what is still queued after a node has ended; True when the run ended regularly with it.
+        """Read the frames still queued after a node has ended; True if the run ended regularly with them.
 
-        Frames of somebody else may come for ever.
+        Frames of other nodes may keep arriving.
         """
         give_up_s = time.monotonic() + self._after_loss_s
         while self.session.ended is None and time.monotonic() < give_up_s and self._take(link, _LOOK_S):
@@ -221,7 +221,7 @@ class Run:
         return self.session.ended is not None
 
     def _take(self, link: Link, timeout_s: float) -> bool:
-        """Hand what has arrived to the recorder and send its answers; False when nothing came."""
+        """Pass arrived frames to the recorder and send its answers; False when nothing came."""
         frames = arrived = link.receive(timeout_s)
         if gap_ns := link.take_gap_ns():
             self.session.was_out(gap_ns)
@@ -238,12 +238,12 @@ class Run:
         if dead is None:
             return ""
         at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
-        # One that ends by itself says whom it has waited for: it is not the one that is missing.
+        # A node that ends by itself names the node that it waited for: it is not the missing one.
         how = "gave up" if dead.exit_code() == INVALID else "lost"
         return f"{dead.role} {how} {at}: {dead.last_words()}"
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
-        """The line that explains a run without score, and whether it was refused for bad input."""
+        """The line that explains a run without a score, and whether it was refused as bad input."""
         refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
         if refusals and not (self.start_up.foreign and self.session.disagreements):
             return refusals[0].last_words(), True
@@ -252,7 +252,7 @@ class Run:
         return "; ".join(filter(None, (self._lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:
-        """Why the record is not whole, if it is not."""
+        """Why the record is incomplete, if it is."""
         if lost := counters.get("rx_lost"):
             return f"record: {lost} frames lost in the recorder's receive buffer (SO_RXQ_OVFL)"
         if self.session.unheard_ns and self.spec.is_realtime:
@@ -265,7 +265,7 @@ class Run:
         result = self._judging.score(self.scenario, self.trace)
         timing = self._timing()
         if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
-            # The kernel may swallow frames while an interface goes down, and says nothing.
+            # The kernel may silently drop frames while an interface goes down.
             line = line or f"record: {timing.missed_polls} polls without an answer in an outage of the bus"
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
         if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
@@ -294,7 +294,7 @@ class Run:
         return None if self._judging.shown is None else self._judging.shown(self.trace)
 
     def _timing(self) -> RunTiming:
-        """Timing of the run; all nodes have ended by now."""
+        """Timing of the run, after all nodes have ended."""
         session = self.session
         if not self.spec.is_realtime:
             return lockstep_timing(self.trace)

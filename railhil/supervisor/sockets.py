@@ -1,7 +1,7 @@
-"""The folder for the socket of a run's own hub: gone after the run, and after a run that was killed at the next start.
+"""The folder for the socket of a run's own hub: removed after the run, or, after a killed run, at the next start.
 
-Whose folder is still in use is known by a lock that the kernel gives back with the process, not by a process number:
-containers that share /tmp have other ones.
+Whether a folder is still in use is determined by a lock, which the kernel releases with the process, and not by a
+process number, because containers that share /tmp have different ones.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from pathlib import Path
 _PREFIX = "railhil-run-"
 _LOCK = "lock"
 _SOCKET = "hub.sock"
-#: All that is ever in such a folder; ``_DRAFT`` is the lock before it is held.
+#: The only files in such a folder; ``_DRAFT`` is the lock file before it is locked.
 _DRAFT = "lock.new"
 
 
 @contextmanager
 def private_socket() -> Iterator[Path]:
-    """Path for the socket of a hub, in a folder that only this user can enter and that is gone afterwards.
+    """Path for the socket of a hub, in a folder that only this user can enter and that is removed afterwards.
 
     :raises OSError: no folder can be made.
     """
@@ -31,7 +31,7 @@ def private_socket() -> Iterator[Path]:
     folder = Path(tempfile.mkdtemp(prefix=_PREFIX))
     lock = os.open(folder / _DRAFT, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, 0o600)
     try:
-        # Only a lock that is held bears the name that others look for.
+        # Only a locked file gets the name that other processes look for.
         fcntl.flock(lock, fcntl.LOCK_EX)
         (folder / _DRAFT).rename(folder / _LOCK)
         yield folder / _SOCKET
@@ -43,15 +43,15 @@ def private_socket() -> Iterator[Path]:
 def _remove(folder: Path) -> None:
     for name in (_SOCKET, _LOCK, _DRAFT):
         (folder / name).unlink(missing_ok=True)
-    # Somebody else's file in it is not ours to remove.
+    # Do not remove other files in it.
     with suppress(OSError):
         folder.rmdir()
 
 
 def _remove_stale(parent: Path) -> None:
-    """Remove the folders that killed runs of this user have left."""
+    """Remove the folders left by killed runs of this user."""
     for folder in parent.glob(f"{_PREFIX}*"):
-        # Another run may end, or look, at the same time.
+        # Another run may end, or clean up, at the same time.
         with suppress(OSError):
             status = folder.lstat()
             if stat.S_ISDIR(status.st_mode) and status.st_uid == os.geteuid():

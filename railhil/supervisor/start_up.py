@@ -1,4 +1,4 @@
-"""How the bench of a run is brought up; what the run is says :class:`railhil.scenarios.run_spec.RunSpec`."""
+"""How the bench of a run is started; the run itself is described by :class:`railhil.scenarios.run_spec.RunSpec`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from railhil.scenarios.run_spec import RunSpec
 class StartUp:
     """Which nodes are started, and how.
 
-    :param ask_for_fifo: realtime: ask for SCHED_FIFO and locked memory.
-    :param attach: attach to nodes that are running already instead of starting them.
-    :param foreign: the controller is somebody else (a board, another program): everything but it is started.
-    :param rerun_command: what the certificate names as the way to make an attached run again; empty: a run that starts
+    :param ask_for_fifo: real time: request SCHED_FIFO and locked memory.
+    :param attach: attach to running nodes instead of starting them.
+    :param foreign: the controller is a board or another program: all nodes except it are started.
+    :param rerun_command: the command that the certificate names for repeating an attached run; empty: a run that starts
         its own nodes.
     :param appear_s: wall time for all nodes to appear.
     """
@@ -27,5 +27,5 @@ class StartUp:
     appear_s: float = APPEAR_S
 
     def realtime_scheduling(self, run: RunSpec) -> bool:
-        """True when the processes of this run are to ask for SCHED_FIFO and locked memory."""
+        """True if the processes of this run should request SCHED_FIFO and locked memory."""
         return run.is_realtime and self.ask_for_fifo

@@ -1,4 +1,4 @@
-"""Signals that end a run, taken where nothing is half done."""
+"""Signals that end a run, handled only at safe points."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from railhil.common.exit_codes import ending_signals, leave_terminal
 
 
 class StopSignals:
-    """Notes SIGINT, SIGTERM and SIGHUP for a loop to look at; may be entered again while it is entered.
+    """Notes SIGINT, SIGTERM and SIGHUP for a loop to check; re-entrant.
 
-    As an exception they would strike anywhere, and inside a buffered write they cost what the buffer held.
+    As exceptions they could occur anywhere, and inside a buffered write the content of the buffer would be lost.
     """
 
     def __init__(self) -> None:
-        #: Number of the first signal that came, 0 for none.
+        #: Number of the first signal received, 0 for none.
         self.number = 0
         self._before: dict[signal.Signals, Any] = {}
         self._entered = 0
@@ -27,7 +27,7 @@ class StopSignals:
 
     def __enter__(self) -> StopSignals:
         self._entered += 1
-        # Python hands signals to its main thread only; in another, of a user's program, none can be taken.
+        # Python delivers signals only to its main thread; in another thread of a user's program none can be handled.
         if self._entered == 1 and threading.current_thread() is threading.main_thread():
             self._before = {number: signal.signal(number, self._note) for number in ending_signals()}
         return self
@@ -41,7 +41,7 @@ class StopSignals:
 
     @contextmanager
     def at_once(self) -> Iterator[None]:
-        """A part in which nothing can be half done: a signal raises there as it comes, as :meth:`check` would."""
+        """A section that may be interrupted anywhere: a signal raises there at once, like :meth:`check`."""
         self._at_once = True
         try:
             self.check()
@@ -57,7 +57,7 @@ class StopSignals:
             self.check()
 
     def check(self) -> None:
-        """Raise what the signal would have raised, here.
+        """Raise here what the signal would have raised.
 
         :raises KeyboardInterrupt: SIGINT came.
         :raises SystemExit: SIGTERM or SIGHUP came.

@@ -1,4 +1,4 @@
-"""The telegrams of a run as arrays: what the score, the table of signals and the plots are computed from."""
+"""The telegrams of a run as arrays, from which the score, the table of signals and the plots are computed."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FloatArray = npt.NDArray[np.float64]
 class Trace:
     """Committed telegrams per port, with the simulation time of each.
 
-    Raw process data are kept as they came (16 to 40 bytes a telegram) and decoded in one go when asked for.
+    Raw process data are kept as received (16 to 40 bytes per telegram) and decoded together on request.
     """
 
     def __init__(self, contract: Contract | None = None) -> None:
-        #: What the telegrams are laid out by; default: this version's.
+        #: Wire contract of the telegrams; default: this version's.
         self.contract = contract or wire_contract()
         self._times_ns: dict[str, array[int]] = {}
         self._data: dict[str, bytearray] = {}
@@ -35,7 +35,7 @@ class Trace:
 
     @property
     def missed_polls(self) -> int:
-        """Polls that no good telegram followed before the port was polled again or the record ended."""
+        """Polls without a good telegram before the port was polled again or the record ended."""
         return self._missed_polls + len(self._awaited)
 
     def polled(self, port: str) -> None:
@@ -63,7 +63,7 @@ class Trace:
         return np.array(self._times_ns.get(port, ()), dtype=np.int64) / 1e9
 
     def has(self, port: str, signal: str) -> bool:
-        """Whether the contract of the record has this signal: that of an earlier version may not."""
+        """Whether the contract of the record has this signal; that of an earlier version may not."""
         return any(item.name == signal for item in self.contract.port(port).signals)
 
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
@@ -108,7 +108,7 @@ class Trace:
 def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = None) -> Trace:
     """Trace of recorded frames ``(time_ns, frame)`` in bus order.
 
-    :param contract: what they were recorded with; default: this version's.
+    :param contract: the one used for recording; default: this version's.
     """
     trace = Trace(contract)
     contract = trace.contract

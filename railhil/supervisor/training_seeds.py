@@ -1,4 +1,4 @@
-"""Whether a run may judge its controller: not when the controller's parameters were chosen on that very run."""
+"""Whether a run counts as an evaluation of its controller: not if the parameters were chosen on that same run."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from railhil.supervisor.telemetry import LawOrigin
 def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
     """True when the parameters were tuned, or the law's own ones designed, on this run.
 
-    :param origin: what the law says of its own parameters; None when it has not been heard.
-    :returns: None when nobody knows: a controller that has said nothing about its own parameters.
+    :param origin: the law's declaration about its own parameters; None if unknown.
+    :returns: None if unknown, because the controller has not declared the origin of its own parameters.
     """
     if not run.perturbed:
         return False
@@ -20,12 +20,12 @@ def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | No
         return True
     if origin is None:
         return None
-    # Also with a parameter file: what it does not name stays the law's own.
+    # Also with a parameter file: parameters that it does not name keep the law's own values.
     return run.seed in origin.design_seeds.get(scenario.name, ())
 
 
 def check_unseen(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None = None) -> None:
-    """Refuse to judge parameters by a run that they were made from.
+    """Refuse to evaluate parameters on a run that was used to find them.
 
     :param origin: as above.
     :raises InputError: they were.

@@ -1,8 +1,8 @@
-"""What the record says twice: milestones of the run against each other and against SIM_TRUTH.
+"""Consistency of redundant information in the record: milestones of the run against each other and against SIM_TRUTH.
 
-A verdict stands on a few rare telegrams. Each is numbered by the plant and repeated, so a milestone that is not in the
-record leaves a number out; and that the train came to a stand is also what SIM_TRUTH shows. Where the two do not agree
-the record is INVALID: it is not known what happened.
+A verdict depends on a few rare telegrams. Each is numbered by the plant and repeated, so a milestone missing from the
+record leaves a gap in the numbers; and a standstill of the train is also visible in SIM_TRUTH. If the two disagree the
+record is INVALID, because it is not known what happened.
 """
 
 from __future__ import annotations
@@ -12,21 +12,22 @@ import numpy as np
 from railhil.bus.telegrams import STOP_LEG_MIN_M, Event, RunEvent
 from railhil.supervisor.trace import FloatArray, Trace
 
-#: A train that SIM_TRUTH shows at rest for this long stands. Speeds below half a bit (0.05 mm/s) look like rest too,
-#: but no train creeps so slowly for so long.
+#: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as
+#: rest, but no train creeps so slowly for so long.
 STANDING_S = 0.5
-#: The log's stamps are the recorder's: on a bus that loses frames they may be some ticks off the plant's instants.
+#: The log's time stamps are those of the recorder: on a bus that loses frames they may differ from the plant's by some
+#: ticks.
 STAMP_ERROR_MAX_S = 0.1
-#: No train here gains more speed than this per second: what SIM_TRUTH may show of a train that stood just before.
+#: Maximum acceleration of a train: limits the speed that SIM_TRUTH may show shortly after a standstill.
 ACCEL_MAX_MPS2 = 10.0
 #: Resolution of positions on the wire, rounded once in the milestone and once in the truth.
 _LSB_M = 1e-4
 
 
 def milestone_missing(trace: Trace) -> str:
-    """Which milestones of the run are not in the record, as a reason; empty when all are.
+    """The milestones of the run that are missing from the record, as a reason; empty if there are none.
 
-    They are numbered from 1 on, and the last of them ends the run. Version 0.1.0 did not number them.
+    They are numbered from 1, and the last one ends the run. Version 0.1.0 did not number them.
     """
     if not trace.has(RunEvent.PORT, "EventNumber"):
         return ""
@@ -39,7 +40,7 @@ def milestone_missing(trace: Trace) -> str:
 
 
 def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> str:
-    """What STOPPED and SIM_TRUTH contradict each other in, as a reason; empty when they agree.
+    """The contradiction between STOPPED and SIM_TRUTH, as a reason; empty if they agree.
 
     :param time_s: of each SIM_TRUTH in s, increasing, shape (n,); ``position_m`` and ``speed_mps`` are what it says.
     """
@@ -61,14 +62,14 @@ def standstill_unclear(trace: Trace, time_s: FloatArray, position_m: FloatArray,
                 f"at {time_s[after]:.2f} s"
             )
     stands_s = _first_stand_s(time_s, position_m, speed_mps)
-    # Anywhere in it: a train that creeps to its stand reads 0 before it has stopped.
+    # Anywhere within it: a train that creeps to a standstill reads 0 before it has stopped.
     if stands_s is not None and not np.any(instants_s <= stands_s[1] + STAMP_ERROR_MAX_S):
         return f"record: no STOPPED, but SIM_TRUTH shows that the train stands from {stands_s[0]:.2f} s on"
     return ""
 
 
 def _first_stand_s(time_s: FloatArray, position_m: FloatArray, speed_mps: FloatArray) -> tuple[float, float] | None:
-    """First and last SIM_TRUTH of the first standstill that is a stop; None when there is none."""
+    """First and last SIM_TRUTH of the first standstill that counts as a stop; None if there is none."""
     rest = (speed_mps == 0.0) & (position_m >= position_m[0] + STOP_LEG_MIN_M + _LSB_M)
     edges = np.flatnonzero(np.diff(rest.astype(np.int8), prepend=0, append=0))
     for first, end in zip(edges[::2], edges[1::2], strict=True):

@@ -1,4 +1,4 @@
-"""What waits for a bus of the gateway: order, age and bound of the backlog, and its packets."""
+"""Frames waiting for a bus of the gateway: order, age and limit of the backlog, and its packets."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bulk reading from the hub: order and content stay, the reader is woken when it must be."""
+"""Bulk reading from the hub: order and content are preserved, and the reader is woken when necessary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Clients that misbehave: the hub cuts them off with one line and goes on carrying the others' frames."""
+"""Clients that misbehave: the hub disconnects them with one line and keeps carrying the others' frames."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whole runs through the gateway: plant on one bus, controller on another, and buses that fail under way."""
+"""Complete runs through the gateway: plant on one bus, controller on another, and buses that fail during the run."""
 
 from __future__ import annotations
 

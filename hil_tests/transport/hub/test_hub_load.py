@@ -1,4 +1,4 @@
-"""The hub under load: one total order for everybody, and nothing lost to a slow reader."""
+"""The hub under load: one total order for all clients, and no losses for a slow reader."""
 
 from __future__ import annotations
 

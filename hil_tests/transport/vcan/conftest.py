@@ -1,5 +1,5 @@
-"""Fixtures of the tests on kernel SocketCAN: short runs, the bytes that they give everywhere else, can-utils,
-and the health of the bus after every test."""
+"""Fixtures of the tests on kernel SocketCAN: short runs, their reference bytes, can-utils, and a check of the bus after
+every test."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
-#: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; it departs and it stops.
+#: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; the train departs and
+#: stops.
 _MOVE = TargetCurve(((0.0, 0.0), (2.0, 0.8), (6.0, 0.8), (8.0, 0.0), (10.0, 0.0), (12.0, -0.8)))
-#: A hop of 8.5 s and 12 m, for tests in which it only matters that a run goes on.
+#: A hop of 8.5 s and 12 m, for tests that only need a run in progress.
 _HOP = TargetCurve(((0.0, 0.0), (1.0, 0.8), (3.0, 0.8), (4.0, 0.0), (5.0, 0.0), (6.0, -0.8)))
 
 
@@ -44,7 +45,7 @@ def move(lvshun: Scenario) -> Scenario:
 
 @pytest.fixture(scope="session")
 def hop(lvshun: Scenario) -> Scenario:
-    """The hop with the published train, which cannot stop well after so little."""
+    """The hop with the published train, which cannot stop accurately after so short a distance."""
     return _planned(lvshun, _HOP, 5.0)
 
 
@@ -62,7 +63,7 @@ def hop_reference(hop: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Be
 
 @pytest.fixture(scope="session")
 def can_utils() -> None:
-    """Skip without can-utils; where nothing may be skipped their absence is a failure of the test."""
+    """Skip without can-utils; if nothing may be skipped, their absence fails the test."""
     missing = [name for name in _TOOLS if shutil.which(name) is None]
     if missing and not os.environ.get("RAILHIL_REQUIRE_ALL"):
         pytest.skip(f"MISSING CAPABILITY {', '.join(missing)} (make test-vcan installs them as root)")
@@ -78,7 +79,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture(autouse=True)
 def healthy(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[None]:
-    """After every test: no node has lost, refused or repeated anything, but for a test of such faults."""
+    """After every test except those of such faults: no node has lost, refused or repeated anything."""
     yield
     if request.node.get_closest_marker("faults") is None:
         for file in sorted(tmp_path.rglob("*_counters.json")):

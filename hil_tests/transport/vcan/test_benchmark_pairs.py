@@ -1,4 +1,4 @@
-"""The ends that transports are measured with, on kernel SocketCAN: Python and C beside each other on one interface."""
+"""The ends used to measure transports, on kernel SocketCAN: Python and C on one interface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""can-utils and cantools against our nodes: they see what we record, and we stand what they send."""
+"""can-utils and cantools with railhil's nodes: they see the same frames as the record, and the nodes tolerate what they
+send."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The exported controller in C on kernel SocketCAN, as a process of its own beside our plant and recorder."""
+"""The exported controller in C on kernel SocketCAN, as a separate process with the Python plant and recorder."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The interface is taken down during a run and comes back.
 
-It is taken down while all wait for the supervisor. At another moment a frame may be lost without anybody knowing: the
+It is taken down while all nodes wait for the supervisor. At another moment a frame may be lost unnoticed: the
 kernel clears ``__LINK_STATE_START``, after which vcan drops what is sent, some milliseconds before ``IFF_UP``, after
 which a send fails.
 """

@@ -1,6 +1,6 @@
 """A serial adapter under the kernel's own slcan driver: slcand makes slcan0 of the emulated adapter's port.
 
-The adapter stands on vcan0, the node under test on slcan0.
+The adapter's bus is vcan0, the node under test uses slcan0.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The audit finds what is wrong with an arithmetic: every bar can be missed, every figure is what it says."""
+"""The audit detects faults of an arithmetic: every limit can be missed, every figure is correct."""
 
 from __future__ import annotations
 

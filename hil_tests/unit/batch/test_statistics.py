@@ -1,4 +1,4 @@
-"""IPFC over 200 perturbed runs: the medians that any right implementation of the paper's law has on this plant."""
+"""IPFC over 200 perturbed runs: the medians that any correct implementation of the paper's law gives on this plant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ends that the transports are measured with: in Python, in C, and what happens when one of them fails."""
+"""The ends used to measure transports: in Python, in C, and what happens when one of them fails."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Every benchmark runs and gives figures with units; how fast it is, is not asserted."""
+"""Every benchmark runs and gives figures with units; speed is not asserted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What docs/scores.md says about the published table, as far as it is arithmetic on this train."""
+"""The statements of docs/scores.md about the published table that can be computed for this train."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bus administrator on a fake endpoint: order on the bus, waiting, time-outs, and what each of them leaves behind."""
+"""Bus administrator on a fake endpoint: order on the bus, waiting, time-outs, and the state after each of them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Simulation time from the bus: the clock frames, the polls behind them, TIME_SYNC, and pacing."""
+"""Simulation time from the bus: clock frames, polls, TIME_SYNC, and pacing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An interface that gives a node its own frames back, as python-can's ``udp_multicast`` does; without any network."""
+"""An interface that returns a node's own frames to it, like python-can's ``udp_multicast``; without any network."""
 
 from __future__ import annotations
 

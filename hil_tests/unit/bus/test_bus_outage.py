@@ -1,4 +1,5 @@
-"""An interface that goes away and comes back: what a link drops, keeps, says and counts; what time does meanwhile."""
+"""An interface that fails and comes back: what a link drops, keeps, reports and counts, and the node's time
+meanwhile."""
 
 from __future__ import annotations
 

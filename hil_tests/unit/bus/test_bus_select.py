@@ -1,4 +1,5 @@
-"""Which bus is taken: flags, then python-can's configuration, then vcan0, then the hub; and how others get the same."""
+"""Selection of the bus: flags, then python-can's configuration, then vcan0, then the hub; and passing it to other
+processes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What was written for speed gives what the plain text of the rule gives."""
+"""Code optimised for speed gives the same results as a straightforward implementation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``railhil campaign`` in this process: results, going on, the bench as the judge."""
+"""``railhil campaign`` in this process: results, resuming, comparison with the bench."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``railhil campaign`` refuses, in one line: options, folders, manifests, seeds of training, a full disk."""
+"""What ``railhil campaign`` refuses, in one line: options, folders, manifests, training seeds, a full disk."""
 
 from __future__ import annotations
 

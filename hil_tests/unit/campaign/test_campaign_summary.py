@@ -1,4 +1,4 @@
-"""From the runs of a campaign to its summary: tables, worst runs, comparisons, parts; all from made runs."""
+"""From the runs of a campaign to its summary: tables, worst runs, comparisons, parts; all from made-up runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ctrl-C while a program is still loading: exit code 130 and one line, whichever moment it comes in."""
+"""Ctrl-C while a program is still loading: exit code 130 and one line, at whatever moment it comes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A missing library: one line that names a command for this very installation."""
+"""A missing library: one line with a command for this kind of installation."""
 
 from __future__ import annotations
 

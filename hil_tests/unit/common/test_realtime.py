@@ -1,4 +1,4 @@
-"""What a node asks of the kernel: granted or refused, said, limited, and given back."""
+"""What a node requests from the kernel: granted or refused, reported, limited, and restored."""
 
 from __future__ import annotations
 

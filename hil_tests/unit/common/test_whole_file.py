@@ -1,4 +1,4 @@
-"""Files that a user names are written whole or not at all, and take the place of nothing but a file."""
+"""Files named by the user are written completely or not at all, and replace only regular files."""
 
 from __future__ import annotations
 

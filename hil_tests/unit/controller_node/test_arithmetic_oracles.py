@@ -1,4 +1,4 @@
-"""IQ fixed point against other people's numbers: apytypes, fractions, and 80 decimal digits. All of Q1 to Q30."""
+"""IQ fixed point against independent results: apytypes, fractions, and 80 decimal digits, for Q1 to Q30."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The receive side of the CAN module against slow and obvious models: acceptance, overwriting, time stamps."""
+"""The receive side of the CAN module against slow, simple models: acceptance, overwriting, time stamps."""
 
 from __future__ import annotations
 

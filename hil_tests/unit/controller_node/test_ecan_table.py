@@ -1,4 +1,4 @@
-"""The controller's mailbox table: what stands in it, and what is refused."""
+"""The controller's mailbox table: its content, and what is refused."""
 
 from __future__ import annotations
 

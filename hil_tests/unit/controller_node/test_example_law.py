@@ -1,4 +1,4 @@
-"""The worked example of CONTRIBUTING.md, plugged in as anybody would plug in a law."""
+"""The worked example of CONTRIBUTING.md, registered like any user's law."""
 
 from __future__ import annotations
 

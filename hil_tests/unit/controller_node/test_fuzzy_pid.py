@@ -1,4 +1,4 @@
-"""The fuzzy PID law: inference against fuzzy sets written anew, its increments, then the law on the train."""
+"""The fuzzy PID law: inference against independently written fuzzy sets, its increments, then the law on the train."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The constant table of the IPFC law: basis values first, then gains, then how well fixed point holds them."""
+"""The constant table of the IPFC law: basis values first, then gains, then their rounding errors in fixed point."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""IPFC+: its bars over 200 perturbed runs, what each element is worth, faults, fixed point, unfit parameters."""
+"""IPFC+: its limits over 200 perturbed runs, the contribution of each element, faults, fixed point, invalid
+parameters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws that somebody plugs in and that cannot be made: bad input, in one line that names law and cause."""
+"""Plug-in laws that cannot be made: bad input, in one line that names law and cause."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Parameter files: what they may hold, what a law makes of them, and that runs say with which they were made."""
+"""Parameter files: allowed content, their effect on a law, and the record of the parameters in runs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Constant tables of the laws as data: what is checked in is what the law computes, and nothing else is loaded."""
+"""Constant tables of the laws as data: the checked-in tables are what the law computes, and nothing else is loaded."""
 
 from __future__ import annotations
 

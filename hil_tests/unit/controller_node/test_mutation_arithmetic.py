@@ -1,4 +1,4 @@
-"""Do the IQ vectors notice wrong semantics? Each likely mistake, put into a profile, must be reported."""
+"""The IQ vectors detect wrong semantics: each likely mistake, introduced into a profile, must be reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a law tells of itself: which signal holds which note, its bits, and laws that declare what does not fit."""
+"""Notes of a law: which signal carries which note, its bits, and laws with invalid declarations."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far TRN_POS is trusted, telegram by telegram, and which part of the odometer a balise telegram means."""
+"""Plausibility of TRN_POS, telegram by telegram, and the odometer reading to which a balise telegram refers."""
 
 from __future__ import annotations
 

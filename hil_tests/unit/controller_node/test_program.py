@@ -1,4 +1,4 @@
-"""A law written down as operations: formats are checked, and the record computes what the law computes."""
+"""A law recorded as operations: formats are checked, and the recording computes the same as the law."""
 
 from __future__ import annotations
 

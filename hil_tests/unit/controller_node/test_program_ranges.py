@@ -1,4 +1,4 @@
-"""Interval analysis of a law: what it bounds holds, and no operation of the shipped laws can wrap on any wire input."""
+"""Interval analysis of a law: its bounds are valid, and no operation of the shipped laws can wrap on any wire input."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The TDMC law: gains, predictions and correction against the textbook written anew, then the law on the train."""
+"""The TDMC law: gains, predictions and correction against an independent textbook implementation, then the law on the
+train."""
 
 from __future__ import annotations
 

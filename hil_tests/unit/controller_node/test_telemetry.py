@@ -1,4 +1,4 @@
-"""Telemetry of a law's quantities: extremes, events and whose they are, for one train and for many; cycles."""
+"""Telemetry of a law's quantities: extremes, events and their assignment, for one train and for many; cycles."""
 
 from __future__ import annotations
 

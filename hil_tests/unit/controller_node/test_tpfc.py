@@ -1,4 +1,5 @@
-"""TPFC1 and TPFC2: gains and steps against equations written out again, basis in use, fixed point, closed loop."""
+"""TPFC1 and TPFC2: gains and steps against an independent transcription of the equations, basis in use, fixed point,
+closed loop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rules of the house that a machine can check: imports, module size, swallowed exceptions, drawn telegrams."""
+"""Project rules that can be checked automatically: imports, module size, swallowed exceptions, telegram diagrams."""
 
 from __future__ import annotations
 

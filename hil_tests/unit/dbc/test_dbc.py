@@ -1,4 +1,4 @@
-"""The wire contract: port table, DBC file, and telegram classes say the same."""
+"""The wire contract: port table, DBC file and telegram classes agree."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The wire contract of a system that plugs in: checked against what every system shares."""
+"""The wire contract of a plug-in system: checked against the part common to all systems."""
 
 from __future__ import annotations
 

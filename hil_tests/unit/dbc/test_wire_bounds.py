@@ -1,4 +1,4 @@
-"""Runs of 400 km and 8 h fit the wire: every telegram at the bounds of what a scenario may ask for, and beyond."""
+"""Runs of 400 km and 8 h fit the wire format: every telegram at the limits of a scenario, and beyond."""
 
 from __future__ import annotations
 

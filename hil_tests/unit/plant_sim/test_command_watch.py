@@ -1,4 +1,5 @@
-"""The ladder of the train's own watch: levels by age, leave rules, and a reference that keeps the whole history."""
+"""The ladder of the train's own watch: levels by age, rules for leaving, and a reference model with the whole
+history."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The order of a tick, and when a run is over."""
+"""The order of events in a tick, and the end of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The train as the bus sees it: commands, readings, events and interlocks."""
+"""The train as seen from the bus: commands, readings, events and interlocks."""
 
 from __future__ import annotations
 

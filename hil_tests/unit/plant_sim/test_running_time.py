@@ -1,4 +1,4 @@
-"""Shortest running times: published ones, closed forms, and what the result must keep to."""
+"""Shortest running times: published ones, closed forms, and constraints on the result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The train under its own watch: what it does when nobody commands it any more, and when it is too fast."""
+"""The train under its own watch: its behaviour when commands stop, and when it is too fast."""
 
 from __future__ import annotations
 

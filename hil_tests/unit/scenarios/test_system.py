@@ -1,4 +1,4 @@
-"""Systems by name: what an entry point must be, and one line for what it is not."""
+"""Systems by name: requirements on an entry point, and a one-line error if they are not met."""
 
 from __future__ import annotations
 

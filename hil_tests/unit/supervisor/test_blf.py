@@ -1,4 +1,4 @@
-"""``frames.blf`` is read back as what it was made from: the same frames, stamps, hash and score."""
+"""``frames.blf`` is read back unchanged: the same frames, time stamps, hash and score."""
 
 from __future__ import annotations
 

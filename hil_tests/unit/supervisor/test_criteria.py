@@ -1,4 +1,4 @@
-"""The registry of criteria: what is derived from an entry, and that no other module knows a score by its name."""
+"""The registry of criteria: what is derived from an entry, and no other module refers to a score by its name."""
 
 from __future__ import annotations
 

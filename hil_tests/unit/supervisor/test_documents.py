@@ -1,4 +1,4 @@
-"""certificate.json and score.json that are damaged: one line with file and key."""
+"""Damaged certificate.json and score.json: one line with file and key."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""A run folder is evidence: it is judged from itself alone, on any machine, by this version and by later ones."""
+"""A run folder is self-contained evidence: it is judged without other files, on any machine, by this version and by
+later ones."""
 
 from __future__ import annotations
 

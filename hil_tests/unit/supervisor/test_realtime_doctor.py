@@ -1,4 +1,4 @@
-"""``railhil doctor``: each finding from a machine made of files, and the command on this one."""
+"""``railhil doctor``: each finding from a simulated machine made of files, and the command on this machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Timing as a rule and as documents: who measured, what makes a run INVALID, what stands in score.json and report."""
+"""Timing: where it was measured, what makes a run INVALID, and its entries in score.json and report."""
 
 from __future__ import annotations
 

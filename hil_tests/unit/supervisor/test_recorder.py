@@ -1,4 +1,4 @@
-"""The record loop when something is not as it should be: foreign frames, an outage, a node that was ended."""
+"""The record loop under faults: foreign frames, an outage, a node that was ended."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""report.html: whole, self-contained, the same bytes for the same record, and what a reader must find in it."""
+"""report.html: complete, self-contained, the same bytes for the same record, and its required content."""
 
 from __future__ import annotations
 

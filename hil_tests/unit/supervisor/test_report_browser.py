@@ -1,4 +1,4 @@
-"""The report as a browser shows it: nothing fetched, nothing beyond the page, no text over text."""
+"""The report in a browser: nothing is fetched, nothing exceeds the page, no overlapping text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs that share axes differ, also in a grey print; laws stand in one order everywhere."""
+"""Runs in the same axes can be told apart, also in greyscale; laws have the same order everywhere."""
 
 from __future__ import annotations
 

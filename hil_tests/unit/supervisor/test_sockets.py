@@ -1,4 +1,4 @@
-"""Folders for the sockets of runs: gone after the run, also after one that was killed."""
+"""Folders for the sockets of runs: removed after the run, also after a killed one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""The plant's watch on the supervisor in realtime: lost is who does not answer, not who cannot be heard."""
+"""The plant's watch on the supervisor in real time: it is lost if it does not answer, but not if the plant cannot
+receive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Notes of a law in what is made of a record: named by what the controller said, by old contracts, or by number."""
+"""Notes of a law in the results of a record: named by the controller's declaration, by old contracts, or by number."""
 
 from __future__ import annotations
 

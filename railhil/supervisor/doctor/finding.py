@@ -1,4 +1,4 @@
-"""What an examination gives."""
+"""Result of an examination."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-#: No examination waits longer than this for a tool.
+#: Longest time to wait for a tool.
 TOOL_TIMEOUT_S = 5.0
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One line: subject, what was found, and the command or step that improves it (empty: nothing is to be done)."""
+    """One line: subject, what was found, and the command or step that improves it (empty: nothing to do)."""
 
     subject: str
     found: str
@@ -22,7 +22,7 @@ class Finding:
 
 
 def text_of(path: Path) -> str:
-    """Content of a small file of the kernel without blanks around it; empty when it cannot be read."""
+    """Stripped content of a small kernel file; empty when it cannot be read."""
     try:
         return path.read_text(encoding="utf-8", errors="replace").strip()
     except OSError:
@@ -41,5 +41,5 @@ def said_by(*command: str) -> str | None:
 
 
 def and_so_on(names: Sequence[str], shown: int = 4) -> str:
-    """A list of names, cut when it is long."""
+    """A list of names, truncated when it is long."""
     return ", ".join(names[:shown]) + (f" and {len(names) - shown} more" if len(names) > shown else "")

@@ -1,4 +1,4 @@
-"""CAN in the kernel: is it there, which interfaces, in which state."""
+"""CAN in the kernel: whether it is supported, which interfaces exist, and their state."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from railhil.supervisor.doctor.finding import Finding, said_by, text_of
 _CAN_TYPE = "280"
 #: IFF_UP of linux/if.h.
 _UP = 1
-#: A burst of one tick fits many times; the kernel's own 10 do not hold a recorder's pause.
+#: Fits the burst of one tick many times; the kernel's default of 10 is too small for a pause of the recorder.
 _QUEUE_MIN = 100
 _SUBJECT = "kernel CAN"
 _WITHOUT = "use the hub, or `railhil vcan -- COMMAND`"
@@ -27,7 +27,7 @@ def kernel_can(
 ) -> list[Finding]:
     """Whether the kernel has CAN, and the state of each interface.
 
-    :param refusal: why no CAN socket can be had, empty when one can; None: tried.
+    :param refusal: why no CAN socket can be opened, empty if one can; None: try it.
     """
     reason = (refusal or _refusal)()
     if reason:
@@ -38,14 +38,14 @@ def kernel_can(
 
 
 def can_interfaces(root: Path) -> list[str]:
-    """Names of the CAN interfaces, vcan among them."""
+    """Names of the CAN interfaces, including vcan."""
     return sorted(path.parent.name for path in root.glob("sys/class/net/*/type") if text_of(path) == _CAN_TYPE)
 
 
 def interface(root: Path, name: str, details: Callable[[str], dict[str, Any]] | None = None) -> Finding:
     """State, bit rate and queue of one interface.
 
-    :param details: what ``ip -details -json`` says of an interface; in its place in the tests.
+    :param details: returns the output of ``ip -details -json`` for an interface; replaced in the tests.
     """
     folder = root / "sys/class/net" / name
     is_up = int(text_of(folder / "flags") or "0", 16) & _UP
@@ -84,7 +84,7 @@ def _details(name: str) -> dict[str, Any]:
 
 
 def _refusal() -> str:
-    """Why no CAN socket can be had; empty when one can."""
+    """Why no CAN socket can be opened; empty if one can."""
     if not hasattr(socket, "AF_CAN"):
         return "this Python has no AF_CAN"
     try:
@@ -101,6 +101,6 @@ def _without(reason: str, module: bool) -> Finding:
 
 
 def _module(root: Path, release: str) -> bool:
-    """Whether the distribution has installed the module for the running kernel."""
+    """Whether the module is installed for the running kernel."""
     folder = root / "lib/modules" / release
     return any("/vcan.ko" in text_of(folder / name) for name in ("modules.dep", "modules.builtin"))

@@ -1,4 +1,4 @@
-"""The machine: clock, processors, and whether there is another machine below it."""
+"""The machine: clock, processors, and whether it is virtual."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 
 from railhil.supervisor.doctor.finding import Finding, text_of
 
-#: Clock sources that are read without leaving the processor.
+#: Clock sources that are read in the processor.
 _FAST_CLOCKS = ("tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page", "riscv_clocksource")
-#: Longer than this and each look at the clock costs more than a frame, ns.
+#: Above this, reading the clock costs more than a frame, ns.
 _READ_MAX_NS = 1000
 _CLOCK = "sys/devices/system/clocksource/clocksource0"
 
@@ -22,9 +22,9 @@ def machine(root: Path = Path("/")) -> list[Finding]:
 
 
 def clock(root: Path, read_ns: int | None = None) -> Finding:
-    """Clock source of the kernel, resolution and cost of a look at the monotonic clock.
+    """Clock source of the kernel, resolution and read time of the monotonic clock.
 
-    :param read_ns: that cost; None: measured.
+    :param read_ns: the read time; None: measure it.
     """
     current, available = (text_of(root / _CLOCK / f"{which}_clocksource") for which in ("current", "available"))
     resolution_ns = time.get_clock_info("monotonic").resolution * 1e9
@@ -42,7 +42,7 @@ def clock(root: Path, read_ns: int | None = None) -> Finding:
 
 
 def _read_ns() -> int:
-    """Cost of a look at the monotonic clock, interpreter included: the shortest of many."""
+    """Read time of the monotonic clock, including the interpreter: the shortest of many."""
     looks = [time.perf_counter_ns() for _ in range(1001)]
     return min(after - before for before, after in itertools.pairwise(looks))
 
@@ -59,7 +59,7 @@ def cores(root: Path) -> Finding:
 
 
 def governor(root: Path) -> list[Finding]:
-    """Frequency scaling; nothing where the machine does not say."""
+    """Frequency scaling; nothing if the machine does not report it."""
     paths = root.glob("sys/devices/system/cpu/cpu[0-9]*/cpufreq/scaling_governor")
     found = sorted({text_of(path) for path in paths} - {""})
     if not found:
@@ -69,7 +69,7 @@ def governor(root: Path) -> list[Finding]:
 
 
 def is_virtual(root: Path) -> bool:
-    """True where the processor says that there is a hypervisor below."""
+    """True if the processor reports a hypervisor."""
     return "hypervisor" in text_of(root / "proc/cpuinfo")
 
 

@@ -1,4 +1,4 @@
-"""Permissions for realtime, and what the kernel makes of them."""
+"""Permissions for real-time scheduling, and their effect in the kernel."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from pathlib import Path
 from railhil.common.scheduling import HUB_PRIORITY, cycle, permitted_priority
 from railhil.supervisor.doctor.finding import Finding, text_of
 
-#: sched_rt_runtime_us without a throttle, sched(7).
+#: sched_rt_runtime_us without throttling, sched(7).
 _NO_THROTTLE = -1
-#: Less than this share of the time is too little for a run.
+#: Minimum share of the time needed for a run.
 _SHARE_MIN = 0.5
 
 
 def scheduling(root: Path = Path("/"), version: str | None = None) -> list[Finding]:
-    """SCHED_FIFO, locked memory, the throttle and the preemption model."""
+    """SCHED_FIFO, locked memory, throttling and the preemption model."""
     return [
         fifo(*permitted_priority(HUB_PRIORITY)),
         _memory(),
@@ -28,7 +28,7 @@ def scheduling(root: Path = Path("/"), version: str | None = None) -> list[Findi
 def fifo(granted: int, reason: str) -> Finding:
     """SCHED_FIFO.
 
-    :param granted: highest priority that this process may have of those that the bench asks for, 0: none.
+    :param granted: highest priority granted to this process of those that the bench requests, 0: none.
     :param reason: why not a higher one.
     """
     if granted == HUB_PRIORITY:
@@ -40,7 +40,7 @@ def fifo(granted: int, reason: str) -> Finding:
 
 
 def _memory() -> Finding:
-    """What a node would be granted: tried, because neither limit nor capabilities tell it alone."""
+    """What a node would be granted, found by trying, because limit or capabilities alone do not determine it."""
     with cycle("doctor", HUB_PRIORITY, aloud=False) as granted:
         memory = granted.sentence.rpartition(", memory ")[2]
     if memory == "locked":
@@ -71,7 +71,7 @@ def _throttle(root: Path) -> Finding:
 
 
 def preemption(root: Path, version: str) -> Finding:
-    """How soon the kernel itself lets a woken process run."""
+    """How soon the kernel runs a woken process."""
     if text_of(root / "sys/kernel/realtime") == "1" or "PREEMPT_RT" in version:
         return Finding("preemption", "PREEMPT_RT: latencies have a bound")
     chosen = text_of(root / "sys/kernel/debug/sched/preempt")
@@ -82,7 +82,7 @@ def preemption(root: Path, version: str) -> Finding:
         advice = "kernel parameter preempt=full" if "DYNAMIC" in kind else "a kernel with PREEMPT or PREEMPT_RT"
         return Finding("preemption", f"{shown}: latencies of milliseconds are possible", advice)
     if kind == "PREEMPT_DYNAMIC" and not mode:
-        # It may have been started with preempt=none: nothing is promised that nobody has looked at.
+        # It may have been started with preempt=none: claim nothing without checking.
         shown += ", its mode not known (root can read /sys/kernel/debug/sched/preempt)"
     advice = "for a bound: a PREEMPT_RT kernel (Debian: sudo apt install linux-image-rt-amd64)"
     return Finding("preemption", f"{shown}: no bound; the 10 ms loop measures", advice)

@@ -1,4 +1,4 @@
-"""What is at hand beside the kernel: serial ports for slcan, Docker, the tools for a virtual machine."""
+"""Available tools: serial ports for slcan, Docker, the tools for a virtual machine."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ def serial_ports(root: Path) -> list[Finding]:
 
 
 def virtual_machine(system_path: str = _SYSTEM_PATH) -> Finding:
-    """Whether `railhil vcan` can bring a kernel with vcan up.
+    """Whether `railhil vcan` can start a kernel with vcan.
 
-    :param system_path: where tools of the system are that a user's PATH leaves out.
+    :param system_path: directories with system tools that are not on a user's PATH.
     """
     path = os.pathsep.join((os.environ.get("PATH", ""), system_path))
     missing = [package for tool, package in _MACHINE_TOOLS.items() if shutil.which(tool, path=path) is None]

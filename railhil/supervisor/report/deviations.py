@@ -1,4 +1,4 @@
-"""Where the bench departs from the paper of its published scores; the sentences stand in ``deviations.toml``."""
+"""Deviations of the bench from the paper with the published scores; the sentences are in ``deviations.toml``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from importlib.resources import files
 
 @dataclass(frozen=True, slots=True)
 class Deviation:
-    """``at``: place in the paper; ``reading``: what is done here; ``other``: what the other reading does, or empty."""
+    """``at``: place in the paper; ``reading``: interpretation used here; ``other``: effect of the alternative, or
+    empty."""
 
     at: str
     reading: str
@@ -17,6 +18,6 @@ class Deviation:
 
 
 def deviations() -> tuple[str, tuple[Deviation, ...]]:
-    """The paper, and every deviation from it in the order of its equations."""
+    """The paper, and all deviations from it in the order of its equations."""
     content = tomllib.loads(files(__package__).joinpath("deviations.toml").read_text(encoding="utf-8"))
     return content["source"], tuple(Deviation(**row) for row in content["deviation"])

@@ -22,14 +22,14 @@ from railhil.supervisor.report.styles import styles
 
 _WIDTH_IN = 8.5
 _LEFT_IN, _RIGHT_IN, _BOTTOM_IN = 0.9, 0.15, 0.5
-#: Middle of the axis titles, left of the axes: one line for all figures, wide tick labels between.
+#: Position of the axis titles left of the axes: the same for all figures, with room for wide tick labels.
 _TITLE_IN = 0.7
-#: Height of a legend row; of the row of one law where laws stand below each other.
+#: Height of a legend row, and of the row of one law in stacked axes.
 _LEGEND_IN, _ROW_IN, _GAP_IN = 0.2, 1.05, 0.3
 #: Height of one name in the picture of a bit field.
 _FLAGS_IN = 0.18
 _LEGEND_COLUMNS = 4
-#: Room in a legend: for the piece of line with the blanks around it, and for a letter.
+#: Space in a legend: for the line sample with its margins, and for a character.
 _SAMPLE_IN, _LETTER_IN = 0.6, 0.075
 _LONG_NUMBER = re.compile(r"(\d\.\d\d)\d+")
 _IDENTIFIER = re.compile(r'(\bid="|url\(#|href="#)')
@@ -47,7 +47,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class Record:
-    """What panels draw from: the runs that got far enough, and the lateness of those that kept real time."""
+    """Data for the panels: the runs that can be drawn, and the lateness of real-time runs."""
 
     scenario: Scenario
     runs: Sequence[Drawn]
@@ -56,14 +56,14 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One kind of figure by its name; ``draw`` gives no picture when the record has nothing of it."""
+    """One kind of figure by its name; ``draw`` gives no picture if the record has no data for it."""
 
     name: str
     draw: Callable[[Record], list[Picture]]
 
 
 def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Panel] | None = None) -> list[Picture]:
-    """All figures of the report, in reading order; empty when no run got far enough to be drawn.
+    """All figures of the report, in reading order; empty if no run can be drawn.
 
     :param shown: None: :data:`ATO_PANELS`.
     """
@@ -86,8 +86,8 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Pa
 def svg(figure: Figure, name: str, title: str) -> str:
     """The figure as an element of a page.
 
-    Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers get the name in front;
-    the style sheet, which would hold for the whole page, is left to the page.
+    Coordinates keep two decimals (a hundredth of a point), which halves the file; identifiers are prefixed with the
+    name; the style sheet, which would apply to the whole page, is left to the page.
     """
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
@@ -96,14 +96,14 @@ def svg(figure: Figure, name: str, title: str) -> str:
     body = re.sub(r"<defs>\s*<style.*?</style>\s*</defs>", "", body, flags=re.DOTALL)
     body = _IDENTIFIER.sub(rf"\g<1>{name}-", body)
     body = _LONG_NUMBER.sub(r"\1", body)
-    # The page gives the width; the height follows from the view box.
+    # The page sets the width; the height follows from the view box.
     body = re.sub(r'^<svg([^>]*?) width="[^"]*"', r"<svg\1", body, count=1)
     body = re.sub(r'^<svg([^>]*?) height="[^"]*"', rf'<svg\1 role="img" aria-label="{title}"', body, count=1)
     return body.strip()
 
 
 def _legend(labels: Sequence[str]) -> tuple[int, int]:
-    """Columns that the longest name leaves room for, and rows."""
+    """Number of columns that fit with the longest name, and of rows."""
     widest_in = _SAMPLE_IN + _LETTER_IN * max(map(len, labels))
     columns = max(1, min(_LEGEND_COLUMNS, int((_WIDTH_IN - _LEFT_IN - _RIGHT_IN) / widest_in)))
     return columns, -(-len(labels) // columns)
@@ -181,7 +181,7 @@ def _stacked(
     scenario: Scenario, runs: Sequence[Drawn], name: str, title: str, unit: str, caption: str,
     draw: Callable[[Axes, Drawn], None], height_in: float = _ROW_IN, legend: bool = False,
 ) -> Picture:  # fmt: skip
-    """One row of axes per law, all with the same scales, named by the law where there are several."""
+    """One row of axes per law, all with the same scales, labelled with the law if there are several."""
     row_in = height_in * (1.0 if len(runs) > 1 else 1.4)
     named = len(runs) > 1
     head_in = 0.12 + (_LEGEND_IN if named or legend else 0.0)
@@ -223,7 +223,7 @@ def _force(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
 
 
 def _flags(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
-    """One picture for each bit field that laws have told, of the runs in which they did."""
+    """One picture for each bit field reported by laws, with the runs that have it."""
     notes = {note.name: note for run in runs for note, _ in run.curves.told(flags=True)}
     found = []
     for name, note in notes.items():
@@ -241,10 +241,10 @@ def _flags(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
 
 
 def _told_figures(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
-    """One picture of the figures that laws have told of themselves, of the runs in which they did."""
+    """One picture of the figures reported by laws, with the runs that have them."""
     telling = [run for run in runs if run.curves.told(flags=False)]
     notes = {note.name: note for run in telling for note, _ in run.curves.told(flags=False)}
-    # A figure that stayed at 0 is drawn beside one that did not.
+    # A figure that stayed at 0 is drawn together with one that did not.
     notes |= {note.name: note for run in telling for note, _ in run.curves.notes if not note.bits}
     if not notes:
         return []

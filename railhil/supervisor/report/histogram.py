@@ -1,4 +1,4 @@
-"""The picture of a realtime run's timing: how many cycles were how late."""
+"""The timing picture of a real-time run: histogram of the cycles' lateness."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Lateness:
 
 
 def lateness(axes: Axes, runs: Sequence[Lateness]) -> None:
-    """Number of cycles over lateness, both logarithmic, with the lateness that counts against the run."""
+    """Number of cycles over lateness, both logarithmic, with the limit that counts against the run."""
     for run in runs:
         if len(runs) == 1:
             axes.stairs(run.counts, run.edges_ms, fill=True, color=run.style.colour, alpha=0.6)
@@ -32,7 +32,7 @@ def lateness(axes: Axes, runs: Sequence[Lateness]) -> None:
     axes.axvline(LATE_MS, color="0.3", linestyle=":", linewidth=1.4, label=f"{LATE_MS:g} ms")
     axes.set(xscale="log", yscale="log", xlabel="lateness", ylabel="cycles", ylim=(0.7, None))
     axes.set_xlim(min(run.edges_ms[0] for run in runs), max(run.edges_ms[-1] for run in runs))
-    # Plain numbers: mathematical text is switched off in these pictures.
+    # Plain numbers: mathematical text is disabled in these pictures.
     axes.xaxis.set_major_formatter(FuncFormatter(lambda late_ms, _: _duration(late_ms)))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda count, _: f"{count:g}"))
     for axis in (axes.xaxis, axes.yaxis):

@@ -1,4 +1,4 @@
-"""The timing of runs in words and as rows of a table: from ``score.json`` alone, none of it measured again."""
+"""The timing of runs in words and as table rows, from ``score.json`` alone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _BY_RECORDER = (
 
 
 def timing_of(run: RecordedRun) -> dict[str, Any]:
-    """``run.timing`` of a run, empty when there is none."""
+    """``run.timing`` of a run, empty if there is none."""
     found: dict[str, Any] = run.score_document.get("run", {}).get("timing") or {}
     return found
 
@@ -39,7 +39,7 @@ def answers_sentence(timing: Mapping[str, Any]) -> str:
 
 
 def scheduling_sentence(timing: Mapping[str, Any]) -> str:
-    """What each process was granted, those that share it named together."""
+    """The scheduling granted to each process; processes with the same are named together."""
     roles: dict[str, list[str]] = {}
     for role, sentence in timing["scheduling"].items():
         roles.setdefault(sentence, []).append(role)
@@ -69,12 +69,12 @@ def timing_rows(document: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def timed(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
-    """The runs that kept a pace, with what is known of how they kept it."""
+    """The real-time runs, with their timing."""
     return [run for run in runs if timing_of(run).get("lateness")]
 
 
 def table(runs: Sequence[RecordedRun]) -> list[tuple[str, ...]]:
-    """A row per realtime run, cells under :data:`HEADINGS`; empty when all runs went in lockstep."""
+    """A row per real-time run, cells under :data:`HEADINGS`; empty if all runs were in lockstep."""
     found = []
     for run in timed(runs):
         timing = timing_of(run)

@@ -1,4 +1,4 @@
-"""What is drawn, one function per pair of axes; the pictures of ``railhil plot`` and the report are made of these."""
+"""The drawing functions, one per pair of axes, for the pictures of ``railhil plot`` and the report."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from railhil.supervisor.score import Score
 from railhil.supervisor.trace import FloatArray
 
 _POINTS = 800
-#: Half height of the picture of the stop, m: what it shows at least and at most.
+#: Half height of the picture of the stop, m: minimum and maximum.
 _STOP_MIN_M, _STOP_MAX_M = 0.4, 3.0
-#: Half width of a close view, as a share of the distance.
+#: Half width of an enlarged view, as a share of the distance.
 _NEAR_SHARE = 0.02
 
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """One run ready to be drawn: its name, how it is told from the others, and its curves."""
+    """One run ready to be drawn: its name, style and curves."""
 
     label: str
     style: Style
@@ -42,14 +42,14 @@ class Drawn:
 
 @contextmanager
 def drawing(fonttype: str = "path") -> Iterator[None]:
-    """Settings under which the bytes of a picture depend on what is drawn alone.
+    """Settings under which the bytes of a picture depend only on its content.
 
     :param fonttype: ``path`` for a picture that looks the same everywhere, ``none`` for text that stays text.
     """
     settings: dict[Any, Any] = {
         "svg.hashsalt": "railhil",
         "svg.fonttype": fonttype,
-        # Names of laws and lines are text, whatever they hold.
+        # Names of laws and lines are literal text, whatever they contain.
         "text.parse_math": False,
         "font.size": 9,
         "font.family": "sans-serif",
@@ -84,9 +84,9 @@ def speed_over_distance(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) -
 
 
 def widest_places(scenario: Scenario, runs: Sequence[Drawn]) -> list[float]:
-    """Where a run differs most from the target, in each half of the distance, in m.
+    """Positions at which a run deviates most from the target, in each half of the distance, in m.
 
-    Only where the target is faster than half its highest speed: close to a standstill every metre is an age.
+    Only where the target is faster than half its highest speed, because close to standstill a metre takes very long.
     """
     target = Target(scenario.target)
     place_m = np.linspace(0.0, scenario.plan.distance_m, _POINTS)
@@ -101,7 +101,7 @@ def widest_places(scenario: Scenario, runs: Sequence[Drawn]) -> list[float]:
 
 
 def speed_near(axes: Axes, scenario: Scenario, runs: Sequence[Drawn], place_m: float) -> None:
-    """Speed over distance around one place, close enough to tell the runs from each other."""
+    """Speed over distance around one position, enlarged enough to tell the runs apart."""
     reach_m = scenario.plan.distance_m * _NEAR_SHARE
     place_m = min(max(place_m, reach_m), scenario.plan.distance_m - reach_m)
     target = Target(scenario.target)
@@ -116,7 +116,7 @@ def speed_near(axes: Axes, scenario: Scenario, runs: Sequence[Drawn], place_m: f
 
 
 def grade(axes: Axes, scenario: Scenario) -> None:
-    """Grade of the line, as the scenario has it."""
+    """Grade of the line from the scenario."""
     rows = [row for row in scenario.line.grade_permil if row[0] < scenario.plan.distance_m]
     starts = [max(0.0, start_m) for start_m, _ in rows] + [scenario.plan.distance_m]
     values = [value for _, value in rows]
@@ -134,7 +134,7 @@ def speed_error(axes: Axes, run: Drawn) -> None:
 
 def notch(axes: Axes, run: Drawn) -> None:
     """Notch as commanded, over time."""
-    # Only where it changes, and at the end: it is sent 25 times in a control period.
+    # Only points where it changes, and the end: it is sent 25 times per control period.
     count = len(run.curves.notch)
     at = np.union1d(np.flatnonzero(np.diff(run.curves.notch, prepend=np.nan)), np.arange(count)[-1:])
     axes.step(run.curves.notch_s[at], run.curves.notch[at], where="post", **run.style.alone)
@@ -148,7 +148,7 @@ def force(axes: Axes, run: Drawn) -> None:
 
 
 def flag_sets(runs: Sequence[Drawn], name: str) -> list[int]:
-    """Every set of flags that some run has told in the note of that name, as bit fields."""
+    """Every set of flags reported by a run in the note of that name, as bit fields."""
     return sorted({int(value) for run in runs for value in np.unique(_told(run, name)[1])})
 
 
@@ -156,7 +156,7 @@ def flags(axes: Axes, run: Drawn, name: str, used: Sequence[int]) -> None:
     """A bit field of a law over time.
 
     :param name: of the note.
-    :param used: the rows of the picture, as :func:`flag_sets` finds them.
+    :param used: the rows of the picture, from :func:`flag_sets`.
     """
     note, values = _told(run, name)
     row = np.searchsorted(np.asarray(used), values)
@@ -176,12 +176,12 @@ def _flag_names(value: int, known: Sequence[str]) -> str:
     return "+".join(names) or "none"
 
 
-#: How the figures of one law are told from each other.
+#: Styles that distinguish the figures of one law.
 _FIGURE_LINES: tuple[dict[str, Any], ...] = ({}, {"color": "0.45", "linestyle": ":", "linewidth": 1.2})
 
 
 def figures(axes: Axes, run: Drawn, names: Sequence[str]) -> None:
-    """Figures that a law tells of itself, over time.
+    """Figures reported by a law, over time.
 
     :param names: of the notes of all laws in the picture.
     """
@@ -204,7 +204,8 @@ def distance_over_time(axes: Axes, scenario: Scenario, runs: Sequence[Drawn]) ->
 
 
 def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float]:
-    """Half width in s and half height in m of the picture of the stop: all stops, as far as that stays readable."""
+    """Half width in s and half height in m of the picture of the stop: includes all stops, as long as it stays
+    readable."""
     plan = scenario.plan
     errors_m = [error for run in runs if (error := run.score.values[STOP_ERROR.key]) is not None]
     errors_s = [error for run in runs if (error := run.score.values[TIME_ERROR.key]) is not None]
@@ -214,7 +215,7 @@ def stop_window(scenario: Scenario, runs: Sequence[Drawn]) -> tuple[float, float
 
 
 def outside_window(scenario: Scenario, runs: Sequence[Drawn]) -> list[str]:
-    """Labels of the runs whose stop the picture of the stop does not show."""
+    """Labels of the runs whose stop lies outside the picture of the stop."""
     half_s, half_m = stop_window(scenario, runs)
     windows = {STOP_ERROR.key: half_m, TIME_ERROR.key: half_s}
 
@@ -262,14 +263,14 @@ def _mark_stop(axes: Axes, scenario: Scenario) -> None:
 
 
 def time_axis(axes: Axes, scenario: Scenario) -> None:
-    """The same time axis under every picture."""
+    """The common time axis of all pictures."""
     axes.set_xlim(0, scenario.plan.running_time_s * 1.01)
     if 100 < scenario.plan.running_time_s < 400:
         axes.xaxis.set_major_locator(MultipleLocator(20))
 
 
 def legend(axes: Axes, columns: int = 4) -> None:
-    """Legend of lines above the axes, where no curve runs."""
+    """Legend of lines above the axes, where there are no curves."""
     axes.legend(
         loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=columns, frameon=False, borderaxespad=0.2, markerscale=0
     )

@@ -15,7 +15,7 @@ from railhil.supervisor.trace import Trace
 
 
 def draw(scenario: Scenario, trace: Trace, out: Path) -> None:
-    """Draw the run into a file whose bytes depend on the record alone (fixed ids, no date)."""
+    """Draw the run into a file whose bytes depend only on the record (fixed ids, no date)."""
     run = panels.Drawn("train", Style(), curves(scenario, trace), score(scenario, trace))
     with panels.drawing():
         figure = Figure(figsize=(8.5, 7.0), layout="constrained")

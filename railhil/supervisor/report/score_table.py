@@ -1,4 +1,4 @@
-"""The score table: each law measured on this bench, beside the published row of the same law."""
+"""The score table: each law measured on this bench, next to its published row."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from railhil.supervisor.report.recorded import RecordedRun
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs
-    that are an evaluation."""
+    """A measured value and the published one, as text (empty: none); ``best``: the best measured value of all runs that
+    count as an evaluation."""
 
     measured: str
     published: str
@@ -22,7 +22,7 @@ class Cell:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One law: its cells in the order of the criteria; no verdict when it is only published."""
+    """One law: its cells in the order of the criteria; no verdict if there is only a published row."""
 
     label: str
     verdict: str
@@ -30,7 +30,7 @@ class Row:
 
 
 def published_text(row: PublishedScore, criterion: Criterion) -> str:
-    """A published value with its digits; ``-`` where the row has none."""
+    """A published value with its digits; ``-`` if the row has none."""
     return criterion.shown(row.values.get(criterion.key), criterion.published_digits)
 
 
@@ -60,7 +60,7 @@ def rows(scenario: AnyScenario, criteria: Sequence[Criterion], runs: Sequence[Re
 
 
 def better_sentence(criteria: Sequence[Criterion]) -> str:
-    """Which way each column counts, and which stand without their sign."""
+    """The sentence that says whether less or more is better in each column, and which are shown without sign."""
     more = [criterion.title for criterion in criteria if criterion.better == "high"]
     bare = [criterion.title.removesuffix(" error") for criterion in criteria if criterion.signed]
     text = f"Less is better in every column{f' but {_listed(more)}' if more else ''}"

@@ -1,7 +1,7 @@
-"""How runs are told from each other where they share axes.
+"""Styles that distinguish runs in the same axes.
 
-Colour, dashes and marker belong to the law, the same in every report; a second run of a law (with other parameters) has
-a thinner line and a filled marker. A grey print keeps dashes, widths and markers.
+Colour, dash pattern and marker identify the law and are the same in every report; a second run of a law (with other
+parameters) has a thinner line and a filled marker. Dashes, widths and markers survive greyscale printing.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from typing import Any
 
 from railhil.common.law_order import LAW_ORDER
 
-#: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points, markers. The first belong to the
-#: laws of LAW_ORDER, what is left to others.
+#: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points, markers. The first ones belong to
+#: the laws of LAW_ORDER, the rest to others.
 _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#0072b2", (), "o"),
     ("#d55e00", (7, 2), "s"),
@@ -23,16 +23,16 @@ _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#e69f00", (3.5, 3.5), "P"),
     ("#56b4e9", (14, 4), "X"),
 )
-#: Line width in points and filling of the marker: of a law's first run, its second, and more if it must be.
+#: Line width in points and fill of the marker: for a law's first run, its second, and further ones.
 _VARIANTS = ((1.5, "none"), (0.7, "full"), (2.3, "left"), (1.1, "bottom"))
-#: Runs of one law that keep its colour; further ones take what other laws leave.
+#: Number of runs of one law that keep its colour; further ones use styles not taken by other laws.
 _OF_ONE_LAW = 2
 _MARKER_POINTS = 7.0
 
 
 @dataclass(frozen=True, slots=True)
 class Style:
-    """Place in the tables above."""
+    """Indices in the tables above."""
 
     law: int = 0
     variant: int = 0
@@ -44,22 +44,22 @@ class Style:
 
     @property
     def line(self) -> dict[str, Any]:
-        """Line among others, for matplotlib; the marker stands in the legend alone."""
+        """Line in shared axes, for matplotlib; the marker appears only in the legend."""
         width = _VARIANTS[self.variant][0]
-        # matplotlib takes dashes in widths of the line.
+        # matplotlib measures dashes in units of the line width.
         dashes = tuple(points / width for points in _LAWS[self.law][1])
         return {"linestyle": (0, dashes) if dashes else "-", "linewidth": width, "markevery": [], **self.marker}
 
     @property
     def alone(self) -> dict[str, Any]:
-        """Line in axes of its own: the colour is enough."""
+        """Line in separate axes, where the colour is sufficient."""
         return {"color": self.colour, "linewidth": 0.9}
 
     @property
     def marker(self) -> dict[str, Any]:
-        """Marker of a single point; one that is filled is small, so that a hollow one in the same place is seen."""
+        """Marker of a single point; a filled one is small, so that a hollow one at the same place stays visible."""
         filling = _VARIANTS[self.variant][1]
-        # Points of several laws lie in one place: three sizes keep them apart.
+        # Points of several laws may coincide: three sizes keep them visible.
         points = _MARKER_POINTS + 2.0 * (self.law % 3) if filling == "none" else 0.75 * _MARKER_POINTS
         return {
             "color": self.colour,
@@ -80,7 +80,7 @@ def styles(laws: Sequence[str]) -> list[Style]:
     places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
     others = [law for law in dict.fromkeys(laws) if law not in places]
     free = [place for place in range(len(_LAWS)) if place not in places.values()]
-    # Places that no law of ours ever has come first.
+    # Styles not used by railhil's own laws come first.
     free.sort(key=lambda place: place < len(LAW_ORDER))
     places |= dict(zip(others, free, strict=False))
     found: dict[int, Style] = {}
@@ -92,7 +92,7 @@ def styles(laws: Sequence[str]) -> list[Style]:
 
 
 def _unused(taken: Sequence[Style]) -> Iterator[Style]:
-    """Styles that are not taken, and all of them again when there are no more."""
+    """Styles that are not taken, and then all of them again."""
     every = [Style(law, variant) for variant in range(len(_VARIANTS)) for law in range(len(_LAWS))]
     yield from (style for style in every if style not in taken)
     while True:
