@@ -91,8 +91,8 @@ class Responder:
         self._poll_id = contract.poll_id
         # The module of a classic chip does not receive the CAN FD form.
         self._clock_ids = (clock_port.address, clock_port.fd_id) if module is None else (clock_port.address,)
-        # For each port, the class that decodes its telegrams and the handler.
-        self._handlers: dict[str, tuple[Callable[[bytes], Any], Callable[[Any], None]]] = {}
+        # For each port, the class that decodes its telegrams and the handler, of everyone who takes them.
+        self._handlers: dict[str, list[tuple[Callable[[bytes], Any], Callable[[Any], None]]]] = {}
         if TimeSync.PORT in self.store.ports:
             self.on(TimeSync, self._synchronise)
         self._answers = {
@@ -112,7 +112,8 @@ class Responder:
         )
 
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
-        """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``.
+        """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``; after the handlers
+        that the port has already.
 
         :param port: another port with this layout, for trains with several units; default: the telegram's own.
         :raises KeyError: when this node has no mailbox for the port.
@@ -120,7 +121,7 @@ class Responder:
         name = port or telegram.PORT
         if name not in self.store.ports:
             raise KeyError(name)
-        self._handlers[name] = (telegram.decode, handler)
+        self._handlers.setdefault(name, []).append((telegram.decode, handler))
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order; returns the answer to a poll of this node, otherwise nothing."""
@@ -155,9 +156,9 @@ class Responder:
 
     def _deliver(self, frame: Frame, checked: FrameCheck | None, received_ns: int, stamp: int | None) -> None:
         port = self.store.feed(frame, received_ns, checked)
-        if port is not None and (found := self._handlers.get(port)):
-            decode, handler = found
-            handler(_quick_reading((decode(self.store.raw(port)), received_ns, stamp)))
+        if port is not None:
+            for decode, handler in self._handlers.get(port, ()):
+                handler(_quick_reading((decode(self.store.raw(port)), received_ns, stamp)))
 
     def _synchronise(self, reading: Reading[TimeSync]) -> None:
         self.clock.synchronise(reading.telegram)

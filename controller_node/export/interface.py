@@ -29,7 +29,8 @@ from railhil.controller_node.program.model import Value
 from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.controller_node.vector.node import ports_of, refuse_indexing
-from railhil.dbc import Port
+from railhil.controller_node.vector.readings import checks_of, life_of, sources_of
+from railhil.dbc import Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
@@ -41,6 +42,8 @@ _PLAYED_MAX = 2000
 _COMMENT_COLUMNS = 110
 #: Process data of the longest telegram.
 _OCTETS_MAX = 32
+#: A ``railhil_signal_t`` of no port.
+_NOWHERE = "{-1, 0, 0, 0}"
 
 
 class _Listener(VectorController):
@@ -163,6 +166,8 @@ class InterfaceControl(Control):
         status = "-1" if interface.status is None else f"RAILHIL_{interface.status.PORT}"
         return [
             Define("AGE_MAX_NS", wide(interface.age_max_ms * 1_000_000), "of a reading; beyond it commands are safe"),
+            Define("SOURCE_COUNT", str(len(self._signs())), "ports with readings"),
+            Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports, at least one row"),
             Define("READING_COUNT", str(len(interface.readings))),
             Define("COMMAND_COUNT", str(len(interface.commands))),
             Define("TOLD_COUNT", str(len(self.macros()) + 2), "notes, overflow flags, number of steps"),
@@ -190,6 +195,9 @@ class InterfaceControl(Control):
             "    int is_signed;",
             "} railhil_signal_t;",
             "",
+            "/* Of each port with readings: its life sign, and its check variables. */",
+            *_table("signs", "SOURCE_COUNT", self._signs()),
+            *_table("checks", "CHECK_COUNT", self._checks()),
             *_table("readings", "READING_COUNT", [_place(item.telegram, item.field) for item in interface.readings]),
             *_table("commands", "COMMAND_COUNT", [_place(item.telegram, item.field) for item in interface.commands]),
             "/* What is sent while a reading is missing or too old. */",
@@ -204,6 +212,14 @@ class InterfaceControl(Control):
             "",
         ]
 
+    def _signs(self) -> list[str]:
+        return [_row(port, life_of(kind)) for port, kind in sources_of(self._interface).items()]
+
+    def _checks(self) -> list[str]:
+        sources = sources_of(self._interface).items()
+        # C has no array without members.
+        return [_row(port, signal) for port, kind in sources for signal in checks_of(kind).values()] or [_NOWHERE]
+
     def places(self, source: Source) -> dict[str, str]:
         out = [column for column in source.columns if column.startswith("out.")]
         return {
@@ -217,9 +233,14 @@ class InterfaceControl(Control):
 def _place(kind: type[Telegram] | None, field: str) -> str:
     """Where a field of a telegram stands, as an initialiser in C."""
     signal = dict(kind.signals()).get(field) if kind else None
-    if kind is None or signal is None:
-        return "{-1, 0, 0, 0}"
-    return f"{{RAILHIL_{kind.PORT}, {signal.first_bit}, {signal.length}, {int(signal.signed)}}}"
+    return _NOWHERE if kind is None or signal is None else _row(kind.PORT, signal)
+
+
+def _row(port: str, signal: Signal | None) -> str:
+    """A ``railhil_signal_t`` as an initialiser in C; None: a port without this signal."""
+    if signal is None:
+        return f"{{RAILHIL_{port}, 0, 0, 0}}"
+    return f"{{RAILHIL_{port}, {signal.first_bit}, {signal.length}, {int(signal.signed)}}}"
 
 
 def _table(name: str, size: str, rows: Sequence[str]) -> list[str]:

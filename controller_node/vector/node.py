@@ -15,6 +15,7 @@ from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
+from railhil.controller_node.vector.readings import Readings
 from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -100,7 +101,7 @@ class VectorNode:
         )
         self.responder.on(RunEvent, self._event)
         self._clock = self.responder.clock
-        self._store = self.responder.store
+        self._readings = Readings(self._interface, self.responder)
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order; returns the answer to a poll of the controller."""
@@ -109,7 +110,8 @@ class VectorNode:
     @property
     def counters(self) -> dict[str, int]:
         """What was refused, by cause; ``stale``: commands that were the safe ones for a reading too old."""
-        return {**self._store.counters, **({"stale": self._stale} if self._stale else {})}
+        counted = self.responder.store.counters + self._readings.counters
+        return {**counted, **({"stale": self._stale} if self._stale else {})}
 
     @property
     def lockstep(self) -> bool:
@@ -125,23 +127,12 @@ class VectorNode:
         if number in Event._value2member_map_ and Event(number).ends_run:
             self.ended = Event(number)
 
-    def _readings(self) -> tuple[list[int] | None, bool]:
-        """One raw integer for each reading, None before the first of any; and whether all are fresh."""
-        now_ns, oldest_ns, raws = self._clock.now_ns, 0, []
-        for reading in self._interface.readings:
-            telegram, age_ns = self._store.read(reading.telegram, now_ns)
-            if telegram is None:
-                return None, False
-            oldest_ns = max(oldest_ns, age_ns)
-            raws.append(getattr(telegram, reading.field))
-        return raws, oldest_ns <= self._interface.age_max_ms * 1_000_000
-
     def _control(self) -> bool:
         """Run the law when a control period has begun since the last step; whether its answer may be sent."""
-        raws, fresh = self._readings()
+        fresh = self._readings.fresh()
         k = self._clock.now_ns // self._control_ns
-        if raws is not None and fresh and self._clock.running and k != self._last_k:
-            self._output, self._last_k = self.controller.step(raws), k
+        if fresh and self._clock.running and k != self._last_k:
+            self._output, self._last_k = self.controller.step(self._readings.raws()), k
             self._steps += 1
         return fresh and self._output is not None
 

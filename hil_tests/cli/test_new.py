@@ -42,6 +42,15 @@ def run(*words: str | Path, cwd: Path, site: Path | None = None) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def make_check(folder: Path) -> None:
+    """Exported C computes its log again, and its controller compiles."""
+    done = subprocess.run(
+        ["make", "check", "node"], cwd=folder, capture_output=True, text=True, timeout=110, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^[1-9]\d* control periods identical, ", done.stdout, re.MULTILINE)
+
+
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with a law and a system."""
@@ -268,12 +277,13 @@ def test_the_law_drives_the_train_over_the_bus(law_site: Path, tmp_path: Path, a
 
 
 @pytest.mark.slow
+@pytest.mark.needs_compiler
 def test_the_law_is_audited_and_exported(law_site: Path, tmp_path: Path) -> None:
     done = railhil(law_site, "audit", "lvshun_tieshan", "--controller", "mylaw", "--runs", "0")
     assert done.returncode == 0, done.stdout + done.stderr
     done = railhil(law_site, "export-c", "mylaw", "--out", str(tmp_path / "c"))
     assert done.returncode == 0, done.stdout + done.stderr
-    assert (tmp_path / "c" / "Makefile").is_file()
+    make_check(tmp_path / "c")
 
 
 def test_the_name_of_an_installed_law_or_system_is_taken(law_site: Path, system_site: Path, tmp_path: Path) -> None:
@@ -286,6 +296,7 @@ def test_the_name_of_an_installed_law_or_system_is_taken(law_site: Path, system_
 
 @pytest.mark.slow
 @pytest.mark.loop
+@pytest.mark.needs_compiler
 def test_the_system_goes_through_every_command(made: Path, system_site: Path, tmp_path: Path) -> None:
     scenario = str(made / "mysystem" / "mysystem.toml")
 
@@ -309,6 +320,10 @@ def test_the_system_goes_through_every_command(made: Path, system_site: Path, tm
     done("campaign", scenario, "--runs", "3", "--out", "campaign")
     found = json.loads((tmp_path / "campaign" / "summary.json").read_text())["laws"]["hold"]
     assert found["inside"]["pass"]["runs"] == 3
+    audit = json.loads(done("audit", scenario, "--runs", "3", "--json"))
+    assert (audit["met"], list(audit["commands"])) == (True, ["force"])
+    done("export-c", "hold", scenario, "--out", "c")
+    make_check(tmp_path / "c")
 
 
 @pytest.mark.slow

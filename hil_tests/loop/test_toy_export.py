@@ -22,13 +22,16 @@ from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
 pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
 
 
-#: Our node and the C on the same frames of a bus that loses, damages, doubles and delays some; one cart falls silent
-#: for a second, the clock port for another. Prints answers, run events, and what each has counted.
+#: Our node and the C on the same frames of a bus that loses, damages, doubles, delays and repeats some and makes the
+#: check variable of others wrong. Each cart falls silent for a while (the first is the clock port), then it is stuck
+#: for a while, then invalid. Prints answers, run events, and what each has counted.
 _TWINS = """
 import json, random, sys
 from pathlib import Path
 from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
+from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.local import LocalBus
+from railhil.bus.mvb import check_sequence
 from railhil.controller_node.vector.node import VectorNode
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load_any
@@ -39,7 +42,13 @@ spec = RunSpec(law=LawSpec("apart"), seed=seed, perturbed=bool(seed))
 node, c = VectorNode(scenario, spec.law), CNode(Path(sys.argv[2]), "apart", PORTABLE_INTERFACE)
 session = Session(scenario, lambda line: None, spec)
 number, polls, answers, late = random.Random(seed), 0, 0, []
-silent = {0x118: range(400, 600), 0x110: range(700, 900)}
+silent = {0x118: range(200, 350), 0x110: range(400, 550), 0x100: range(300, 450)}
+stuck = {0x118: range(600, 700), 0x110: range(750, 850)}
+invalid = {0x118: range(900, 1000), 0x110: range(1050, 1150)}
+sent = {port: [] for port in stuck}
+def with_check(frame, check):
+    data = frame.data[:3] + bytes([frame.data[3] & 0x3F | check << 6])
+    return frame._replace(data=data + bytes([check_sequence(data)]) + frame.data[5:])
 def wire(frame):
     global polls, late
     due, late = late, []
@@ -48,6 +57,19 @@ def wire(frame):
         return [*due, frame]
     if polls in silent.get(frame.can_id, ()):
         return due
+    if frame.can_id in sent:
+        before = sent[frame.can_id]
+        if polls in stuck[frame.can_id]:
+            return [*due, before[-1]]
+        if polls in invalid[frame.can_id]:
+            return [*due, with_check(frame, 0)]
+        before.append(frame)
+        kind = number.randrange(30)
+        if kind < 2:
+            return [*due, before[-min(len(before), 2 + 2 * kind)]]
+        if kind == 2:
+            check = number.choice([value for value in range(4) if value != CHECK_CORRECT])
+            return [*due, with_check(frame, check)]
     kind = number.randrange(20)
     if kind == 0:
         return due
@@ -133,6 +155,19 @@ CROOKED = (
     ('"LawFlags", at = "3.7:8"', '"LawFlags", at = "3.4:7"'),
     ('"LawSteps", at = "4.7:16"', '"LawSteps", at = "4.4:16"'),
 )
+
+
+#: Telegrams of readings without a check variable, and without a life sign that the interface knows of.
+UNGUARDED = {
+    "wire.py": [
+        (
+            '    check: int = signal("{p}Chk", CHECK_CORRECT)\n    life: int = signal("{p}Life")',
+            '    n: int = signal("{p}Life")',
+        )
+    ],
+    "ports.toml": [('  { name = "{p}Chk", at = "3.7:2", check = "chk" },\n', "")],
+    "plant.py": [("life=self.next_life(STATS[unit].PORT)", "n=self.next_life(STATS[unit].PORT)")],
+}
 
 
 def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
@@ -344,8 +379,18 @@ def test_the_c_node_answers_as_ours_on_any_bus(site: Path, exported: Path, tmp_p
     counted = twins(site, copy, seed)
     if seed:
         assert {"wrong_check_sequence", "wrong_master_word", "missing_block", "stale"} <= set(counted)
+        assert {"duplicate", "out_of_order", "gap", "check_variable"} <= set(counted)
     else:
         assert not counted
+
+
+def test_the_c_node_takes_telegrams_without_life_sign_and_check_variable_as_ours(site: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "c"
+    copy = changed(site, tmp_path, UNGUARDED)
+    export(copy, folder)
+    counted = twins(copy, folder, 1)
+    assert "stale" in counted
+    assert {"duplicate", "out_of_order", "gap", "check_variable"}.isdisjoint(counted)
 
 
 def test_the_c_node_reads_and_writes_any_bits_and_tells_the_law_what_was_sent(site: Path, tmp_path: Path) -> None:

@@ -34,28 +34,42 @@ for arithmetic in ("iq", "float64"):
 """
 
 
-_DEAF = """
+#: One second of a cart's telegrams is lost, or stands still, or says of itself that it is invalid.
+_FAULTY = """
 import json, sys
+from dataclasses import replace
 from pathlib import Path
+from railhil.bus.layout import CHECK_ERRONEOUS
+from railhil.bus.mvb import TelegramSource
 from railhil.bench import local_run
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.scenarios.load import load_any
 from two_carts.wire import COMMANDS, STATS
 scenario = load_any(sys.argv[1])
-folder = Path(sys.argv[2])
-seen = 0
+folder, kind, what = Path(sys.argv[2]), STATS[int(sys.argv[3])], sys.argv[4]
+port = kind.port()
+seen, before = 0, None
 def wire(frame):
-    global seen
-    seen += frame.can_id == STATS[1].port().address
-    return [] if frame.can_id == STATS[1].port().address and 50 <= seen < 150 else [frame]
+    global seen, before
+    if frame.can_id != port.address:
+        return [frame]
+    seen += 1
+    if not 50 <= seen < 150:
+        before = frame
+        return [frame]
+    if what == "invalid":
+        telegram = replace(kind.decode(frame.data[:port.data_bytes]), check=CHECK_ERRONEOUS)
+        return TelegramSource(port).frames(telegram.encode())
+    return [before] if what == "stuck" else []
 law = LawSpec(system_named(scenario.system).law, "float64")
 run = local_run(scenario, folder, RunSpec(law=law), wire=wire)
 time_s = run.trace.times_s(COMMANDS[0].PORT)
 force_n = run.trace.values(COMMANDS[0].PORT, "Unit1Force")
-kept = force_n[(time_s > 0.52) & (time_s < 0.7)].tolist()
-safe = force_n[(time_s > 0.8) & (time_s < 1.45)].tolist()
-print(json.dumps([run.score.verdict, run.counters["controller"]["stale"], kept, safe]))
+kept = force_n[(time_s > 0.48) & (time_s <= 0.48 + 0.256)].tolist()
+safe = force_n[(time_s > 0.48 + 0.256) & (time_s < 1.49)].tolist()
+counters = {cause: count for cause, count in run.counters["controller"].items() if cause != "unknown_id"}
+print(json.dumps([run.score.verdict, counters, kept, safe]))
 """
 
 
@@ -114,12 +128,22 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
     assert runs[1][2] != runs[0][2]
 
 
-def test_a_unit_that_falls_silent_makes_every_command_the_safe_one(site: Path, tmp_path: Path) -> None:
-    """One second without the second cart's position: commands are held for 0.256 s, then both forces are 0."""
-    ((verdict, stale, kept, safe),) = python(site, _DEAF, str(SCENARIO), str(tmp_path))
+@pytest.mark.parametrize("unit", [0, 1])
+@pytest.mark.parametrize(
+    ("what", "refused"),
+    [("silent", {"gap": 1}), ("stuck", {"duplicate": 100, "gap": 1}), ("invalid", {"check_variable": 100})],
+)
+def test_a_unit_without_a_valid_position_makes_every_command_the_safe_one(
+    site: Path, tmp_path: Path, unit: int, what: str, refused: dict[str, int]
+) -> None:
+    """One second without telegrams that count from one cart: commands go on for 0.256 s, then both forces are 0."""
+    ((verdict, counters, kept, safe),) = python(site, _FAULTY, str(SCENARIO), str(tmp_path), str(unit), what)
     assert verdict == "PASS", "it comes back"
-    assert stale > 50
+    assert counters.pop("stale") == 2 * len(safe)
+    assert counters == refused
+    assert len(kept) > 10
     assert all(kept)
+    assert len(safe) > 30
     assert not any(safe)
 
 

@@ -122,6 +122,16 @@ def test_a_poll_in_a_wrong_kind_of_frame_is_none(flags: int, cause: str) -> None
     assert node.responder.store.counters == {cause: 1}
 
 
+def test_a_port_may_have_several_handlers() -> None:
+    """Each gets every telegram, in the order in which they came; the clock keeps its own."""
+    node = Node()
+    seen: list[tuple[str, int]] = []
+    node.responder.on(TimeSync, lambda reading: seen.append(("first", node.responder.clock.tick)))
+    node.responder.on(TimeSync, lambda reading: seen.append(("second", reading.telegram.life)))
+    node.feed(to_time_sync(300, TICK_NS, life=5))
+    assert seen == [("first", 300), ("second", 5)]
+
+
 def test_handlers_get_whole_telegrams_in_order() -> None:
     node = Node()
     node.feed(TrnSpeed(5))

@@ -4,15 +4,26 @@
 /* Overflow flags of the status. */
 enum { SATURATED = 2, DIVIDED_BY_ZERO = 4 };
 
+static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = {
+    "duplicate",
+    "out_of_order",
+    "gap",
+    "check_variable",
+    "stale",
+};
+
 const char *railhil_law_outcome(unsigned index)
 {
-    (void)index;
-    return "stale";
+    return outcome_names[index - RAILHIL_MVB_OUTCOMES];
 }
 
 void railhil_law_init(railhil_law_t *law)
 {
+    int i;
     memset(law, 0, sizeof *law);
+    for (i = 0; i < RAILHIL_SOURCE_COUNT; i++) {
+        law->signs[i] = -1;
+    }
     law->period = -1;
 }
 
@@ -43,11 +54,42 @@ static void put(unsigned char *process, const railhil_signal_t *signal, int32_t 
     }
 }
 
+/* Whether a telegram counts. */
+static int counted(railhil_law_t *law, int port, const unsigned char *process, uint32_t *counts)
+{
+    int i;
+    for (i = 0; i < RAILHIL_SOURCE_COUNT; i++) {
+        const railhil_signal_t *sign = &railhil_signs[i];
+        if (sign->port == port && sign->bits != 0) {
+            const int life = (int)taken(process, sign);
+            const railhil_life_t judged = railhil_life(law->signs[i], life);
+            if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
+                /* No news: the readings go on ageing. */
+                counts[judged == RAILHIL_OLD ? RAILHIL_READING_OUT_OF_ORDER : RAILHIL_READING_DUPLICATE]++;
+                return 0;
+            }
+            if (judged == RAILHIL_GAP) {
+                counts[RAILHIL_READING_GAP]++;
+            }
+            law->signs[i] = life;
+        }
+    }
+    for (i = 0; i < RAILHIL_CHECK_COUNT; i++) {
+        if (railhil_checks[i].port == port && taken(process, &railhil_checks[i]) != RAILHIL_CHECK_CORRECT) {
+            counts[RAILHIL_READING_CHECK]++;
+            return 0;
+        }
+    }
+    return 1;
+}
+
 void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
                       uint32_t *counts)
 {
     int i;
-    (void)counts;
+    if (!counted(law, port, process, counts)) {
+        return;
+    }
     for (i = 0; i < RAILHIL_READING_COUNT; i++) {
         if (railhil_readings[i].port == port) {
             law->raws[i] = taken(process, &railhil_readings[i]);

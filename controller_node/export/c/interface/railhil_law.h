@@ -8,12 +8,17 @@
 
 /* What is counted after the outcomes of railhil_outcome_t. */
 enum {
-    RAILHIL_STALE = RAILHIL_MVB_OUTCOMES, /* commands that were the safe ones, because a reading was too old */
+    RAILHIL_READING_DUPLICATE = RAILHIL_MVB_OUTCOMES, /* telegram of readings: life sign repeated */
+    RAILHIL_READING_OUT_OF_ORDER,                     /* from the past */
+    RAILHIL_READING_GAP,                              /* new, but telegrams are missing before it */
+    RAILHIL_READING_CHECK,                            /* a check variable is not correct */
+    RAILHIL_STALE,                                    /* commands that were the safe ones: a reading was too old */
     RAILHIL_COUNTS
 };
 
 typedef struct {
-    int32_t raws[RAILHIL_READING_COUNT]; /* newest readings */
+    int signs[RAILHIL_SOURCE_COUNT];     /* life sign of the last telegram with readings, -1 before the first */
+    int32_t raws[RAILHIL_READING_COUNT]; /* of the last telegrams that counted */
     int64_t taken_ns[RAILHIL_READING_COUNT];
     int known[RAILHIL_READING_COUNT];
     @LAW@_in_t in;
@@ -27,7 +32,8 @@ typedef struct {
 
 void railhil_law_init(railhil_law_t *law);
 
-/* Takes the process data of a telegram that was accepted on a port. counts: by outcome. */
+/* Takes the process data of a telegram that was accepted on a port. One with readings counts if its life sign is new
+ * and all its check variables are correct, as far as it has them. counts: by outcome. */
 void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
                       uint32_t *counts);
 
