@@ -46,7 +46,7 @@ class TimedEnd:
 
 
 class TimedPlant(ABC):
-    """Tick, clock, life signs, checks of commands, milestones and end of a plant that runs for its task's ``duration_s``.
+    """Tick, clock, life signs, command checks, milestones and end of a plant that runs for its task's ``duration_s``.
 
     A subclass is an :class:`railhil.plant_sim.any_plant.AnyPlant` with what is its own: ``commands``, ``statuses``,
     ``position_01mm``, ``act`` and ``advance``. ``refused`` counts commands as :class:`Acceptance` does.
