@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from railhil.bus.acceptance import Acceptance
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import Telegram
 from railhil.bus.telegrams import Event, TimeState, TimeSync
@@ -42,11 +45,11 @@ class TimedEnd:
         return Event.ENDED_COMPLETE if tick >= self.due_tick else None
 
 
-class TimedPlant:
-    """Tick, clock, life signs, milestones and end of a plant that runs for the ``duration_s`` of its task.
+class TimedPlant(ABC):
+    """Tick, clock, life signs, command checks, milestones and end of a plant that runs for its task's ``duration_s``.
 
     A subclass is an :class:`railhil.plant_sim.any_plant.AnyPlant` with what is its own: ``commands``, ``statuses``,
-    ``position_01mm``, ``take`` and ``advance``.
+    ``position_01mm``, ``act`` and ``advance``. ``refused`` counts commands as :class:`Acceptance` does.
 
     :param scenario: a :class:`railhil.scenarios.task.TaskScenario`.
     :param rate: simulated seconds per second, 0 in lockstep.
@@ -57,20 +60,40 @@ class TimedPlant:
     def __init__(self, scenario: Any, rate: float, makers: Mapping[str, Callable[[], Telegram | None]]) -> None:
         self.tick = 0
         self.tick_ns: int = scenario.timing.base_tick_ns
-        self.refused = {"check_variable": 0}
+        self.refused: Counter[str] = Counter()
         self.ending = TimedEnd(scenario.task.duration_s, self.tick_ns)
         self.makers = {**makers, TimeSync.PORT: self._time_sync}
         self._rate_10th = rate_to_10th(rate)
         self._life: dict[str, int] = {}
         self._milestones: list[Milestone] = []
+        self._reached: set[str] = set()
+        self._gates: dict[str, Acceptance] = {}
 
     def next_life(self, port: str) -> int:
         """Life sign of the next telegram of a port."""
         self._life[port] = life = (self._life.get(port, -1) + 1) & 0xF
         return life
 
-    def milestone(self, kind: str, position_01mm: int) -> None:
-        """Something that RUN_EVENT tells of has happened at the current tick."""
+    def take(self, telegram: Telegram) -> None:
+        """A command has come: it acts if it is accepted (:class:`railhil.bus.acceptance.Acceptance`)."""
+        gate = self._gates.get(telegram.PORT)
+        if gate is None:
+            gate = self._gates[telegram.PORT] = Acceptance(type(telegram), self.refused)
+        if gate.accept(telegram):
+            self.act(telegram)
+
+    @abstractmethod
+    def act(self, telegram: Telegram) -> None:
+        """Carry out a command that was accepted, from the current tick on."""
+
+    def milestone(self, kind: str, position_01mm: int, *, once: bool = False) -> None:
+        """Something that RUN_EVENT tells of has happened at the current tick.
+
+        :param once: only the first time in the run.
+        """
+        if once and kind in self._reached:
+            return
+        self._reached.add(kind)
         self._milestones.append(Milestone(kind, self.tick * self.tick_ns // 100_000, position_01mm))
 
     def drain_events(self) -> list[Milestone]:
@@ -78,8 +101,9 @@ class TimedPlant:
         found, self._milestones = self._milestones, []
         return found
 
-    def telegram_of(self, event: Milestone) -> None:
+    def telegram_of(self, event: Milestone) -> Telegram | None:
         """No milestone has a telegram of its own."""
+        return None
 
     def is_abandoned(self, command_age_ns: int) -> bool:
         """Whether nobody commands the plant any more."""

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+from railhil.bus.acceptance import checks_of, life_of
 from railhil.bus.layout import Telegram
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN, Arithmetic
 from railhil.controller_node.export.control import (
@@ -29,7 +30,7 @@ from railhil.controller_node.program.model import Value
 from railhil.controller_node.vector.controller import VectorController, VectorLoop, vector_program
 from railhil.controller_node.vector.law import Interface, raw_range
 from railhil.controller_node.vector.node import ports_of, refuse_indexing
-from railhil.controller_node.vector.readings import checks_of, life_of, sources_of
+from railhil.controller_node.vector.readings import sources_of
 from railhil.dbc import Port, Signal
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec

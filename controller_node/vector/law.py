@@ -74,9 +74,8 @@ class Interface:
 
     ``status``: telegram of the notes; of its other fields the node fills ``overflow_flags`` (bit 0 wrap, 1 saturation,
     2 division by zero), ``step_count`` and ``life``, where they are. ``age_max_ms``: of the readings, in simulation
-    time since the last telegram that counted (:class:`railhil.controller_node.vector.readings.Readings`: new life sign
-    ``life``, check variables correct); beyond it every command is the safe one. Each telegram of commands has a
-    ``life``.
+    time since the last telegram that was accepted (:class:`railhil.bus.acceptance.Acceptance`: new life sign ``life``,
+    check variables correct); beyond it every command is the safe one. Each telegram of commands has a ``life``.
     """
 
     readings: tuple[Reading, ...]

@@ -1,37 +1,16 @@
-"""Which telegrams of the readings count, and how old the readings are."""
+"""The readings of a law over several units, and how old they are."""
 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from railhil.bus.layout import CHECK_CORRECT, Telegram
-from railhil.bus.lifesign import Life, LifeSign
+from railhil.bus.acceptance import Acceptance
+from railhil.bus.layout import Telegram
 from railhil.bus.responder import Reading, Responder
-from railhil.common.errors import InputError, Words
 from railhil.controller_node.vector.law import Interface
-from railhil.dbc import Signal
-
-_LIFE_RANGE = (0, 15)
-
-
-def life_of(kind: type[Telegram]) -> Signal | None:
-    """The life sign of a telegram, its field ``life``; None: it has none.
-
-    :raises InputError: it is not a number of 4 bits.
-    """
-    found = dict(kind.signals()).get("life")
-    if found is not None and found.raw_range != _LIFE_RANGE:
-        low, high = found.raw_range
-        raise InputError("interface", f"{kind.PORT}.life", Words(f"{low} to {high}"), "a life sign of 4 bits, 0 to 15")
-    return found
-
-
-def checks_of(kind: type[Telegram]) -> dict[str, Signal]:
-    """Fields of a telegram that are check variables (``check = "chk"`` in the port table), with their signals."""
-    return {name: signal for name, signal in kind.signals() if signal.check == "chk"}
 
 
 def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
@@ -44,11 +23,9 @@ def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
 
 @dataclass(slots=True)
 class _Source:
-    """One port of readings: the life sign of its last telegram, process data of the last that counted, and when."""
+    """One port with readings: process data of the last telegram that was accepted, and when it came."""
 
-    has_life: bool
-    checks: tuple[str, ...]
-    life: LifeSign = field(default_factory=LifeSign)
+    acceptance: Acceptance
     data: bytes = b""
     taken_ns: int = 0
 
@@ -56,11 +33,8 @@ class _Source:
 class Readings:
     """Takes the telegrams of an interface's readings from a responder.
 
-    A telegram that passed the traffic store counts if its life sign is new and all its check variables are correct,
-    as far as it has them. Only a telegram that counts gives readings, and their age is the time since its arrival.
-
-    ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``), and ``gap`` for new
-    ones after lost ones; the causes of :class:`railhil.controller_node.guard.Guard`.
+    Only a telegram that is accepted (:class:`railhil.bus.acceptance.Acceptance`) gives readings, and their age is the
+    time since it came; ``counters``: what was refused, by cause.
 
     :raises InputError: the life sign of a telegram is not a number of 4 bits.
     """
@@ -72,32 +46,21 @@ class Readings:
         self._store = responder.store
         self._sources: dict[str, _Source] = {}
         for port, kind in sources_of(interface).items():
-            self._sources[port] = _Source(life_of(kind) is not None, tuple(checks_of(kind)))
+            self._sources[port] = _Source(Acceptance(kind, self.counters))
             responder.on(kind, partial(self._take, port), port)
 
     def _take(self, port: str, reading: Reading[Any]) -> None:
-        source, telegram = self._sources[port], reading.telegram
-        if source.has_life:
-            life = source.life.judge(telegram.life)
-            if not life.fresh:
-                # A repeated or old telegram carries no new information: the readings go on ageing.
-                self.counters[life.value] += 1
-                return
-            if life is Life.GAP:
-                self.counters["gap"] += 1
-            source.life.accept(telegram.life)
-        if any(getattr(telegram, name) != CHECK_CORRECT for name in source.checks):
-            self.counters["check_variable"] += 1
-            return
-        # A TIME_SYNC has set the clock by now.
-        source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
+        source = self._sources[port]
+        if source.acceptance.accept(reading.telegram):
+            # A TIME_SYNC has set the clock by now.
+            source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
 
     def fresh(self) -> bool:
-        """Whether there is a telegram that counts for every reading, none older than ``age_max_ms``."""
+        """Whether a telegram was accepted for every reading, none longer ago than ``age_max_ms``."""
         oldest_ns = self._clock.now_ns - self._interface.age_max_ms * 1_000_000
         return all(source.data and source.taken_ns >= oldest_ns for source in self._sources.values())
 
     def raws(self) -> list[int]:
-        """One raw integer for each reading, from the last telegrams that counted; only when :meth:`fresh`."""
+        """One raw integer for each reading, from the last telegrams that were accepted; only when :meth:`fresh`."""
         readings = self._interface.readings
         return [getattr(item.telegram.decode(self._sources[item.telegram.PORT].data), item.field) for item in readings]

@@ -7,7 +7,7 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
-from railhil.bus.layout import CHECK_CORRECT, Telegram
+from railhil.bus.layout import Telegram
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.timed_run import TimedPlant
 from railhil.scenarios import streams
@@ -36,7 +36,6 @@ class Carts(TimedPlant):
         self.position_m, self.speed_mps, self._force_n = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
         self._step_s = self.tick_ns / 1e9 / _STEPS
         self._noise = streams.generator(seed, streams.SPEED_NOISE)
-        self._arrived = False
 
     @property
     def position_01mm(self) -> int:
@@ -51,11 +50,8 @@ class Carts(TimedPlant):
         speeds = [round(mps * 1e4) for mps in self.speed_mps]
         return TRUTH(*places, *speeds, life=self.next_life(TRUTH.PORT))
 
-    def take(self, telegram: Telegram) -> None:
+    def act(self, telegram: Telegram) -> None:
         unit = [kind.PORT for kind in COMMANDS].index(telegram.PORT)
-        if telegram.check != CHECK_CORRECT:
-            self.refused["check_variable"] += 1
-            return
         self._force_n[unit] = telegram.force_001n * _FORCE_LSB_N
 
     def advance(self) -> None:
@@ -71,6 +67,5 @@ class Carts(TimedPlant):
         if not isfinite(sum(self.position_m)) or max(map(abs, self.position_m)) > 100:
             raise PlantError(f"carts have left the track at tick {self.tick}")
         errors_m = [abs(at - to) for at, to in zip(self.position_m, task.target_m, strict=True)]
-        if not self._arrived and max(errors_m) < task.error_max_m:
-            self._arrived = True
-            self.milestone("arrived", self.position_01mm)
+        if max(errors_m) < task.error_max_m:
+            self.milestone("arrived", self.position_01mm, once=True)
