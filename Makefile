@@ -15,7 +15,7 @@ HERE         = not needs_socketcan and not needs_docker
 # A file at a time on each core: what a module's tests share is made once.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(nproc) --dist loadfile
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -27,7 +27,7 @@ run: $(VENV)/.installed
 test: lint $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
 	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-here
-	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" -j$$(nproc) -Otarget test-vcan test-compose
+	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" -j$$(nproc) -Otarget test-docker-vcan test-vcan test-docker
 	@$(PART) --counts $(COUNTS) --total 5
 
 # What a developer runs all day: a file at a time on each core, without what is slow or needs a machine.
@@ -43,11 +43,16 @@ test-here: $(VENV)/.installed-dev
 test-vcan: $(VENV)/.installed-dev
 	@$(PART) --tool can-utils --tool compilers "kernel SocketCAN" $(BIN)/python -m hil_tests.transport.vcan
 
-# docker-compose.yml on a real engine: the host's, else a private one (root on Debian); then on a kernel with CAN.
-test-compose: $(VENV)/.installed-dev
+# docker-compose.yml on a real engine: the host's, else a private one (root on Debian).
+test-docker: $(VENV)/.installed-dev
 	@$(PART) Docker $(BIN)/python -m railhil.machines.docker_engine --timeout 1500 -- \
 	  $(BIN)/pytest -q -m needs_docker hil_tests/transport/compose
+
+# The same on a kernel with CAN.
+test-docker-vcan: $(VENV)/.installed-dev
 	@$(PART) "Docker on kernel CAN" $(BIN)/python -m hil_tests.transport.compose.vcan_runs
+
+test-compose: test-docker test-docker-vcan
 
 # The wheel, installed beside other distributions and with every Python that is there (part of test-here).
 test-wheel: $(VENV)/.installed-dev
