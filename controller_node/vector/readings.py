@@ -1,4 +1,4 @@
-"""Which telegrams of the readings count, and how old the readings are."""
+"""Acceptance of the telegrams that carry readings, and the age of the readings."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def checks_of(kind: type[Telegram]) -> dict[str, Signal]:
 
 
 def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
-    """Ports with readings, in their order, each with its telegram."""
+    """Ports with readings, in the order of the readings, each with its telegram."""
     found: dict[str, type[Telegram]] = {}
     for reading in interface.readings:
         found.setdefault(reading.telegram.PORT, reading.telegram)
@@ -44,7 +44,10 @@ def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
 
 @dataclass(slots=True)
 class _Source:
-    """One port of readings: the life sign of its last telegram, process data of the last that counted, and when."""
+    """One port with readings.
+
+    ``life``: life sign of its last telegram; ``data``, ``taken_ns``: process data and time of the last accepted one.
+    """
 
     has_life: bool
     checks: tuple[str, ...]
@@ -54,13 +57,14 @@ class _Source:
 
 
 class Readings:
-    """Takes the telegrams of an interface's readings from a responder.
+    """Takes the telegrams with an interface's readings from a responder.
 
-    A telegram that passed the traffic store counts if its life sign is new and all its check variables are correct,
-    as far as it has them. Only a telegram that counts gives readings, and their age is the time since its arrival.
+    A telegram that passed the traffic store is accepted if its life sign is new and all its check variables are
+    correct, as far as it has them. Only an accepted telegram updates the readings; their age is the time since its
+    arrival.
 
-    ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``), and ``gap`` for new
-    ones after lost ones; the causes of :class:`railhil.controller_node.guard.Guard`.
+    ``counters``: refused telegrams by cause (``duplicate``, ``out_of_order``, ``check_variable``), and ``gap`` for new
+    telegrams after lost ones, with the names used by :class:`railhil.controller_node.guard.Guard`.
 
     :raises InputError: the life sign of a telegram is not a number of 4 bits.
     """
@@ -80,7 +84,7 @@ class Readings:
         if source.has_life:
             life = source.life.judge(telegram.life)
             if not life.fresh:
-                # A repeated or old telegram carries no new information: the readings go on ageing.
+                # A repeated or old telegram carries no new information: the age of the readings keeps growing.
                 self.counters[life.value] += 1
                 return
             if life is Life.GAP:
@@ -89,15 +93,15 @@ class Readings:
         if any(getattr(telegram, name) != CHECK_CORRECT for name in source.checks):
             self.counters["check_variable"] += 1
             return
-        # A TIME_SYNC has set the clock by now.
+        # If this is a TIME_SYNC, it has already set the clock.
         source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
 
     def fresh(self) -> bool:
-        """Whether there is a telegram that counts for every reading, none older than ``age_max_ms``."""
+        """Whether every reading has an accepted telegram, none of them older than ``age_max_ms``."""
         oldest_ns = self._clock.now_ns - self._interface.age_max_ms * 1_000_000
         return all(source.data and source.taken_ns >= oldest_ns for source in self._sources.values())
 
     def raws(self) -> list[int]:
-        """One raw integer for each reading, from the last telegrams that counted; only when :meth:`fresh`."""
+        """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""
         readings = self._interface.readings
         return [getattr(item.telegram.decode(self._sources[item.telegram.PORT].data), item.field) for item in readings]
