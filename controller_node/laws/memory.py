@@ -60,5 +60,5 @@ def kept(name: str, law: Any, scenario: Any, state: Any) -> dict[str, Any] | Non
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
         at = place(kind, error) or kind.__qualname__
-        found = Words("what cannot be kept")
+        found = Words("values that cannot be kept")
         raise InputError(at, f"law {name}, memory", found, "a dict that JSON can hold", cause) from error

@@ -197,7 +197,7 @@ class VectorController:
         if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
             refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
-        # Noting starts here: the law's constants, which are not quantities, have been made.
+        # Telemetry starts here, after the law's constants have been made.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)
         self.cost = cost_of(program, number, scenario.timing.control_period_ns)
