@@ -1,6 +1,6 @@
-"""``railhil export-c`` of a system that plugs in: its law as C, and the same numbers as the bench's on a real run.
+"""``railhil export-c`` of a plug-in system: its law as C, which computes the same numbers as the bench's on a real run.
 
-No line of the tree knows of the system: what differs from railhil's own train is its ``Interface``.
+Nothing in the tree refers to the system: the export knows it only through its ``Interface``.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
 pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
 
 
-#: Our node and the C on the same frames of a bus that loses, damages, doubles, delays and repeats some and makes the
-#: check variable of others wrong. Each cart falls silent for a while (the first is the clock port), then it is stuck
-#: for a while, then invalid. Prints answers, run events, and what each has counted.
+#: The Python node and the C on the same frames of a bus that loses, damages, doubles, delays and repeats some frames
+#: and falsifies the check variable of others. Each cart is silent for a while (the first one's port is the clock port),
+#: then stuck, then invalid. Prints the number of answers, and run event and counters of each controller.
 _TWINS = """
 import json, random, sys
 from pathlib import Path
@@ -110,14 +110,14 @@ def exported(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def export(site: Path, folder: Path, *words: str) -> str:
-    """What the command prints; the folder holds the files."""
+    """Export into the folder; returns the output of the command."""
     done = railhil(site, "export-c", "apart", str(SCENARIO), "--out", str(folder), *words)
     assert done.returncode == 0, done.stderr
     return done.stdout
 
 
 def changed(site: Path, folder: Path, changes: Mapping[str, Sequence[tuple[str, str]]]) -> Path:
-    """The toy system with other text in files of it."""
+    """A copy of the toy system with text replaced in some of its files."""
     copy = folder / "site"
     shutil.copytree(site, copy)
     for file, pairs in changes.items():
@@ -130,7 +130,7 @@ def changed(site: Path, folder: Path, changes: Mapping[str, Sequence[tuple[str, 
     return copy
 
 
-#: A law that keeps the commands that were sent, and tells of the first in its note.
+#: A law that keeps the commands sent and reports the first of them in its note.
 KEEPING = (
     ("    position: tuple[Any, ...]\n", "    position: tuple[Any, ...]\n    sent: tuple[Any, ...]\n"),
     (
@@ -145,9 +145,9 @@ KEEPING = (
     ('FORCE_Q, "0.01 N"))', 'FORCE_Q, "0.01 N")'),
     ("Answer(tuple(forces), (ar.sub(position[1], position[0]),))", "Answer(tuple(forces), (state.sent[0],))"),
 )
-#: Its answers are in the format of what is sent.
+#: Its outputs have the format of the commands sent.
 PLAIN_FORCES = (('"force_001n", FORCE_Q,', '"force_001n", 0,'),)
-#: Numbers that begin and end inside octets.
+#: Signals that begin and end inside octets.
 CROOKED = (
     ('"{p}Pos", at = "0.7:24"', '"{p}Pos", at = "0.4:21"'),
     ('"{p}Force", at = "0.7:16"', '"{p}Force", at = "0.2:13"'),
@@ -157,7 +157,7 @@ CROOKED = (
 )
 
 
-#: Telegrams of readings without a check variable, and without a life sign that the interface knows of.
+#: Telegrams with readings that have no check variable and no field named ``life``.
 UNGUARDED = {
     "wire.py": [
         (
@@ -171,12 +171,12 @@ UNGUARDED = {
 
 
 def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
-    """``make`` in a copy, as the exported folder is shared by tests."""
+    """Run ``make`` in the folder; tests use a copy of the export, which they share."""
     return subprocess.run(["make", *targets], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
 def rows(folder: Path) -> tuple[list[str], list[dict[str, int]]]:
-    """Names of the log's words, and the log by them."""
+    """Names of the log's words, and the log by these names."""
     lines = (folder / "apart_log.txt").read_text(encoding="ascii").splitlines()
     heads = [line for line in lines if line.startswith("#")]
     names = heads[-1].split()[1:]
@@ -209,7 +209,7 @@ def test_readings_commands_and_notes_have_the_names_of_the_interface(exported: P
 
 
 def test_the_log_begins_with_a_run_of_the_bench(site: Path, exported: Path, tmp_path: Path) -> None:
-    """Its readings are those on the bus, its commands those that the same run sends."""
+    """Its readings are those on the bus, its commands those sent in the same run."""
     done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(tmp_path / "run"), "--quiet")
     assert done.returncode == 0, done.stderr
     sent: dict[str, list[int]] = {"110": [], "128": []}
@@ -223,7 +223,7 @@ def test_the_log_begins_with_a_run_of_the_bench(site: Path, exported: Path, tmp_
     run = log[: begins[1]]
     assert len(begins) == 3
     assert len(run) == 121
-    # A control period is ten ticks, of readings, and five polls of each command.
+    # A control period has ten ticks, each with readings, and five polls of each command.
     assert [row["position_0"] for row in run] == sent["110"][::10]
     assert [row["out.force_1"] for row in run] == sent["128"][::5][: len(run)]
 
@@ -263,7 +263,7 @@ def test_parameters_and_settings_change_the_constants(site: Path, exported: Path
     assert "APART_STIFFNESS = INT32_C(31457); /* 0.03, Q20, parameters */" in text
     assert "APART_TARGET_0 = INT32_C(15000)" in text
     assert make(folder, "check").returncode == 0
-    # The same bytes again, over what is there.
+    # Exporting again over the existing files gives the same bytes.
     shutil.copytree(exported, tmp_path / "again")
     export(site, tmp_path / "again", "--force")
     for path in exported.iterdir():
@@ -271,7 +271,7 @@ def test_parameters_and_settings_change_the_constants(site: Path, exported: Path
 
 
 def test_the_law_is_told_every_command_that_was_sent(site: Path, tmp_path: Path) -> None:
-    """A law that keeps what was sent: the words of the log after it, and the C."""
+    """A law that keeps the commands sent: checked in the words of the log, and in the C."""
     folder = tmp_path / "c"
     export(changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES}), folder)
     assert make(folder, "check").returncode == 0
@@ -293,7 +293,7 @@ def test_a_law_that_could_wrap_is_refused(site: Path, tmp_path: Path) -> None:
 
 
 def test_a_reading_that_no_int32_holds_is_refused(site: Path, tmp_path: Path) -> None:
-    """Of ``run`` too: Python's whole numbers would hide what the chip does."""
+    """``run`` refuses it too: Python's unlimited integers would hide the chip's overflow."""
     own = "from railhil.controller_node.vector.law"
     changes = [
         ("    readings=tuple(\n", '    readings=(Reading("seconds", TimeSync, "seconds_s"),) + tuple(\n'),
@@ -336,7 +336,7 @@ def test_a_system_without_interface_says_what_it_lacks(site: Path, tmp_path: Pat
 
 @pytest.fixture(scope="module")
 def run_folder(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A run of our own node in this process."""
+    """A run of the Python node in this process."""
     folder = tmp_path_factory.mktemp("runs") / "ours"
     done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(folder), "--quiet", "--no-report")
     assert done.returncode == 0, done.stderr
@@ -360,7 +360,7 @@ def test_the_c_node_over_the_hub_gives_the_bytes_of_our_own(
 
 
 def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
-    """Both controllers on the same frames, every answer equal; what each of them has counted."""
+    """Run both controllers on the same frames and compare every answer; returns their counters, which must be equal."""
     words = [sys.executable, "-c", _TWINS, str(SCENARIO), str(folder), str(seed)]
     environment = {**os.environ, "PYTHONPATH": str(site)}
     done = subprocess.run(words, capture_output=True, text=True, timeout=120, env=environment)
