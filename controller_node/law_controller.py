@@ -1,5 +1,8 @@
-"""What drives a law of whatever system, as the audit looks into it: :class:`Controller` and
-:class:`VectorController`."""
+"""The interface through which the audit uses the controller of any system.
+
+:class:`~railhil.controller_node.controller.Controller` and
+:class:`~railhil.controller_node.vector.controller.VectorController` implement it.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,7 @@ from railhil.scenarios.system import System
 
 @dataclass(frozen=True, slots=True)
 class CommandCode:
-    """One number that a law answers: on the wire a whole number, Q ``q`` of ``unit``."""
+    """One output of a law: on the wire an integer, in Q ``q`` of ``unit``."""
 
     name: str
     q: int
@@ -33,24 +36,24 @@ class CommandCode:
 
 
 class Computed(Protocol):
-    """What one control period gives."""
+    """Result of one control period."""
 
     @property
     def commands(self) -> tuple[int, ...]:
-        """One code for each command, in their order."""
+        """One code for each command, in the order of :attr:`LawController.commands`."""
 
 
 class LawController(Protocol):
-    """One law on one arithmetic, from whole numbers of the bus to whole numbers of the bus."""
+    """One law on one arithmetic; inputs and outputs are raw integers of the bus."""
 
     telemetry: Telemetry
     cost: Cost
-    #: The law as it is recorded for this arithmetic.
+    #: Program of the law, recorded for this arithmetic.
     program: LawProgram
 
     @property
     def arithmetic(self) -> Arithmetic[Any]:
-        """On which the law runs."""
+        """The arithmetic on which the law runs."""
 
     @property
     def law(self) -> Any:
@@ -58,37 +61,37 @@ class LawController(Protocol):
 
     @property
     def commands(self) -> tuple[CommandCode, ...]:
-        """What the law answers."""
+        """The law's outputs."""
 
     @property
     def wire(self) -> Mapping[str, Interval]:
-        """What the law may be handed, raw, whatever is on the wire: by name of the inputs of its program."""
+        """Raw range of each input of the law's program, by name, for anything that may be on the wire."""
 
     @property
     def counters(self) -> Counters:
         """Wraps, saturations and divisions by zero since the controller was made."""
 
-    # Any arguments: what the law is given, and the codes that were really sent in place of its own.
+    # The arguments depend on the controller: the law's inputs, and the codes really sent instead of its own.
     def step(self, *given: Any, **named: Any) -> Computed:
         """One control period."""
 
     def sent(self, *codes: Any, **named: Any) -> None:
-        """Tell the law the codes really sent, one for each command."""
+        """Pass the codes really sent, one for each command, to the law."""
 
 
 class MakesControllers(Protocol):
-    """Class of a :class:`LawController`: what a controller's side of the bus names as ``computes``."""
+    """Class of a :class:`LawController`; the class attribute ``computes`` of a controller's node refers to it."""
 
     def __call__(
         self, scenario: Any, law: LawSpec, arithmetic: Arithmetic[Any], *, may_wrap: bool = False
     ) -> LawController:
-        """Make one on a fresh arithmetic. ``may_wrap``: also of a law of which an operation may wrap."""
+        """Make one on a fresh arithmetic; ``may_wrap``: accept also a law in which an operation may wrap."""
 
 
 def maker_of(system: System, scenario: AnyScenario) -> MakesControllers:
-    """What makes the controllers of a system.
+    """Class that makes the controllers of a system.
 
-    :raises InputError: its controller does not say.
+    :raises InputError: the system's controller has no class attribute ``computes``.
     """
     maker: MakesControllers | None = getattr(system.part("controller"), "computes", None)
     if maker is None:

@@ -31,7 +31,7 @@ class System:
     """One kind of train and task. Every part is a reference, ``module:object``, unless it says otherwise.
 
     ``ports``: port table, ``package:file``. ``scenarios``: reads its scenario files
-    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant, of (scenario, seed, pace)
+    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant, of (scenario, seed, perturbed, rate)
     (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus, of
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
     entry point group of its laws. ``law``: the default law. ``events``: its own milestones by

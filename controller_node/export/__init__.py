@@ -1,4 +1,4 @@
-"""A control law as C99 for the target, written from the same recorded program that the bench runs and audits."""
+"""Export of a control law as C99 for the target, from the same recorded program that the bench runs and audits."""
 
 from railhil.controller_node.export.bundle import Bundle, make_bundle, write_bundle
 

@@ -1,7 +1,7 @@
 """From a recorded program to the body of a C function: one line of C for each operation.
 
-IQmath functions are called by their names where the library has them (N = 1..30), everything else through the
-``iq_*`` functions of ``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them.
+Operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the ``iq_*`` functions in
+``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them.
 """
 
 from __future__ import annotations
@@ -13,20 +13,21 @@ from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.export.names import Names, comment, identifier, literal
 from railhil.controller_node.program.model import Kind, Operation, Program, Quantity, Table, Value
 
-#: The IQmath library has its functions for 1 to 30 fraction bits.
+#: The IQmath library provides its functions for 1 to 30 fraction bits.
 NAMED_Q = range(1, 31)
 
 _PLAIN = {"add": "iq_add", "sub": "iq_sub", "neg": "iq_neg", "minimum": "iq_min", "maximum": "iq_max"}
 _CURVE_BITS = 8
-#: Shifts that 64 bits of a product and 32 bits of a number have.
+#: Largest shifts of a 64-bit product and of a 32-bit number.
 _PRODUCT_SHIFT_MAX = 62
 _SHIFT_MAX = 31
-#: Our own where the library has no such format; quotients and roots would not fit into 64 bits there.
+#: railhil's own functions, for formats that the library lacks. There are none for quotients and roots, which would need
+#: more than 64 bits there.
 _OWN = {"mpy": "iq_mpy", "rmpy": "iq_rmpy", "rsmpy": "iq_rsmpy"}
 
 
 def _call(name: str, q: int, *arguments: str) -> str:
-    """A library function by name where there is one for that format, else our own.
+    """A call of the library function for this format if there is one, else of railhil's own function.
 
     :raises ValueError: there is neither.
     """
@@ -38,21 +39,21 @@ def _call(name: str, q: int, *arguments: str) -> str:
 
 
 def _shift(argument: str, q_from: int, q_to: int) -> str:
-    """Another format.
+    """Conversion to another format.
 
-    :raises ValueError: nothing would be left of the number.
+    :raises ValueError: all bits of the number would be shifted out.
     """
     if q_to - q_from > _SHIFT_MAX:
         raise ValueError(f"convert from Q{q_from} to Q{q_to}")
     if q_to > q_from:
         return f"iq_shl({argument}, {q_to - q_from})"
-    # The sign is left of it, whatever lies beyond.
+    # A shift by 31 leaves only the sign; larger shifts give the same result.
     return f"iq_shr({argument}, {min(q_from - q_to, _SHIFT_MAX)})"
 
 
 @dataclass(slots=True)
 class Data:
-    """Constants and tables of the C file, collected while the functions are written."""
+    """Constants and tables of the C file, collected while its functions are written."""
 
     law: str
     constants: dict[tuple[str, int, int], tuple[str, Constant]] = field(default_factory=dict)
@@ -84,9 +85,9 @@ class Data:
 
 
 class Body:
-    """Lines of one function.
+    """Lines of one C function.
 
-    ``locals``: number of its local variables, for the bound of the stack.
+    ``locals``: number of its local variables, for the stack bound.
 
     :param places: C expression of each input of the program, by its name.
     :param parameters: names of the function's parameters.
@@ -107,11 +108,11 @@ class Body:
             self._write(operation, operation.result.number in used)
 
     def expression(self, value: Value) -> str:
-        """How a value is read in C."""
+        """C expression that reads a value."""
         return self._data.constant(value.constant) if value.constant is not None else self._expressions[value.number]
 
     def keep(self, place: str) -> str:
-        """A local copy of something that is about to be overwritten."""
+        """Add a local copy of ``place``, which is about to be overwritten; returns its name."""
         name = self._names.new(f"before_{place.rpartition('>')[2]}")
         self.lines.append(f"const int32_t {name} = {place};")
         self.locals += 1
@@ -141,7 +142,7 @@ class Body:
         self.lines += [f"{name} = iq_add({name}, {term});" for term in terms[1:]]
 
     def _note(self, operation: Operation, arguments: list[str]) -> None:
-        """Count what the operation itself does not tell."""
+        """Add a call that counts the events of an operation whose C function does not count them."""
         what = {"div": "division", "rsmpy": "product"}.get(operation.op)
         if what is not None:
             self.lines.append(f"iq_note_{what}({', '.join(arguments)}, {operation.parameters[0]}, events);")
@@ -198,6 +199,6 @@ class Body:
 
 
 def remark(q: int | None, unit: str) -> str:
-    """Comment behind a value: its format and unit, as far as it has them."""
+    """Comment after a value: its format and unit, if it has them."""
     words = ", ".join(word for word in ("" if q is None else f"Q{q}", comment(unit)) if word)
     return f" /* {words} */" if words else ""

@@ -1,4 +1,4 @@
-"""Everything that is written for one law: C files, mailbox table, node, reference log, host program, memory note."""
+"""All files exported for one law: C files, mailbox table, node, reference log, host program, memory note."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from railhil.scenarios.system import system_named
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Files of one export by name, in the order in which they are listed, and what the C says of its size."""
+    """Files of one export by name, in the order of their listing, and the C source with its size figures."""
 
     source: Source
     files: dict[str, str]
 
 
-#: The controller around the law, the same for every way of control: sources, headers.
+#: The controller around the law, the same for every kind of control: sources, headers.
 _SOURCES = ("railhil_clock.c", "railhil_control.c")
 _HEADERS = ("railhil_mvb.h", "railhil_clock.h", "railhil_control.h")
 _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 
 
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
-    """A law as its system says that it is exported: by the part ``export``, else by the ``interface`` of its laws.
+    """The :class:`Control` that exports a law: the part ``export`` of its system, else one for its ``interface``.
 
     :raises InputError: the system has neither; as :class:`~railhil.controller_node.export.control.Control`.
     """
@@ -49,7 +49,7 @@ def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
 
 
 def _host_program(name: str, control: Control) -> str:
-    """The host program: a record holds what this law is given and told."""
+    """The host program; its record holds this law's inputs and the commands sent."""
     comments = control.comments(name)
 
     def words(of: tuple[Word, ...]) -> str:
@@ -79,7 +79,7 @@ def _node_files(name: str, control: Control, source: Source) -> dict[str, str]:
 
 
 def _names_of_iqmath() -> str:
-    """The library's names for our functions, for every format that it has."""
+    """Macros with the library's names for railhil's functions, for every format of the library."""
     lines = []
     for q in NAMED_Q:
         lines += [
@@ -95,10 +95,10 @@ def _names_of_iqmath() -> str:
 
 
 def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -> Bundle:
-    """The files of a law on a scenario; the same bytes for the same law, parameters and scenario.
+    """The files for a law on a scenario; the same bytes for the same law, parameters and scenario.
 
     :param law: in fixed point, ``iq``.
-    :param play: makes a run of the bench with the controller that it is given, for a log that holds one.
+    :param play: runs the bench with the controller passed to it, for a log that contains such a run.
     :raises InputError: unknown law or indexing, parameters of another law, or a law that cannot be written in C.
     """
     try:
@@ -130,9 +130,9 @@ def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -
 
 
 def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
-    """Write the files; either all of them stand in the folder afterwards, or an error says why not.
+    """Write the files: on return the folder contains all of them, otherwise an error is raised.
 
-    :param force: write into a folder that holds something already; other files there are left alone.
+    :param force: write into a folder that is not empty; other files there are kept.
     :raises InputError: the folder is not empty, or cannot be written.
     """
     try:

@@ -1,7 +1,7 @@
-"""What the export has to know of a way of control, beside the law's recorded programs.
+"""What the export needs to know about a kind of control, in addition to the law's recorded programs.
 
-One subclass of :class:`Control` for each: a train's one notch (:mod:`.notch`), and the readings and commands of an
-``Interface`` (:mod:`.interface`). Everything else of the export is the same text for both.
+Each kind is a subclass of :class:`Control`: the single notch of a train (:mod:`.notch`), and the readings and commands
+of an ``Interface`` (:mod:`.interface`). The rest of the exported C is the same for both.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
 
-#: Bits of a record's flags: a run begins; something else was sent than the law's answer.
+#: Bits of a record's flags: a run begins; the commands sent are not those of the law.
 FLAG_BEGIN = 1
 FLAG_SENT = 2
 _MASK = 2**32 - 1
 
 
 class Word(NamedTuple):
-    """One whole number that a law is given: its name in the recorded program, as a C parameter, and in the log."""
+    """One integer passed to a law: its name in the recorded program, as a C parameter, and in the log."""
 
     name: str
     parameter: str
@@ -33,7 +33,10 @@ class Word(NamedTuple):
 
 
 class Period(NamedTuple):
-    """One control period of a log: what is on the wire, and what was really sent if ``FLAG_SENT`` says so."""
+    """One control period of a log.
+
+    ``given``: the law's inputs, raw; ``told``: the commands really sent, valid if ``flags`` has ``FLAG_SENT``.
+    """
 
     flags: int
     given: tuple[int, ...]
@@ -41,8 +44,11 @@ class Period(NamedTuple):
 
 
 class Macro(NamedTuple):
-    """One note of a law as its signal holds it: what the macro is named for, the member of ``out`` (None: the law has
-    no such note), fraction bits cut off, limits, and what it is in words."""
+    """The macro that converts one note of a law to its signal.
+
+    ``signal`` gives the macro its name; ``leaf`` is the member of ``out`` (None: the law has no such note), ``shift``
+    the number of fraction bits dropped, ``limits`` the range of the signal, ``words`` a description.
+    """
 
     signal: str
     leaf: str | None = None
@@ -63,10 +69,10 @@ class Define(NamedTuple):
 class Source:
     """A law in C.
 
-    ``header`` and ``source``: the two files. ``columns``: names of a log's result words, in order. ``macros``: names of
-    its notes' macros. ``constants``: the single constants. ``table_words`` and ``constant_words``: 16-bit words of
-    tables and single constants; ``ram_words``: of state, inputs, outputs and event counters. ``stack_words``: bound of
-    the stack of each function, by its name.
+    ``header`` and ``source``: text of the two files. ``columns``: names of the result words in a log, in order.
+    ``macros``: names of the macros for its notes. ``constants``: the single constants. Sizes are in 16-bit words:
+    ``table_words`` of the tables, ``constant_words`` of the single constants, ``ram_words`` of state, inputs, outputs
+    and event counters, ``stack_words`` the stack bound of each function by its name.
     """
 
     name: str
@@ -83,12 +89,13 @@ class Source:
 
 @dataclass(frozen=True, slots=True)
 class Comments:
-    """What the C says of one way of control.
+    """Texts for the comments of the C, for one kind of control.
 
-    ``use``: lines of the header's head; ``inputs``, ``sent``: above the two prototypes; ``status``: telegram of the
-    notes; ``what``: what is sent ("notch"); ``other``: when ``sent`` is called ("another notch than the answer was"
-    sent); ``record``: what follows the flags in a record of the host program; ``constants``, ``units``: what the
-    header of the node holds besides its bus; ``node``: what the files of the system's own do in it.
+    ``use``: lines at the top of the header; ``inputs``, ``sent``: comments on the two prototypes; ``status``: telegram
+    of the notes; ``what``: name of the commands ("notch"); ``other``: the case in which ``sent`` is called, as the
+    subject of "... sent"; ``record``: the words after the flags in a record of the host program; ``constants``,
+    ``units``: contents of the node's header besides those of the bus; ``node``: purpose of the C files that only this
+    kind of control has.
     """
 
     use: tuple[str, ...]
@@ -104,28 +111,28 @@ class Comments:
 
 
 class Loop(Protocol):
-    """A law in Python from the start of a run, whole numbers of the wire in."""
+    """A law in Python from the start of a run; its inputs are the raw integers of the wire."""
 
     @property
     def state(self) -> Any:
-        """Its state after the last call."""
+        """The law's state after the last call."""
 
     def step(self, given: Sequence[int]) -> tuple[Any, Any]:
         """One control period; returns the law's inputs and its outputs."""
 
     def sent(self, told: Sequence[int]) -> None:
-        """What was really sent."""
+        """Pass the commands really sent to the law."""
 
 
-#: Makes a run of the bench with a controller in the place of the law's.
+#: Runs the bench with the controller passed to it instead of the law's own.
 Play = Callable[[Any], None]
 
 
 class Control(ABC):
-    """A law of one way of control, recorded.
+    """A recorded law of one kind of control.
 
-    ``programs``: the law. ``given``, ``told``: what goes into ``inputs`` and into ``sent``, in the order of the
-    parameters; ``record``: all of them in the order of the log.
+    ``programs``: the recorded law. ``given``, ``told``: the parameters of the C functions ``inputs`` and ``sent``, in
+    their order; ``record``: all of them in the order of the log.
 
     :raises InputError: as :func:`railhil.controller_node.program.record.record`.
     """
@@ -141,14 +148,14 @@ class Control(ABC):
 
     @abstractmethod
     def comments(self, name: str) -> Comments:
-        """Texts.
+        """Texts for the comments of the C.
 
         :param name: of the law in C.
         """
 
     @abstractmethod
     def member(self, leaf: str) -> str:
-        """Name of a leaf of inputs or outputs (``in.speed``, ``out.notch``) in its structure."""
+        """Name of the structure member for a leaf of the inputs or outputs (``in.speed``, ``out.notch``)."""
 
     @abstractmethod
     def input_unit(self, leaf: str, value: Value) -> str:
@@ -156,7 +163,7 @@ class Control(ABC):
 
     @abstractmethod
     def macros(self) -> Sequence[Macro]:
-        """The law's notes on the wire."""
+        """Macros that convert the law's notes to their signals."""
 
     @abstractmethod
     def loop(self, number: Arithmetic[int]) -> Loop:
@@ -166,12 +173,12 @@ class Control(ABC):
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
         """The runs of the reference log.
 
-        :param play: makes a run of the bench; None: there is none to be had.
+        :param play: runs the bench; None: no run of the bench is available.
         """
 
-    #: Folder of the C files that stand between the telegrams and the law, package:folder.
+    #: Folder of the C files between the telegrams and the law, package:folder.
     folder: ClassVar[str]
-    #: Their names: sources, headers.
+    #: Names of these files: sources, headers.
     sources: ClassVar[tuple[str, ...]]
     headers: ClassVar[tuple[str, ...]]
 
@@ -182,31 +189,31 @@ class Control(ABC):
 
     @abstractmethod
     def ports(self) -> tuple[list[Port], list[Port]]:
-        """Ports that the controller receives, the clock port first, and those that it answers.
+        """Ports that the controller receives (the clock port first), and ports that it sends.
 
-        :raises ValueError: another port is the clock than the C counts by.
+        :raises ValueError: the C cannot count time by the contract's clock port.
         """
 
     @abstractmethod
     def constants(self) -> list[Define]:
-        """Numbers of scenario and system for the header of the node."""
+        """Constants of scenario and system for the node's header."""
 
     def tables(self) -> list[str]:
-        """Lines of that header after the table of ports."""
+        """Lines of the node's header after the table of ports."""
         return []
 
     @abstractmethod
     def places(self, source: Source) -> dict[str, str]:
-        """What stands between two @ in its C files."""
+        """Replacements for the ``@NAME@`` placeholders in its C files."""
 
 
 class Generator:
-    """Numerical Recipes' linear congruential generator, upper bits: the same numbers everywhere."""
+    """Upper bits of Numerical Recipes' linear congruential generator: the same numbers on every machine."""
 
     def __init__(self, seed: int) -> None:
         self._state = seed
 
     def between(self, low: int, high: int) -> int:
-        """A whole number of ``low`` to ``high``."""
+        """An integer from ``low`` to ``high``, both included."""
         self._state = (1664525 * self._state + 1013904223) & _MASK
         return low + (self._state >> 8) % (high - low + 1)

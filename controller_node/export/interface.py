@@ -1,4 +1,4 @@
-"""The export of a law over several units: the readings and commands of its system's ``Interface``, by their names."""
+"""The export of a law for several units: readings and commands are those of its system's ``Interface``."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ from railhil.scenarios.system import system_named
 
 _PERIODS = 80
 _SENT_EVERY = 7
-#: Control periods of a run of the bench that stand in the log at most.
+#: Largest number of control periods that the log takes from a run of the bench.
 _PLAYED_MAX = 2000
 _COMMENT_COLUMNS = 110
-#: Process data of the longest telegram.
+#: Octets of process data in the longest telegram.
 _OCTETS_MAX = 32
-#: A ``railhil_signal_t`` of no port.
+#: A ``railhil_signal_t`` that belongs to no port.
 _NOWHERE = "{-1, 0, 0, 0}"
 
 
 class _Listener(VectorController):
-    """The law's controller, which writes down its control periods."""
+    """The law's controller; it records its control periods."""
 
     def __init__(self, control: InterfaceControl) -> None:
         super().__init__(control.scenario, control.law)
@@ -93,8 +93,9 @@ class InterfaceControl(Control):
     def comments(self, name: str) -> Comments:
         interface = self._interface
         use = (
-            f"Each control period: {name}_inputs, in the first one {name}_start, then {name}_step. The answer is the "
-            f"commands in out, each the raw integer of its signal. When others are sent, {name}_sent tells the law."
+            f"In each control period call {name}_inputs, in the first one also {name}_start, then {name}_step. The "
+            f"result is the commands in out, each the raw integer of its signal. If other commands are sent, pass them "
+            f"to {name}_sent."
         )
         commands = [
             f"{word.parameter}: {command.telegram.PORT} {command.field}, {command.bounds[0]} to {command.bounds[1]}, "
@@ -108,9 +109,9 @@ class InterfaceControl(Control):
             sent="The commands really sent since the last control period, raw integers",
             status="" if interface.status is None else interface.status.PORT,
             what="commands",
-            other="other commands than the answer were",
+            other="commands other than the law's were",
             constants="its scenario and its law",
-            units="commands in raw integers",
+            units="commands as raw integers",
             node="readings and their ages, commands, notes",
             record=_lines(f"{', '.join(word.column for word in self.record)}, raw integers of their signals"),
         )
@@ -138,7 +139,7 @@ class InterfaceControl(Control):
         return VectorLoop(self.system, self.scenario, law.controller, number, law.parameters, None)
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
-        """A run of the bench, readings in jumps over their whole range, and their limits."""
+        """A run of the bench, random readings over their whole range, and the limits of the readings."""
         if play is not None:
             listener = _Listener(self)
             play(listener)
@@ -147,7 +148,7 @@ class InterfaceControl(Control):
         yield self._made(2, _end)
 
     def _made(self, seed: int, choose: Callable[[Generator, int, int], int]) -> Iterator[Period]:
-        """Readings without any order, and other commands sent now and then."""
+        """Random readings; in some periods commands other than the law's are sent."""
         generator = Generator(seed)
         ranges = [raw_range(reading.telegram, reading.field) for reading in self._interface.readings]
         bounds = [command.bounds for command in self._interface.commands]
@@ -166,9 +167,9 @@ class InterfaceControl(Control):
         _, sent = self.ports()
         status = "-1" if interface.status is None else f"RAILHIL_{interface.status.PORT}"
         return [
-            Define("AGE_MAX_NS", wide(interface.age_max_ms * 1_000_000), "of a reading; beyond it commands are safe"),
+            Define("AGE_MAX_NS", wide(interface.age_max_ms * 1_000_000), "of a reading; above it safe commands"),
             Define("SOURCE_COUNT", str(len(self._signs())), "ports with readings"),
-            Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports, at least one row"),
+            Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports; at least 1"),
             Define("READING_COUNT", str(len(interface.readings))),
             Define("COMMAND_COUNT", str(len(interface.commands))),
             Define("TOLD_COUNT", str(len(self.macros()) + 2), "notes, overflow flags, number of steps"),
@@ -177,7 +178,7 @@ class InterfaceControl(Control):
         ]
 
     def tables(self) -> list[str]:
-        """Where every number stands in the process data, and what stands there besides."""
+        """Positions of all numbers in the process data, and the process data before they are written."""
         interface, status = self._interface, self._interface.status
         _, sent = self.ports()
         kinds = {kind.PORT: kind for kind in (*(item.telegram for item in interface.commands), status) if kind}
@@ -187,8 +188,8 @@ class InterfaceControl(Control):
         safe = ", ".join(literal(command.safe) for command in interface.commands)
         blanks = [line for kind in answers for line in ("    {", *octets(kind().encode()), "    },")]
         return [
-            "/* A number in the process data of a port: first bit (0: the uppermost of the first octet), bits (0: the",
-            " * telegram does not hold it). */",
+            "/* A number in the process data of a port: first bit (0: the highest of the first octet), number of bits",
+            " * (0: the telegram does not contain it). */",
             "typedef struct {",
             "    int port;",
             "    unsigned first_bit;",
@@ -196,16 +197,16 @@ class InterfaceControl(Control):
             "    int is_signed;",
             "} railhil_signal_t;",
             "",
-            "/* Of each port with readings: its life sign, and its check variables. */",
+            "/* Life sign of each port with readings, and its check variables. */",
             *_table("signs", "SOURCE_COUNT", self._signs()),
             *_table("checks", "CHECK_COUNT", self._checks()),
             *_table("readings", "READING_COUNT", [_place(item.telegram, item.field) for item in interface.readings]),
             *_table("commands", "COMMAND_COUNT", [_place(item.telegram, item.field) for item in interface.commands]),
-            "/* What is sent while a reading is missing or too old. */",
+            "/* Commands sent while a reading is missing or too old. */",
             f"static const int32_t railhil_safe[RAILHIL_COMMAND_COUNT] = {{{safe}}};",
             "",
             *_table("told", "TOLD_COUNT", told),
-            "/* By answer: its life sign, and its process data before anything is written into them. */",
+            "/* For each port that is sent: its life sign, and its process data before the signals are written. */",
             *_table("lives", "ANSWER_COUNT", [_place(kind, "life") for kind in answers]),
             f"static const unsigned char railhil_blanks[RAILHIL_ANSWER_COUNT][{_OCTETS_MAX}] = {{",
             *blanks,
@@ -218,7 +219,7 @@ class InterfaceControl(Control):
 
     def _checks(self) -> list[str]:
         sources = sources_of(self._interface).items()
-        # C has no array without members.
+        # C does not allow an empty array.
         return [_row(port, signal) for port, kind in sources for signal in checks_of(kind).values()] or [_NOWHERE]
 
     def places(self, source: Source) -> dict[str, str]:
@@ -232,13 +233,13 @@ class InterfaceControl(Control):
 
 
 def _place(kind: type[Telegram] | None, field: str) -> str:
-    """Where a field of a telegram stands, as an initialiser in C."""
+    """Position of a field in its telegram, as a C initialiser."""
     signal = dict(kind.signals()).get(field) if kind else None
     return _NOWHERE if kind is None or signal is None else _row(kind.PORT, signal)
 
 
 def _row(port: str, signal: Signal | None) -> str:
-    """A ``railhil_signal_t`` as an initialiser in C; None: a port without this signal."""
+    """A ``railhil_signal_t`` as a C initialiser; ``signal`` is None for a port without this signal."""
     if signal is None:
         return f"{{RAILHIL_{port}, 0, 0, 0}}"
     return f"{{RAILHIL_{port}, {signal.first_bit}, {signal.length}, {int(signal.signed)}}}"
@@ -250,10 +251,10 @@ def _table(name: str, size: str, rows: Sequence[str]) -> list[str]:
 
 
 def _end(generator: Generator, low: int, high: int) -> int:
-    """One of the ends of an interval, or near 0."""
+    """One end of an interval, or a value from -1 to 1."""
     return (low, max(low, -1), 0, min(high, 1), high)[generator.between(0, 4)]
 
 
 def _lines(text: str) -> str:
-    """Text over as many lines of a C comment as it takes."""
+    """Text wrapped into lines of a C comment."""
     return "\n * ".join(textwrap.wrap(text, _COMMENT_COLUMNS))

@@ -9,7 +9,10 @@ from railhil.controller_node.export.names import Names
 
 
 def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:
-    """The table, already checked, in the order of the mailbox numbers."""
+    """Text of the header.
+
+    :param table: the checked table, in the order of the mailbox numbers.
+    """
     names = Names("RAILHIL_MBX_")
     guard = f"{law.upper()}_MAILBOXES_H"
     rows = [
@@ -22,10 +25,10 @@ def mailbox_header(law: str, table: Sequence[Mailbox]) -> str:
         [
             f"/* {law}_mailboxes.h: mailboxes of the eCAN module of a TMS320F28335, made from the port table.",
             " *",
-            " * can_id: identifier of the frame, 11 bits unless extended; a standard one stands in bits 28 to 18",
-            " * of MSGID. mask: identifier bits that are not compared (1 in LAM); with 0 everywhere AME stays 0.",
-            " * overwrite: OPC bit clear. All 32 mailboxes exist only in eCAN mode (SCB = 1). The chip has no byte:",
-            " * the payload stands in MDL and MDH, its first byte uppermost with DBO = 0.",
+            " * can_id: identifier of the frame, 11 bits unless extended; a standard one is in bits 28 to 18 of",
+            " * MSGID. mask: identifier bits that are not compared (1 in LAM); if all are 0, AME stays 0.",
+            " * overwrite: OPC bit clear. All 32 mailboxes exist only in eCAN mode (SCB = 1). The chip has no 8-bit",
+            " * type: the payload is in MDL and MDH, its first byte in the highest bits with DBO = 0.",
             " */",
             f"#ifndef {guard}",
             f"#define {guard}",

@@ -1,4 +1,4 @@
-"""Names and numbers in C: identifiers that differ in their first 31 characters, literals of int32."""
+"""Names and numbers in C: identifiers that differ in their first 31 characters, int32 literals."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Iterable
 
 from railhil.controller_node.arithmetic.base import INT32_MIN
 
-#: Characters in which C99 requires a compiler to tell external names apart.
+#: Number of initial characters of an external name that C99 requires a compiler to distinguish.
 LENGTH_MAX = 31
 
-#: Of C99, and what cl2000 adds.
+#: Keywords of C99, and those that cl2000 adds.
 _KEYWORDS = """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     asm cregister far interrupt ioport near
 """
-#: Parameters of every exported function, and functions that a C library has.
+#: Parameters of the exported functions, and functions of the C library.
 _TAKEN = "in out state events main abs labs"
 
 
@@ -28,10 +28,10 @@ def identifier(text: str) -> str:
 
 
 class Names:
-    """Identifiers of one scope: each is given away once.
+    """Unique identifiers of one scope.
 
-    :param prefix: stands before each of them.
-    :param taken: are given away already.
+    :param prefix: of each identifier.
+    :param taken: identifiers that are already in use.
     """
 
     def __init__(self, prefix: str = "", taken: Iterable[str] = ()) -> None:
@@ -39,7 +39,7 @@ class Names:
         self._used = {*_KEYWORDS.split(), *_TAKEN.split(), *taken}
 
     def new(self, text: str) -> str:
-        """An identifier made from a text, other than all before it in the first 31 characters."""
+        """An identifier made from a text; its first 31 characters differ from all earlier ones."""
         stem = self._prefix + identifier(text)
         name = stem[:LENGTH_MAX]
         count = 1
@@ -62,6 +62,6 @@ def wide(value: int) -> str:
 
 
 def comment(text: str) -> str:
-    """Text that may stand in a C comment: one line, printable ASCII, nothing that ends the comment."""
+    """Text made safe for a C comment: one line, printable ASCII, no start or end of a comment."""
     plain = "".join(character if " " <= character <= "~" else "?" for character in " ".join(text.split()))
     return plain.replace("*/", "*?").replace("/*", "?*")

@@ -1,4 +1,4 @@
-"""The constants of the exported controller: ports, times, its part of the handshake, and what the system adds."""
+"""The constants of the exported controller: ports, times, its identity in the handshake, and the system's own."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ def node_header(name: str, control: Control) -> str:
     guard = f"{name.upper()}_NODE_H"
     return "\n".join(
         [
-            f"/* {name}_node.h: what the controller knows of its bus, {comments.constants}.",
+            f"/* {name}_node.h: constants of the controller's bus, {comments.constants}.",
             f" * {comment(f'Law {law.label}, scenario {scenario.name}, {law.set_points}')}.",
             f" * Scenario SHA-256 {scenario.sha256},",
             f" * DBC SHA-256 {contract.sha256}.",
-            f" * Generated: export again, do not change. Times in simulation time, {comments.units}.",
+            f" * Generated: export again, do not edit. Times in simulation time, {comments.units}.",
             " */",
             f"#ifndef {guard}",
             f"#define {guard}",
@@ -40,7 +40,7 @@ def node_header(name: str, control: Control) -> str:
                 for each in (*_bus(control, sent), *control.constants())
             ),
             "",
-            "/* Ports: first those with receive mailboxes, then the answers. */",
+            "/* Ports: first those with receive mailboxes, then those that the controller sends. */",
             "enum {",
             *(f"    RAILHIL_{port.name}," for port in ports),
             "};",
@@ -64,7 +64,7 @@ def node_header(name: str, control: Control) -> str:
 
 
 def octets(data: bytes) -> list[str]:
-    """Process data as initialisers in C, eight in a line."""
+    """Process data as C initialisers, eight per line."""
     return [f"    {', '.join(f'0x{octet:02x}' for octet in data[i : i + 8])}," for i in range(0, len(data), 8)]
 
 
@@ -74,10 +74,10 @@ def _port_row(port: Port) -> str:
 
 
 def _bus(control: Control, sent: list[Port]) -> list[Define]:
-    """What every controller knows of its bus."""
+    """Constants of the bus that every controller needs."""
     contract, timing = control.contract, control.scenario.timing
     schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns, contract)
-    # As the responder of the bench: the polls of the fastest own port count time where the clock port fails.
+    # As in the bench's responder: while the clock port fails, the polls of the controller's fastest port count time.
     paced = [port for port in sent if port.period_ns and schedule.ticks(port.name) <= MAX_STEP]
     words = [(schedule.ticks(port.name), int.from_bytes(master_word(port.f_code, port.address))) for port in paced]
     pace_ticks, pace_word = min(words, default=(0, 0))

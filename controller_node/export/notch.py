@@ -1,4 +1,7 @@
-"""The export of a train's law: readings of one train in, one notch out (part ``export`` of the system ``ato``)."""
+"""The export of a train's law: inputs are the readings of one train, the output is one notch.
+
+It is the part ``export`` of the system ``ato``.
+"""
 
 from __future__ import annotations
 
@@ -27,9 +30,9 @@ from railhil.dbc import Port
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
-_BALISE_WORDS = ";\n * last balise: its number (0: none yet), surveyed position and odometer at its passing (0.1 mm)"
+_BALISE_WORDS = ";\n * last balise: number (0: none yet), surveyed position, odometer reading when passed (0.1 mm)"
 _ARITHMETIC = "iq"
-_AGES = "ages of the last accepted TRN_SPEED"
+_AGES = "age of the last accepted TRN_SPEED"
 _CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
 
@@ -72,27 +75,27 @@ class NotchControl(Control):
         balise_words = _BALISE_WORDS if self.programs.track else ""
         return Comments(
             use=(
-                f"Each control period: {name}_inputs, in the first one {name}_start, then {name}_step. The answer is",
-                f"out.notch in 1/256 notch. When another notch is sent, {name}_sent tells the law.",
+                f"In each control period call {name}_inputs, in the first one also {name}_start, then {name}_step.",
+                f"The result is out.notch in 1/256 notch. If another notch is sent, pass it to {name}_sent.",
             ),
             inputs="Control period k, measured speed (0.1 mm/s) and position from the start of the run (0.1 mm)"
             + balise_words,
             sent="The notch (1/256) really sent since the last control period",
             status="CTL_STAT",
             what="notch",
-            other="another notch than the answer was",
-            record="k,\n * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law that is given\n"
-            " * them: number, surveyed position and odometer at its passing (0.1 mm) of the last balise",
+            other="a notch other than the law's was",
+            record="k,\n * speed in 0.1 mm/s, position in 0.1 mm, notch sent (1/256), and for a law with track inputs\n"
+            " * the last balise: number, surveyed position, odometer reading when passed (0.1 mm)",
             constants="its scenario and its watch",
             units="codes in 1/256 notch",
-            node="which speeds count, reaction ladder, position, balises",
+            node="acceptance of speeds, reaction ladder, position, balises",
         )
 
     def member(self, leaf: str) -> str:
         return leaf.partition(".")[2]
 
     def input_unit(self, leaf: str, value: Value) -> str:
-        """Speeds, and positions of the track inputs."""
+        """km/h for speeds, 0.1 mm for positions of the track inputs."""
         if not leaf.startswith("in.track."):
             return "km/h"
         return "0.1 mm" if leaf.endswith("_01mm") else ""
@@ -112,7 +115,7 @@ class NotchControl(Control):
         return _NotchLoop(ControlLoop(self.scenario, self.law, number))
 
     def runs(self, play: Play | None) -> Iterator[Iterable[Period]]:
-        """None of the bench: the set-points say what a run is like."""
+        """Generated runs; none of the bench is needed, since the set-points define what a run is like."""
         scenario, law = self.scenario, self.law
         runs = (
             notch_runs.following(scenario, ControlLoop(scenario, law, make("iq"))),
@@ -131,7 +134,7 @@ class NotchControl(Control):
         return received, sent
 
     def constants(self) -> list[Define]:
-        """Thresholds of the watch, and what the position is trusted with."""
+        """Thresholds of the watch, and tolerances and times of the position."""
         scenario, timing, sensors = self.scenario, self.scenario.timing, self.scenario.sensors
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
         ladder = Ladder.of(scenario)
@@ -142,22 +145,22 @@ class NotchControl(Control):
         speed_error = round((sensors.speed_lsb_mps / 2 + sensors.speed_noise_sigma_mps) * 1e4)
         in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns
         return [
-            Define("HOLD_MS", wide(ladder.hold_ms), f"{_AGES} above which a level is entered"),
+            Define("HOLD_MS", wide(ladder.hold_ms), f"{_AGES} above which this level is entered"),
             Define("TRACTION_CUT_MS", wide(ladder.traction_cut_ms)),
             Define("SERVICE_BRAKE_MS", wide(ladder.service_brake_ms)),
             Define("EMERGENCY_MS", wide(ladder.emergency_ms)),
             Define("SERVICE_CODE", wide(ladder.service_code), "full service brake"),
-            Define("FULL_CODE", wide(ladder.full_code), "greatest notch"),
+            Define("FULL_CODE", wide(ladder.full_code), "largest notch"),
             Define("RAMP_CODE_PER_S", wide(ladder.ramp_code_per_s), "jerk limit of the service brake"),
             Define("OVERSPEED_MARGIN_01MMPS", wide(ladder.overspeed_margin_01mmps), "above the limit of TRK_INFO"),
-            Define("NEEDS_POSITION", str(int(needs_position)), "1: the law brakes without a position"),
+            Define("NEEDS_POSITION", str(int(needs_position)), "1: a lost position applies the service brake"),
             Define("POSITION_IN_TIME_NS", wide(in_time_ns), "period of TRN_POS"),
-            Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a reckoned position"),
-            Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant to the odometer"),
+            Define("RECKONING_MAX_NS", wide(odometer.RECKONING_MAX_NS), "longest time on a dead-reckoned position"),
+            Define("FOLLOWING_NS", wide(odometer.FOLLOWING_NS), "time constant of its approach to the odometer"),
             Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
             Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
             Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
-            Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, 65535: or more"),
+            Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
         ]
 
     def places(self, source: Source) -> dict[str, str]:

@@ -1,8 +1,8 @@
 """Runs for the reference log of a train's law.
 
-They are made by an integer generator, so that the same law and scenario give the same log: a run that follows its
-set-points, one that has settled on a steady set-point (where a law that judges its own prediction judges it good), one
-whose speed jumps, one at the limits of the wire.
+They are made by an integer generator, so the same law and scenario give the same log: a run that follows its
+set-points, one that has settled on a steady set-point (where a law that rates its own prediction rates it as good), one
+with random speeds, and one at the limits of the wire.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ _SPEED_MIN, _SPEED_MAX = -(2**23), 2**23 - 1
 _SPEED_LIKELY_01MMPS = 300_000
 _SENT_EVERY = 7
 _BALISE_EVERY = 11
-#: Speed errors of the settled run, 0.1 mm/s: 0.03 km/h, and before that what makes it look like a quick approach.
+#: Largest speed errors of the settled run, 0.1 mm/s: 0.03 km/h in every other period, and a larger one in the periods
+#: between, which makes the approach look fast.
 _NEAR_01MMPS, _OFF_01MMPS = 80, 4_000
 
 
@@ -37,7 +38,7 @@ def _wire_speed(kmh_raw: int) -> int:
 
 
 def following(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
-    """A run near its set-points, with another notch sent now and then; then the train stands."""
+    """A run near its set-points, in which another notch is sent in some periods; the train stands at the end."""
     generator = Generator(1)
     speed = position = 0
     balise = NO_BALISE
@@ -53,7 +54,7 @@ def following(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
 
 
 def settled(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
-    """At the steadiest set-point of the timetable, with notches near 0: every other speed is right to a few mm/s."""
+    """At the steadiest set-point of the timetable, notches near 0: every other speed is correct to a few mm/s."""
     generator = Generator(4)
     last = int(scenario.plan.running_time_s * 1e9) // scenario.timing.control_period_ns
 
@@ -72,7 +73,7 @@ def settled(scenario: Scenario, loop: ControlLoop[int]) -> Iterator[Period]:
 
 
 def jumping() -> Iterator[Period]:
-    """Speeds and positions without any order, within what a train can have."""
+    """Random speeds and positions, within the range of a real train."""
     generator = Generator(2)
     for k in range(_PERIODS):
         speed = generator.between(0, _SPEED_LIKELY_01MMPS)

@@ -1,4 +1,4 @@
-"""README of an export: what is in it, memory, stack, time on the target, and what has not been shown."""
+"""README of an export: its files, memory, stack, time on the target, and what has not been tested."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from railhil.controller_node.export.names import comment
 from railhil.controller_node.program.cycles import CPU_MHZ
 from railhil.controller_node.program.model import LawProgram
 
-#: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, where the stack usually is (TI SPRS439).
+#: 16-bit words of the F28335: RAM M0, M1, L0..L7; flash; block M1, the usual place of the stack (TI SPRS439).
 RAM_WORDS = 34 * 1024
 FLASH_WORDS = 256 * 1024
 STACK_WORDS = 1024
-#: A constant rounded by more than this part of its value is named.
+#: A constant whose relative rounding error is larger than this is listed.
 _ROUNDING_NAMED = 1e-4
 
 
@@ -39,7 +39,7 @@ def memory_note(control: Control, source: Source) -> str:
             "| file | what it is |",
             "|---|---|",
             f"| `{name}.c`, `{name}.h` | the law: `{name}_inputs`, `{name}_start`, `{name}_step`, `{name}_sent` |",
-            "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it takes TI's `IQmathLib.h` instead |",
+            "| `railhil_iq.h` | the C28x arithmetic on a host; on the target it uses TI's `IQmathLib.h` instead |",
             f"| `{name}_mailboxes.h` | the eCAN mailbox table, checked against the port table |",
             f"| `{name}_log.txt` | reference log: inputs, state and outputs computed by the bench's Python |",
             "| `railhil_control.c`, `railhil_clock.c`, `.h` | frames in, answers to polls out; simulation time |",
@@ -49,8 +49,8 @@ def memory_note(control: Control, source: Source) -> str:
             "| `railhil_run.c`, `Makefile` | host program for the log, and its build |",
             "",
             f"`make node` builds the controller as a program: `./{name}_node can vcan0`, `./{name}_node hub PATH`.",
-            "`make check` compiles and computes the log again, `make ubsan` does so under the undefined behaviour",
-            "sanitizer, `make stack` prints the stack of each function on the host; `CC=clang` works too.",
+            "`make check` compiles and recomputes the log, `make ubsan` does so with the undefined behaviour",
+            "sanitizer, `make stack` prints the stack use of each function on the host; `CC=clang` works too.",
             "",
             "## Memory on the target (words of 16 bits)",
             "",
@@ -64,30 +64,30 @@ def memory_note(control: Control, source: Source) -> str:
             f"| all constants, in flash{_warning(constants, FLASH_WORDS)} | {constants} |",
             f"| stack, at most{_warning(stack, STACK_WORDS)} | {stack} |",
             "",
-            "The bound of the stack puts every local value into memory, none into a register, and adds the call, its",
-            "arguments and the deepest function of `railhil_iq.h`; the code itself is not counted, its size is the",
-            f"compiler's. Block M1, where the stack usually lies, has {STACK_WORDS} words.",
+            "The stack bound assumes that every local value is in memory, none in a register, and includes the call,",
+            "its arguments and the deepest function of `railhil_iq.h`. The size of the code depends on the compiler",
+            f"and is not included. Block M1, the usual place of the stack, has {STACK_WORDS} words.",
             "",
             "## Time on the target",
             "",
-            "Straight-line code: the operations of one control period are those of every one.",
+            "Straight-line code: every control period executes the same operations.",
             "",
             "| operation | count |",
             "|---|---|",
             *(f"| {operation} | {count} |" for operation, count in cost.operations.items()),
             "",
             f"About {cost.cycles} cycles, {cost.ram_us:.1f} us at {CPU_MHZ} MHz, from RAM; {cost.cycles_flash} cycles,",
-            f"{cost.share:.3%} of the control period, from flash. IQmath functions after TI's user's guide V1.70, the",
-            "rest is our estimate.",
+            f"{cost.share:.3%} of the control period, from flash. Cycles of IQmath functions are TI's (user's guide",
+            "V1.70), the others are estimated.",
             "",
-            "## What holds, and what does not",
+            "## What has been tested, and what has not",
             "",
-            "- On a host, state and outputs equal those of the Python law bit for bit: see `make check`.",
-            "- **It has not been run on a target.** Play the log there: a test that only hardware can do.",
+            "- On a host, state and outputs equal those of the Python law bit for bit: `make check` tests this.",
+            "- **It has not been run on a target.** To test it there, replay the log on the hardware.",
             *_differences(programs),
             "- Wraps are not counted. Saturations and divisions by zero are, in `iq_events_t`.",
-            "- The target's `int` has 16 bits: literals are `INT32_C`, structures hold 32-bit members only.",
-            "- Compiler: C99. cl2000 takes it with `--c99`; that has not been tried.",
+            "- The target's `int` has 16 bits: literals are `INT32_C`, structures have 32-bit members only.",
+            "- Compiler: C99. cl2000 should accept it with `--c99`; that has not been tried.",
             *_roundings(source.constants),
             "",
         ]
@@ -95,11 +95,11 @@ def memory_note(control: Control, source: Source) -> str:
 
 
 def _warning(words: int, available: int) -> str:
-    return "" if words <= available else f" (**more than the {available} that there are**)"
+    return "" if words <= available else f" (**more than the {available} available**)"
 
 
 def _differences(programs: LawProgram) -> list[str]:
-    """Where TI's library gives other bits than the host."""
+    """Lines on operations for which TI's library and the host may give different bits."""
     operations = [operation for part in (programs.inputs, programs.step) for operation in part.operations]
     inexact = sorted({operation.op for operation in operations if operation.op in ("div", "sqrt")})
     wide = [operation for operation in operations if operation.op in ("rmpy", "dot", "mpy", "rsmpy")]
@@ -107,19 +107,19 @@ def _differences(programs: LawProgram) -> list[str]:
     lines = []
     if inexact:
         lines += [
-            f"- With TI's library, {' and '.join(inexact)} may differ from the host by a few LSB: 28 bits are right at",
-            "  full scale. With `RAILHIL_USE_TI_IQMATH=0` the target computes as the host does, more slowly.",
+            f"- With TI's library, {' and '.join(inexact)} may differ from the host by a few LSB: TI's are accurate to",
+            "  28 bits at full scale. With `RAILHIL_USE_TI_IQMATH=0` the target gives the host's bits, more slowly.",
         ]
     if unnamed:
         listed = ", ".join(str(q) for q in unnamed)
         lines.append(
-            f"- Products shifted by {listed}: the library stops at 30, `railhil_iq.h` computes them in 64 bits."
+            f"- Products shifted by {listed}: the library supports at most 30; `railhil_iq.h` computes them in 64 bits."
         )
     return lines
 
 
 def _roundings(constants: tuple[Constant, ...]) -> list[str]:
-    """Constants that their format holds badly."""
+    """Lines on constants with a large relative rounding error in their format."""
     return [
         f"- Constant `{constant.name}` = {constant.value:.6g} is rounded by {constant.relative_error:.1e} of its value "
         f"in Q{constant.q}."

@@ -1,6 +1,7 @@
-"""The reference log: control periods computed by the law itself in Python, for the exported C to compute again.
+"""The reference log: control periods computed by the law itself in Python, for the exported C to recompute.
 
-The program that the C is written from runs beside the law; an export whose program is not the law is refused.
+The recorded program from which the C is written runs in parallel; if its results differ from the law's, the export is
+refused.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ _MASK = 2**32 - 1
 
 
 class _Twin:
-    """The law and its program side by side, from the start of a run.
+    """The law and its recorded program in parallel, from the start of a run.
 
-    :raises InputError: in :meth:`period`, when their results differ.
+    :raises InputError: in :meth:`period`, if their results differ.
     """
 
     def __init__(self, control: Control) -> None:
@@ -65,7 +66,7 @@ def reference_log(control: Control, columns: Sequence[str], play: Play | None = 
 
     :param columns: names of the result words.
     :param play: see :meth:`~railhil.controller_node.export.control.Control.runs`.
-    :raises InputError: the recorded program computes something else than the law.
+    :raises InputError: the results of the recorded program differ from those of the law.
     """
     scenario, law = control.scenario, control.law
     words = (*control.given, *control.told)

@@ -1,4 +1,4 @@
-"""The C file and header of a law: structures, tables, and its four functions."""
+"""The C file and header of a law: structures, tables and four functions."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _PER_LINE = 5
 _CALL_WORDS = 2
 _POINTER_WORDS = 2
 LONG_WORDS = 2
-#: Deepest function of ``railhil_iq.h``: five 64-bit locals, three arguments, saved registers. Our estimate.
+#: Deepest function of ``railhil_iq.h``: five 64-bit locals, three arguments, saved registers. Estimated.
 _HELPER_WORDS = 40
-#: Longest name that leaves room for the longest ending that is added to it.
+#: Longest name of a law that leaves room for the longest suffix.
 _LAW_LENGTH_MAX = LENGTH_MAX - len("_MAILBOXES_H")
 
 
 def c_name(law: str) -> str:
-    """The law's name as a prefix in C and as file name.
+    """The law's name as a prefix in C and as a file name.
 
     :raises ValueError: it has too many characters.
     """
@@ -36,7 +36,8 @@ class Struct:
     """A structure of int32 members, one for each leaf of a law's state, inputs or outputs.
 
     :param group: ``state``, ``in`` or ``out``, the first part of the leaves' names.
-    :param member_of: what the member of a leaf is named for.
+    :param member_of: text from which the name of a leaf's member is made.
+    :param unit_of: unit of a leaf.
     """
 
     def __init__(
@@ -55,12 +56,12 @@ class Struct:
         self._remarks = {name: remark(value.q, unit_of(name, value)) for name, value in leaves}
 
     def place(self, leaf: str) -> str:
-        """The leaf's member behind the pointer that the functions are given."""
+        """C expression of the leaf's member, through the pointer that the functions receive."""
         return f"{self.group}->{self.members[leaf]}"
 
     @property
     def places(self) -> dict[str, str]:
-        """All members behind their pointer."""
+        """These expressions for all members, by leaf."""
         return {leaf: self.place(leaf) for leaf in self.members}
 
     def declaration(self) -> list[str]:
@@ -74,7 +75,7 @@ class Struct:
 class SourceWriter:
     """Writes the two files of one law.
 
-    :raises ValueError: from :meth:`write` too, for what C or the library cannot do.
+    :raises ValueError: the name is too long; from :meth:`write`, the law cannot be expressed in C or with the library.
     """
 
     def __init__(self, control: Control) -> None:
@@ -93,9 +94,9 @@ class SourceWriter:
             return units.get(value.number, "") if value.constant is None else ""
 
         member, state_member = control.member, lambda leaf: leaf.removeprefix("state.")
-        self._in = Struct(name, "in", "What the law is given each control period.", given, member, control.input_unit)
+        self._in = Struct(name, "in", "Inputs of the law in a control period.", given, member, control.input_unit)
         self._state = Struct(name, "state", "Memory of the law.", _group(outputs, "state"), state_member, unit_of)
-        self._out = Struct(name, "out", "What the law answers.", _group(outputs, "out"), member, unit_of)
+        self._out = Struct(name, "out", "Outputs of the law.", _group(outputs, "out"), member, unit_of)
         self._macros = control.macros()
         macro_names = Names(f"{name.upper()}_", taken=(f"{name.upper()}_{end}" for end in ("H", "PERIOD_NS")))
         self._macro_names = [macro_names.new(macro.signal.upper()) for macro in self._macros]
@@ -103,7 +104,7 @@ class SourceWriter:
         self._stack: dict[str, int] = {}
 
     def write(self) -> Source:
-        """The files and what is known of their size."""
+        """The files and their size figures."""
         functions = [*self._inputs(), "", *self._start(), "", *self._step(), "", *self._sent()]
         structs = (self._in, self._state, self._out)
         columns = [f"{struct.group}.{member}" for struct in structs for member in struct.members.values()]
@@ -163,7 +164,7 @@ class SourceWriter:
                 f"/* {comments.inputs}. */",
                 prototype("inputs"),
                 "",
-                "/* State before the first control period, given what that period is given. */",
+                "/* State before the first control period, from the inputs of that period. */",
                 prototype("start"),
                 "",
                 "/* One control period. */",
@@ -179,10 +180,10 @@ class SourceWriter:
         )
 
     def _note_macros(self) -> list[str]:
-        """What the law tells of itself, as the status holds it: fraction bits cut off, limited to the signal."""
+        """Macros for the law's notes in the status: fraction bits are dropped, values limited to the signal."""
         if not self._macros:
             return []
-        lines = [f"/* What the law tells of itself, as {self._comments.status} holds it. */"]
+        lines = [f"/* Notes of the law, in the format of {self._comments.status}. */"]
         for macro, macro_name in zip(self._macros, self._macro_names, strict=True):
             name = f"{macro_name}(out)"
             if macro.leaf is None:
@@ -198,8 +199,8 @@ class SourceWriter:
         return [
             f"/* {self._law}.c: {self._origin}.",
             f" * Scenario SHA-256 {self._sha256}.",
-            " * Generated: change the law, not this file. Straight-line int32 code: no float, no branch but ?:, no",
-            " * allocation, no recursion. Constants are integers because _IQ() of the target truncates its argument.",
+            " * Generated: change the law, not this file. Straight-line int32 code: no float, no branch except ?:, no",
+            " * allocation, no recursion. Constants are integers because _IQ() on the target truncates its argument.",
             " */",
             f'#include "{self._law}.h"',
             "",
@@ -243,7 +244,7 @@ class SourceWriter:
         body = Body(program, self._data, places, parameters)
         targets = {leaf: place for struct in into for leaf, place in struct.places.items()}
         sources = {leaf: body.expression(value) for leaf, value in program.outputs}
-        # A member that moves to another one is copied before either is written.
+        # A member that is assigned to another one is copied first, before either is written.
         moved = [source for leaf, source in sources.items() if source in targets.values() and source != targets[leaf]]
         kept = {source: body.keep(source) for source in dict.fromkeys(moved)}
         writes = [

@@ -1,19 +1,19 @@
-"""The C files that are the same for every law but for some names."""
+"""The C files that are the same for every law except for some names."""
 
 from __future__ import annotations
 
 from importlib.resources import files
 
-#: Folder of those that every way of control has, package:folder.
+#: Folder of the files common to every kind of control, package:folder.
 SHARED = "railhil.controller_node.export:c"
 
 
 def template(file: str, law: str, folder: str = SHARED, **places: str) -> str:
-    """Text of a file.
+    """Text of a file with its placeholders replaced.
 
-    :param law: its name in C, in the place of ``@LAW@``, in capitals of ``@PREFIX@``.
+    :param law: name of the law in C; replaces ``@LAW@`` and, in capitals, ``@PREFIX@``.
     :param folder: package:folder.
-    :param places: what else stands between two @.
+    :param places: replacements for the other ``@NAME@`` placeholders.
     """
     package, _, path = folder.partition(":")
     text = files(package).joinpath(path, file).read_text(encoding="ascii")

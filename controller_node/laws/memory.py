@@ -1,4 +1,4 @@
-"""A law's memory from run to run: handed to it when it is made, asked of it when the run is over."""
+"""A law's memory from run to run: passed to its constructor, read from it after the run."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from railhil.scenarios.memory import Memory
 
 
 def memory_key(kind: type[Any], scenario: Any) -> str:
-    """Under what the law keeps its memory; empty: it keeps none.
+    """Key of the law's memory; empty: it keeps none.
 
-    :raises TypeError: the law says something that is no text.
+    :raises TypeError: the law's key is not a string.
     """
     key = kind.memory_key(scenario)
     if not isinstance(key, str):
@@ -22,11 +22,11 @@ def memory_key(kind: type[Any], scenario: Any) -> str:
 
 
 def memory_arguments(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> tuple[Any, ...]:
-    """What a law is made with behind its parameters: nothing when it keeps no memory; else the values, None before its
-    first run.
+    """Arguments of a law's constructor after the parameters: none if it keeps no memory, else the stored values (None
+    before its first run).
 
-    :param name: under which the law was asked for.
-    :raises InputError: the memory is another law's, or of another key.
+    :param name: by which the law was requested.
+    :raises InputError: the memory belongs to another law or another key.
     """
     key = memory_key(kind, scenario)
     if given is None:
@@ -41,10 +41,10 @@ def memory_arguments(name: str, kind: type[Any], scenario: Any, given: Memory | 
 
 
 def kept(name: str, law: Any, scenario: Any, state: Any) -> dict[str, Any] | None:
-    """Key and values that a law wants kept; None for one without memory, or that has taken no step.
+    """Key and values of the memory that a law keeps after a run; None if it has no memory or has taken no step.
 
-    :param name: under which the law was asked for.
-    :raises InputError: the law has raised, or answers what no file can hold.
+    :param name: by which the law was requested.
+    :raises InputError: the law has raised, or its memory cannot be stored in a file.
     """
     kind = type(law)
     try:
@@ -54,11 +54,11 @@ def kept(name: str, law: Any, scenario: Any, state: Any) -> dict[str, Any] | Non
         values = law.memory(state)
         if not isinstance(values, dict):
             raise TypeError(f"found {values!r}")
-        # As it will be read again: tuples are lists, and what is no number of JSON is refused here.
+        # In the form in which it will be read: tuples become lists, and numbers that JSON lacks are refused here.
         return {"key": key, "values": json.loads(json.dumps(values, allow_nan=False))}
     except Exception as error:
-        # Code that somebody plugs in may raise anything.
+        # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
         at = place(kind, error) or kind.__qualname__
-        found = Words("what cannot be kept")
+        found = Words("values that cannot be kept")
         raise InputError(at, f"law {name}, memory", found, "a dict that JSON can hold", cause) from error

@@ -1,1 +1,1 @@
-"""Controllers of systems that plug in: a law that is given a vector of readings and answers a vector of commands."""
+"""Controllers of plug-in systems: the inputs of a law are a vector of readings, its outputs a vector of commands."""

@@ -1,4 +1,4 @@
-"""A law over several units on one arithmetic: raw integers of the bus in, raw integers out, once per control period."""
+"""A law for several units on one arithmetic: raw integers of the bus in, raw integers out, once per control period."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from railhil.scenarios.system import System, system_named
 
 @dataclass(frozen=True, slots=True)
 class VectorOutput:
-    """What one control period gives: raw integers, in the order of the interface.
+    """Result of one control period: raw integers, in the order of the interface.
 
     ``overflow_flags``: bit 0 wrap, bit 1 saturation, bit 2 division by zero, each since the start of the run.
     """
@@ -43,8 +43,8 @@ class VectorOutput:
 class VectorLoop(Generic[T]):
     """Law and state on one arithmetic.
 
-    :raises InputError: there is no such law for this system, it cannot be made for this scenario, or the parameters
-        or the memory are not its own.
+    :raises InputError: there is no such law for this system, it cannot be constructed for this scenario, or the
+        parameters or the memory belong to another law.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class VectorLoop(Generic[T]):
     ) -> None:
         self.arithmetic = arithmetic
         self._scenario = scenario
-        #: Under which the law was asked for.
+        #: Name by which the law was requested.
         self.name = law
         self.interface: Interface = system.part("interface")
         kind = find(law, system.laws, VectorLaw)
@@ -69,7 +69,7 @@ class VectorLoop(Generic[T]):
         except InputError:
             raise
         except Exception as error:
-            # A law is code that somebody plugs in, and may raise anything.
+            # A law is plug-in code and may raise anything.
             at = place(kind, error)
             cause = f"{type(error).__name__}: {error}{f', at {at}' if at else ''}"
             allowed = f"a law that can be made for {scenario.name}"
@@ -82,7 +82,7 @@ class VectorLoop(Generic[T]):
         self.state: Any = None
 
     def inputs(self, raws: Sequence[Any]) -> tuple[T, ...]:
-        """Raw integers of the bus as the law takes them."""
+        """The law's inputs from raw integers of the bus."""
         ar = self.arithmetic
         return tuple(
             ar.note(reading.name, ar.from_raw(raw, reading.q), reading.q, reading.unit)
@@ -90,7 +90,7 @@ class VectorLoop(Generic[T]):
         )
 
     def step(self, raws: Sequence[Any]) -> tuple[tuple[T, ...], Answer[T]]:
-        """One control period, the first one also makes the law's state; returns its inputs and its answer."""
+        """One control period; the first one also makes the law's state. Returns the law's inputs and its answer."""
         inputs = self.inputs(raws)
         if self.state is None:
             self.state = self.law.start(inputs)
@@ -98,13 +98,13 @@ class VectorLoop(Generic[T]):
         return inputs, answer
 
     def sent(self, raws: Sequence[Any]) -> None:
-        """Tell the law the commands that were really sent, raw."""
+        """Pass the commands really sent, raw, to the law."""
         commands = zip(self.interface.commands, raws, strict=True)
         told = [self.arithmetic.from_raw(raw, command.q) for command, raw in commands]
         self.state = self.law.with_sent(self.state, told)
 
     def answered(self, state: Any, inputs: tuple[T, ...]) -> tuple[Any, Answer[T]]:
-        """The law's step, its commands rounded and kept inside their bounds."""
+        """The law's step; its commands are rounded and limited to their bounds."""
         ar = self.arithmetic
         after, answer = self.law.step(state, inputs)
         commands = tuple(
@@ -119,7 +119,7 @@ class VectorLoop(Generic[T]):
         return after, Answer(commands, notes)
 
     def kept(self) -> dict[str, Any] | None:
-        """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
+        """The law's memory to keep after the run, see :func:`railhil.controller_node.laws.memory.kept`."""
         return kept(self.name, self.law, self._scenario, self.state)
 
 
@@ -128,7 +128,10 @@ def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:
 
 
 def _refuse_wide_readings(interface: Interface) -> None:
-    """A reading in fixed point is an int32, as on the chip."""
+    """Refuse a reading that does not fit an int32: in fixed point a reading is an int32, as on the chip.
+
+    :raises InputError: there is such a reading.
+    """
     for reading in interface.readings:
         low, high = raw_range(reading.telegram, reading.field)
         if low < INT32_MIN or high > INT32_MAX:
@@ -138,7 +141,7 @@ def _refuse_wide_readings(interface: Interface) -> None:
 
 
 class _Traced:
-    """A vector loop as the recorder of programs takes a law."""
+    """A vector loop with the interface that the recorder of programs expects of a law."""
 
     def __init__(self, loop: VectorLoop[Value]) -> None:
         self.start = loop.law.start
@@ -149,7 +152,7 @@ class _Traced:
 def vector_program(
     system: System, scenario: AnyScenario, law: str, given: ParameterSet | None, memory: Memory | None, wide: bool
 ) -> LawProgram:
-    """Programs of a law over several units, see :func:`railhil.controller_node.program.record.record`."""
+    """Programs of a law for several units, see :func:`railhil.controller_node.program.record.record`."""
     tracer = Tracer(wide)
     loop: VectorLoop[Value] = VectorLoop(system, scenario, law, tracer, given, memory)
     interface = loop.interface
@@ -168,10 +171,10 @@ def vector_program(
 class VectorController:
     """Controller of one system, see :class:`railhil.controller_node.law_controller.LawController`.
 
-    :param law: one of the system, and how it is run.
-    :param arithmetic: a fresh one in the place of the one that ``law`` names.
-    :param may_wrap: make also one of a law of which an operation may wrap.
-    :raises InputError: as :class:`VectorLoop`; a fixed-point format of the law may wrap on some reading. In
+    :param law: a law of the system, with its options.
+    :param arithmetic: a fresh arithmetic, used instead of the one that ``law`` names.
+    :param may_wrap: accept also a law in which an operation may wrap.
+    :raises InputError: as :class:`VectorLoop`; an operation of the law may wrap in fixed point for some reading. In
         :meth:`step` and :meth:`sent`: the law has raised.
     """
 
@@ -194,7 +197,7 @@ class VectorController:
         if not number.wide and not may_wrap:
             period_s = scenario.timing.control_period_ns / 1e9
             refuse_wraps(program, self.law, f"at {period_s:g} s on {scenario.name}", self.wire)
-        # From here on: the constants of the law are made by now.
+        # Telemetry starts here, after the law's constants have been made.
         number.noted = []
         self.telemetry = Telemetry(program.quantities)
         self.cost = cost_of(program, number, scenario.timing.control_period_ns)
@@ -205,7 +208,7 @@ class VectorController:
         return self._number.counters
 
     def kept(self) -> dict[str, Any] | None:
-        """As :meth:`railhil.controller_node.controller.Controller.kept`."""
+        """See :meth:`railhil.controller_node.controller.Controller.kept`."""
         return self._loop.kept()
 
     def step(self, raws: Sequence[int]) -> VectorOutput:
@@ -214,7 +217,7 @@ class VectorController:
         try:
             _, answer = self._loop.step(raws)
         except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
+            # A law is plug-in code: any exception is reported as the law's, with file and line.
             raise self._failed(fault, "step") from fault
         commands = zip(interface.commands, answer.commands, strict=True)
         notes = zip(interface.notes, answer.notes, strict=True)
@@ -227,14 +230,16 @@ class VectorController:
         return output
 
     def sent(self, *raws: int) -> None:
-        """Tell the law the commands that were really sent, one for each, when they are not those that :meth:`step`
-        answered."""
+        """Pass the commands really sent to the law if they differ from those that :meth:`step` returned.
+
+        :param raws: one raw integer for each command.
+        """
         if self._loop.state is None:
             return
         try:
             self._loop.sent(raws)
         except Exception as fault:
-            # A law is code that somebody plugs in: whatever it raises is said of it, with file and line.
+            # A law is plug-in code: any exception is reported as the law's, with file and line.
             raise self._failed(fault, "with_sent") from fault
         self.telemetry.take(self._number)
 

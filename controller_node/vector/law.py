@@ -1,4 +1,4 @@
-"""What a law over several units looks like, and between which signals of the bus it stands."""
+"""The base class of laws for several units, and the signals of the bus that they read and write."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def raw_range(telegram: type[Telegram], field: str) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One number that the law is given: a field of a telegram, its raw integer taken as Q ``q`` in ``unit``."""
+    """One input of the law: a field of a telegram; its raw integer is a value in Q ``q`` and ``unit``."""
 
     name: str
     telegram: type[Telegram]
@@ -34,10 +34,10 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One number that the law answers, in Q ``law_q``; rounded to Q ``q`` it is the raw integer of a telegram's field.
+    """One output of the law, in Q ``law_q``; rounded to Q ``q`` it is the raw integer of a telegram's field.
 
-    It is kept inside what the signal can hold, or ``lowest`` to ``highest`` (raw). ``safe``: what is sent, raw, while
-    a reading is missing or too old.
+    It is limited to the range of the signal, or to ``lowest``..``highest`` (raw) where given. ``safe``: the raw value
+    that is sent while a reading is missing or too old.
     """
 
     name: str
@@ -52,14 +52,14 @@ class Command:
 
     @property
     def bounds(self) -> tuple[int, int]:
-        """Smallest and largest raw value that is ever sent."""
+        """Smallest and largest raw value that can be sent."""
         low, high = raw_range(self.telegram, self.field)
         return low if self.lowest is None else self.lowest, high if self.highest is None else self.highest
 
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What a law says besides, in Q ``law_q``: Q ``q`` of it, cut off downwards, stands in a field of the status."""
+    """An additional figure of a law, in Q ``law_q``; a field of the status contains it in Q ``q``, rounded down."""
 
     name: str
     field: str
@@ -70,12 +70,13 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Interface:
-    """Between which signals the laws of a system stand (its part ``interface``).
+    """Inputs and outputs of the laws of a system (its part ``interface``).
 
-    ``status``: telegram of the notes; of its other fields the node fills ``overflow_flags`` (bit 0 wrap, 1 saturation,
-    2 division by zero), ``step_count`` and ``life``, where they are. ``age_max_ms``: of the readings, in simulation
-    time since the last telegram that was accepted (:class:`railhil.bus.acceptance.Acceptance`: new life sign ``life``,
-    check variables correct); beyond it every command is the safe one. Each telegram of commands has a ``life``.
+    ``status``: telegram of the notes; the node also fills its fields ``overflow_flags`` (bit 0 wrap, 1 saturation,
+    2 division by zero), ``step_count`` and ``life``, if it has them. ``age_max_ms``: largest age of a reading, in
+    simulation time since the last accepted telegram (new life sign ``life``, check variables correct, see
+    :class:`railhil.bus.acceptance.Acceptance`); if a reading is older, all commands are the safe ones.
+    Each telegram of commands has a field ``life``.
     """
 
     readings: tuple[Reading, ...]
@@ -86,7 +87,7 @@ class Interface:
 
 
 class Answer(NamedTuple, Generic[T]):
-    """What a law answers: one number for each command of the interface, and for each of its notes."""
+    """Result of a law's step: one number for each command of the interface, and one for each of its notes."""
 
     commands: tuple[T, ...]
     notes: tuple[T, ...] = ()
@@ -95,7 +96,7 @@ class Answer(NamedTuple, Generic[T]):
 class VectorLaw(ABC, Generic[T, State]):
     """A control law bound to an arithmetic and to its constants; it keeps no state of its own.
 
-    ``step`` is pure and straight-line, as in :class:`railhil.controller_node.laws.base.Law`, so that one text serves
+    ``step`` is pure and straight-line, as in :class:`railhil.controller_node.laws.base.Law`, so the same code serves
     every arithmetic, the telemetry and the interval analysis.
     """
 
@@ -103,20 +104,20 @@ class VectorLaw(ABC, Generic[T, State]):
     name: ClassVar[str]
     #: Frozen dataclass of the law's parameters, see :class:`railhil.controller_node.laws.base.Law`.
     parameters_type: ClassVar[type[Any]]
-    #: Where the defaults come from.
+    #: Origin of the defaults.
     parameters_origin: ClassVar[str] = "origin not stated"
-    #: Runs from which the defaults were chosen: name of the scenario, seeds.
+    #: Perturbed runs used to choose the defaults: name of the scenario, seeds.
     design_seeds: ClassVar[Mapping[str, range]] = {}
-    #: Notes of a vector law are those of its system's interface.
+    #: Empty: the notes of a vector law are those of its system's interface.
     notes: ClassVar[tuple[Any, ...]] = ()
-    #: Over what it takes its set-point: time, in every law of a vector.
+    #: Set-point indexings with which the law works: only time for vector laws.
     indexings: ClassVar[tuple[str, ...]] = ("time",)
 
     @abstractmethod
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
         """Bind the law to its constants.
 
-        :param scenario: of the law's system.
+        :param scenario: a scenario of the law's system.
         :param parameters: a :attr:`parameters_type`; None: its defaults.
         """
 
@@ -126,33 +127,34 @@ class VectorLaw(ABC, Generic[T, State]):
         """Every constant of the law."""
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
-        """Bounds of state variables that the law's own reasoning gives, in units, by name (``speed[0]``)."""
+        """Bounds of state variables derived by the law's author, in physical units, by name (``speed[0]``)."""
         return {}
 
     @abstractmethod
     def start(self, readings: Sequence[T]) -> State:
-        """State before the first step, given what that step will be given."""
+        """State before the first step, from the readings of that step."""
 
     @abstractmethod
     def step(self, state: State, readings: Sequence[T]) -> tuple[State, Answer[T]]:
         """One control period."""
 
     def with_sent(self, state: State, commands: Sequence[T]) -> State:
-        """The state when other commands (Q ``q`` of the interface) than the law's were really sent."""
+        """The state if commands other than the law's (Q ``q`` of the interface) were really sent."""
         return state
 
     @classmethod
     def memory_key(cls, scenario: Any) -> str:
-        """Under what the law keeps a memory from run to run (train, platform, ...); empty: it keeps none.
+        """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
 
-        A law with a key is made with one argument more, ``memory``: what :meth:`memory` answered at the end of its last
-        run, None before the first. The record of its program is made with it too, so that its formats are checked.
+        A law with a key is constructed with one more argument, ``memory``: what :meth:`memory` returned at the end of
+        its last run, None before the first. Its program is recorded with that memory too, so that its formats are
+        checked.
         """
         return ""
 
     def memory(self, state: State) -> Mapping[str, Any]:
-        """What the law wants kept when the run is over: a dict of numbers, texts and lists that JSON can hold.
+        """The memory to keep after the run: a dict of numbers, strings and lists that JSON can hold.
 
-        :param state: after its last step; numbers of the arithmetic are read by :meth:`Arithmetic.raw`.
+        :param state: after its last step; numbers of the arithmetic are converted by :meth:`Arithmetic.raw`.
         """
         return {}

@@ -1,4 +1,4 @@
-"""The controller's side of the bus for a law over several units: readings in, answers to the administrator's polls."""
+"""The controller's node for a law for several units: takes readings, answers the bus administrator's polls."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from railhil.scenarios.system import System, system_named
 
 
 def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list[Port]]:
-    """Ports that a controller of this interface receives, the clock port first, and those that it answers."""
+    """Ports that a controller of this interface receives (the clock port first), and ports that it sends."""
     read = [*(item.telegram.PORT for item in interface.readings), TimeSync.PORT, RunEvent.PORT]
     answered = [item.telegram.PORT for item in interface.commands]
     if interface.status is not None:
@@ -34,9 +34,9 @@ def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list
 
 
 def refuse_indexing(system: System, law: LawSpec) -> None:
-    """Laws over several units take their set-points over time.
+    """Refuse set-points by distance: laws for several units have set-points by time.
 
-    :raises InputError: otherwise.
+    :raises InputError: ``law`` has another indexing.
     """
     if law.indexing != "time":
         raise InputError("command line", "--indexing", law.indexing, f"time with system {system.name}")
@@ -45,12 +45,12 @@ def refuse_indexing(system: System, law: LawSpec) -> None:
 class VectorNode:
     """See :class:`railhil.controller_node.any_controller.AnyController`; the system has a part ``interface``.
 
-    :param controller: what computes the commands; None: the law that is asked for.
-    :param bit_rate: of the bus in bit/s, of no meaning here: nothing is stamped by bit times.
-    :raises InputError: an option that this controller cannot have.
+    :param controller: computes the commands; None: one is made for ``law``.
+    :param bit_rate: of the bus in bit/s; ignored here, since no time stamps are counted in bit times.
+    :raises InputError: an option that this controller does not support.
     """
 
-    #: What computes the commands.
+    #: Class of the object that computes the commands.
     computes = VectorController
 
     def __init__(
@@ -109,17 +109,17 @@ class VectorNode:
 
     @property
     def counters(self) -> dict[str, int]:
-        """What was refused, by cause; ``stale``: commands that were the safe ones for a reading too old."""
+        """Counters of refused telegrams, by cause; ``stale``: safe commands sent because a reading was too old."""
         counted = self.responder.store.counters + self._readings.counters
         return {**counted, **({"stale": self._stale} if self._stale else {})}
 
     @property
     def lockstep(self) -> bool:
-        """True while nothing says that time goes on by the wall clock."""
+        """True unless the pace is known to follow the wall clock."""
         return not self._clock.rate
 
     def was_out(self, wall_ns: int) -> None:
-        """The interface was out for ``wall_ns``: the readings are that much older."""
+        """Note that the interface was down for ``wall_ns``: the readings are older by that time."""
         self._clock.silence(wall_ns)
 
     def _event(self, reading: Reading[RunEvent]) -> None:
@@ -128,7 +128,7 @@ class VectorNode:
             self.ended = Event(number)
 
     def _control(self) -> bool:
-        """Run the law when a control period has begun since the last step; whether its answer may be sent."""
+        """Run the law if a control period has begun since its last step; returns whether its commands may be sent."""
         fresh = self._readings.fresh()
         k = self._clock.now_ns // self._control_ns
         if fresh and self._clock.running and k != self._last_k:
@@ -167,6 +167,6 @@ class VectorNode:
 
 
 def _held(kind: type[Telegram], field: str, raw: int) -> int:
-    """A note as its signal can hold it: what is said of a law must not end its run."""
+    """A note limited to the range of its signal, so that a large note does not end the run."""
     low, high = dict(kind.signals())[field].raw_range
     return min(max(raw, low), high)

@@ -1,4 +1,4 @@
-"""The readings of a law over several units, and how old they are."""
+"""The readings of a law over several units, and their age."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.controller_node.vector.law import Interface
 
 
 def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
-    """Ports with readings, in their order, each with its telegram."""
+    """Ports with readings, in the order of the readings, each with its telegram."""
     found: dict[str, type[Telegram]] = {}
     for reading in interface.readings:
         found.setdefault(reading.telegram.PORT, reading.telegram)
@@ -23,7 +23,7 @@ def sources_of(interface: Interface) -> dict[str, type[Telegram]]:
 
 @dataclass(slots=True)
 class _Source:
-    """One port with readings: process data of the last telegram that was accepted, and when it came."""
+    """One port with readings: process data and time of the last accepted telegram."""
 
     acceptance: Acceptance
     data: bytes = b""
@@ -31,10 +31,10 @@ class _Source:
 
 
 class Readings:
-    """Takes the telegrams of an interface's readings from a responder.
+    """Takes the telegrams with an interface's readings from a responder.
 
-    Only a telegram that is accepted (:class:`railhil.bus.acceptance.Acceptance`) gives readings, and their age is the
-    time since it came; ``counters``: what was refused, by cause.
+    Only an accepted telegram (:class:`railhil.bus.acceptance.Acceptance`) updates the readings; their age is the time
+    since its arrival. ``counters``: refused telegrams by cause.
 
     :raises InputError: the life sign of a telegram is not a number of 4 bits.
     """
@@ -52,15 +52,15 @@ class Readings:
     def _take(self, port: str, reading: Reading[Any]) -> None:
         source = self._sources[port]
         if source.acceptance.accept(reading.telegram):
-            # A TIME_SYNC has set the clock by now.
+            # If this is a TIME_SYNC, it has already set the clock.
             source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
 
     def fresh(self) -> bool:
-        """Whether a telegram was accepted for every reading, none longer ago than ``age_max_ms``."""
+        """Whether every reading has an accepted telegram, none of them older than ``age_max_ms``."""
         oldest_ns = self._clock.now_ns - self._interface.age_max_ms * 1_000_000
         return all(source.data and source.taken_ns >= oldest_ns for source in self._sources.values())
 
     def raws(self) -> list[int]:
-        """One raw integer for each reading, from the last telegrams that were accepted; only when :meth:`fresh`."""
+        """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""
         readings = self._interface.readings
         return [getattr(item.telegram.decode(self._sources[item.telegram.PORT].data), item.field) for item in readings]

@@ -239,7 +239,7 @@ def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_p
     done = railhil("run", short, *words, "--quiet", "--no-report")
     assert done.exit_code in (PASS, FAIL)
     assert "controller: memory is lost: " in done.err
-    assert "law forgetful, memory: found what cannot be kept, allowed a dict that JSON can hold" in done.err
+    assert "law forgetful, memory: found values that cannot be kept, allowed a dict that JSON can hold" in done.err
     assert "nothing kept, the law has said none" in done.out
     assert not path.exists()
 

@@ -1,4 +1,4 @@
-"""``railhil audit`` of a system that plugs in: the toy system, whose laws answer two commands."""
+"""``railhil audit`` of a plug-in system: the toy system, whose laws have two commands."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COMMANDS = ["force[0]", "force[1]"]
 _NO_BATCH = "no batch of trains for system two_carts: {} perturbed runs in each of two arithmetics go through the nodes"
 
 _LOOK = '''
-"""What two carts look at besides."""
+"""The examination of the two carts' own system."""
 from railhil.audit.bars import Bar, Look
 
 def look(scenario, law, fresh):
@@ -25,7 +25,7 @@ def look(scenario, law, fresh):
     return Look("carts", "Carts at rest", said, {"apart": 2}, (Bar("carts that roll away", "1", "0", False),))
 '''
 _MUTE = '''
-"""A controller's side of the bus that does not say what computes."""
+"""A controller's node without the attribute ``computes``."""
 from railhil.controller_node.vector.node import VectorNode
 
 def node(*given, **named):
@@ -40,7 +40,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def copy(site: Path, tmp_path: Path) -> Path:
-    """An installation to be changed."""
+    """A copy of the installation that the test may change."""
     return Path(shutil.copytree(site, tmp_path / "site"))
 
 
@@ -91,14 +91,14 @@ def test_figures_of_every_quantity_and_command(site: Path) -> None:
     assert names[-3:] == [*COMMANDS, "stretch"]
     assert [row["name"] for row in found["errors"]] == names
     assert [row["name"] for row in found["floor"]["errors"]] == names
-    # Bounds are those of the wire: a signed field of 24 bits.
+    # The bounds of a reading are those of its signal: a signed field of 24 bits.
     bounds = {row["name"]: row for row in found["bounds"]["quantities"]}
     assert (bounds["position[0]"]["minimum"], bounds["position[0]"]["maximum"]) == (-(2**23), 2**23 - 1)
     assert (bounds["force[1]"]["minimum"], bounds["force[1]"]["maximum"]) == (-2000, 2000)
     assert found["bounds"]["may_wrap"] == 0
     for row in found["ranges"]:
         assert bounds[row["name"]]["minimum"] <= row["minimum"] <= row["maximum"] <= bounds[row["name"]]["maximum"]
-    # What is read has no error; what comes of products has.
+    # Readings have no error, results of products do.
     errors = {row["name"]: row for row in found["errors"]}
     assert errors["moved[0]"]["maximum"] == 0
     assert 0 < errors["wanted[0]"]["maximum_lsb"] < 20

@@ -1,6 +1,6 @@
-"""``railhil export-c`` of a system that plugs in: its law as C, and the same numbers as the bench's on a real run.
+"""``railhil export-c`` of a plug-in system: its law as C, which computes the same numbers as the bench's on a real run.
 
-No line of the tree knows of the system: what differs from railhil's own train is its ``Interface``.
+Nothing in the tree refers to the system: the export knows it only through its ``Interface``.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ def exported(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def make(folder: Path, *targets: str) -> subprocess.CompletedProcess[str]:
-    """``make`` in a copy, as the exported folder is shared by tests."""
+    """Run ``make`` in the folder; tests use a copy of the export, which they share."""
     return subprocess.run(["make", *targets], cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
 def rows(folder: Path) -> tuple[list[str], list[dict[str, int]]]:
-    """Names of the log's words, and the log by them."""
+    """Names of the log's words, and the log by these names."""
     lines = (folder / "apart_log.txt").read_text(encoding="ascii").splitlines()
     heads = [line for line in lines if line.startswith("#")]
     names = heads[-1].split()[1:]
@@ -69,7 +69,7 @@ def test_readings_commands_and_notes_have_the_names_of_the_interface(exported: P
 
 
 def test_the_log_begins_with_a_run_of_the_bench(site: Path, exported: Path, tmp_path: Path) -> None:
-    """Its readings are those on the bus, its commands those that the same run sends."""
+    """Its readings are those on the bus, its commands those sent in the same run."""
     done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(tmp_path / "run"), "--quiet")
     assert done.returncode == 0, done.stderr
     sent: dict[str, list[int]] = {"110": [], "128": []}
@@ -83,7 +83,7 @@ def test_the_log_begins_with_a_run_of_the_bench(site: Path, exported: Path, tmp_
     run = log[: begins[1]]
     assert len(begins) == 3
     assert len(run) == 121
-    # A control period is ten ticks, of readings, and five polls of each command.
+    # A control period has ten ticks, each with readings, and five polls of each command.
     assert [row["position_0"] for row in run] == sent["110"][::10]
     assert [row["out.force_1"] for row in run] == sent["128"][::5][: len(run)]
 
@@ -123,7 +123,7 @@ def test_parameters_and_settings_change_the_constants(site: Path, exported: Path
     assert "APART_STIFFNESS = INT32_C(31457); /* 0.03, Q20, parameters */" in text
     assert "APART_TARGET_0 = INT32_C(15000)" in text
     assert make(folder, "check").returncode == 0
-    # The same bytes again, over what is there.
+    # Exporting again over the existing files gives the same bytes.
     shutil.copytree(exported, tmp_path / "again")
     export(site, tmp_path / "again", "--force")
     for path in exported.iterdir():
@@ -131,7 +131,7 @@ def test_parameters_and_settings_change_the_constants(site: Path, exported: Path
 
 
 def test_the_law_is_told_every_command_that_was_sent(site: Path, tmp_path: Path) -> None:
-    """A law that keeps what was sent: the words of the log after it, and the C."""
+    """A law that keeps the commands sent: checked in the words of the log, and in the C."""
     folder = tmp_path / "c"
     export(changed(site, tmp_path, {"laws.py": KEEPING, "wire.py": PLAIN_FORCES}), folder)
     assert make(folder, "check").returncode == 0
@@ -153,7 +153,7 @@ def test_a_law_that_could_wrap_is_refused(site: Path, tmp_path: Path) -> None:
 
 
 def test_a_reading_that_no_int32_holds_is_refused(site: Path, tmp_path: Path) -> None:
-    """Of ``run`` too: Python's whole numbers would hide what the chip does."""
+    """``run`` refuses it too: Python's unlimited integers would hide the chip's overflow."""
     own = "from railhil.controller_node.vector.law"
     changes = [
         ("    readings=tuple(\n", '    readings=(Reading("seconds", TimeSync, "seconds_s"),) + tuple(\n'),

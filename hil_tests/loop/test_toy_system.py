@@ -1,4 +1,4 @@
-"""A plug-in system: two carts on a spring, in a separate distribution, through every command of railhil.
+"""A plug-in system, two carts connected by a spring, in a separate distribution: every command of railhil works on it.
 
 Nothing in the tree depends on it: it is installed here, and railhil sees only its entry points.
 """
@@ -34,7 +34,7 @@ for arithmetic in ("iq", "float64"):
 """
 
 
-#: One second of a cart's telegrams is lost, or stands still, or says of itself that it is invalid.
+#: One second of a cart's telegrams is lost, stuck, or marked invalid by its check variable.
 _FAULTY = """
 import json, sys
 from dataclasses import replace
@@ -118,7 +118,7 @@ def certificate(folder: Path) -> dict[str, object]:
 
 
 def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
-    """Both arithmetics drive the carts there; in fixed point the record is that of the run over the hub."""
+    """Both arithmetics drive the carts to their targets; in fixed point the record equals that of the hub's run."""
     runs = python(site, _IN_PROCESS, str(SCENARIO), str(tmp_path))
     for verdict, values, _, refused, quantities in runs:
         assert (verdict, refused) == ("PASS", {})
@@ -136,7 +136,7 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
 def test_a_unit_without_a_valid_position_makes_every_command_the_safe_one(
     site: Path, tmp_path: Path, unit: int, what: str, refused: dict[str, int]
 ) -> None:
-    """One second without telegrams that count from one cart: commands go on for 0.256 s, then both forces are 0."""
+    """No accepted telegram from one cart for one second: commands continue for 0.256 s, then both forces are 0."""
     ((verdict, counters, kept, safe),) = python(site, _FAULTY, str(SCENARIO), str(tmp_path), str(unit), what)
     assert verdict == "PASS", "it comes back"
     assert counters.pop("stale") == 2 * len(safe)
@@ -191,7 +191,7 @@ def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path,
 
 
 def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
-    """For a controller without a file, as with --attach; and a wrap fails the run as one of ato's does."""
+    """This also works without a file of the controller, as with --attach; a wrap fails the run, as in ``ato``."""
     whole, wrapped = python(site, _TOLD, str(SCENARIO), str(tmp_path))
     assert whole[0]["source"] == "LAW_STAT"
     assert whole[1:] == ["no overflow, as LAW_STAT tells it", "PASS", []]
@@ -227,7 +227,7 @@ def test_score_gives_the_same_numbers_from_the_folder_alone(site: Path, recorded
 
 
 def test_a_log_alone_is_scored_with_the_scenario_that_is_named(site: Path, recorded: Path, tmp_path: Path) -> None:
-    """Without a folder's port table it is that of the scenario's system."""
+    """Without the port table of a run folder, that of the scenario's system is used."""
     shutil.copy(recorded / "frames.log", tmp_path)
     done = railhil(site, "score", str(tmp_path / "frames.log"), "--scenario", str(SCENARIO), "--json")
     assert done.returncode == 0, done.stderr
@@ -236,7 +236,7 @@ def test_a_log_alone_is_scored_with_the_scenario_that_is_named(site: Path, recor
 
 
 def test_score_of_a_limit_that_is_missed_is_a_fail(site: Path, recorded: Path, tmp_path: Path) -> None:
-    """The limit judges and changes no frame: the same log under a stricter scenario."""
+    """A limit affects only the judging and changes no frame: the same log is scored with a stricter scenario."""
     strict = tmp_path / "strict.toml"
     text = SCENARIO.read_text(encoding="utf-8")
     strict.write_text(text.replace("error_max_m = 0.02", "error_max_m = 1e-6"), encoding="utf-8")
@@ -277,7 +277,7 @@ def test_ports_of_the_system(site: Path, recorded: Path) -> None:
 
 
 def test_compare(site: Path, tmp_path: Path) -> None:
-    """Of one law with two sets of parameters."""
+    """Compares one law with two sets of parameters."""
     soft = tmp_path / "soft.toml"
     soft.write_text('law = "apart"\n[parameters]\nstiffness_n_per_m = 3.0\n', encoding="utf-8")
     folder = tmp_path / "compared"
@@ -331,7 +331,7 @@ def test_plot_draws_the_signals_of_the_system(site: Path, recorded: Path, tmp_pa
     first, again, png = (picture.read_bytes() for picture in pictures)
     assert first == again
     assert png.startswith(b"\x89PNG")
-    # One panel for metres, one for newtons.
+    # One panel for quantities in metres, one for those in newtons.
     assert first.count(b'<g id="axes_') == 2
     assert {f"<!-- {name} -->".encode() in first for name in ("true_position2_m", "force1_n", "stretch_m")} == {True}
 
@@ -371,7 +371,7 @@ def test_a_record_whose_system_is_not_installed_is_refused(recorded: Path, tmp_p
 
 
 def test_a_gain_that_could_wrap_is_refused_in_fixed_point(site: Path, tmp_path: Path) -> None:
-    """The interval analysis knows the readings of any system: the wire's whole range, not what this run reaches."""
+    """For any system the interval analysis uses the whole range of the readings on the wire, not that of this run."""
     copy = tmp_path / "site"
     shutil.copytree(site, copy)
     law = copy / "two_carts" / "laws.py"

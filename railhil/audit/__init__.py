@@ -1,1 +1,1 @@
-"""``railhil audit``: what fixed point (or float32) does to a control law, against the same law in float64."""
+"""``railhil audit``: compares a control law in fixed point (or float32) with the same law in float64."""

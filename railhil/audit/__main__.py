@@ -26,7 +26,7 @@ from railhil.scenarios.settings import add_set_argument
 from railhil.scenarios.system import system_named
 
 _RUNS_MAX = 100_000
-#: Perturbed runs when nothing is said: through a batch, and through the nodes one by one.
+#: Default number of perturbed runs: with a batch, and through the nodes one after another.
 _RUNS, _RUNS_NODES = 200, 20
 _EXIT_CODES = """\
 exit codes:
@@ -67,7 +67,7 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
-    """How many perturbed runs; says what they go through."""
+    """Number of perturbed runs; prints whether they use a batch or the nodes."""
     batch = batch_of(scenario)
     runs: int = namespace.runs if namespace.runs is not None else _RUNS_NODES if batch is None else _RUNS
     if runs:
@@ -82,13 +82,13 @@ def _runs(namespace: argparse.Namespace, scenario: AnyScenario) -> int:
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Audit and print; exit code 1 when a limit is missed."""
+    """Run the audit and print its result; exit code 1 if a limit is missed."""
     accept_any_text()
     namespace = parse(arguments(), words)
     scenario = load_any(namespace.scenario, namespace.set)
     system = system_named(scenario.system)
     law = LawSpec(namespace.controller or system.law, namespace.arithmetic, namespace.indexing)
-    # A name that no law has is the only line of its complaint.
+    # An unknown law is refused here, before anything else is printed.
     find(law.controller, system.laws)
     options = Options(law, namespace.seed, _runs(namespace, scenario))
     result = audit(scenario, options)

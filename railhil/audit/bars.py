@@ -1,4 +1,4 @@
-"""The bars: what an audit demands, and what it has found."""
+"""The limits of an audit ("bars"): the value found and the value allowed for each."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.cost import Cost
 from railhil.scenarios.run_spec import LawSpec
 
-#: Share of control periods in which a command's code must be float64's, and how far the others may be off, raw.
+#: Share of control periods in which a command's code must equal float64's, and how far the others may differ, raw.
 EQUAL_SHARE_MIN = 0.99
 CODE_DIFFERENCE_MAX = 1
 
 
 @dataclass(frozen=True, slots=True)
 class Bar:
-    """One demand: what was found, what is allowed, whether it is met."""
+    """One limit: the value found, the value allowed, and whether the limit is met."""
 
     name: str
     found: str
@@ -30,8 +30,11 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a system looks at besides: under ``key`` in the JSON document ``figures``, ``title`` and ``text`` on the
-    terminal, and its ``bars``."""
+    """Result of a system's own examination.
+
+    ``figures`` are its values in the JSON document, under ``key``; ``title`` and ``text`` are printed on the terminal;
+    ``bars`` are its limits.
+    """
 
     key: str
     title: str
@@ -40,7 +43,7 @@ class Look:
     bars: tuple[Bar, ...]
 
 
-#: The part ``audit`` of a system: of the scenario, the law and what makes a fresh audited arithmetic.
+#: The part ``audit`` of a system. Arguments: scenario, law, and a function that makes a fresh audited arithmetic.
 OwnLook = Callable[[Any, LawSpec, Callable[[], Arithmetic[Any]]], Look]
 
 
@@ -84,7 +87,7 @@ def bars(
     over_runs: Effect | None = None,
     bounds: Bounds | None = None,
 ) -> list[Bar]:
-    """Hold the findings against what is demanded; what was not looked at has no bar."""
+    """Compare the findings with their limits; an examination that was skipped has no limit here."""
     counters = shadow.audited.arithmetic.counters
     not_finite = shadow.audited.not_finite
     found = [Bar("wraps in the run", f"{counters.wraps}", "0", not counters.wraps)]

@@ -1,4 +1,4 @@
-"""How large each quantity can become for any reading on the wire, from interval analysis of the recorded law."""
+"""Bounds of each quantity for all readings possible on the wire, from interval analysis of the recorded law."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from railhil.controller_node.telemetry import VALUE_BITS
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """Bounds of one quantity in its unit, and the bits of its format that are left at them."""
+    """Bounds of one quantity in its unit, and the headroom of its format at these bounds."""
 
     name: str
     minimum: float
@@ -22,7 +22,7 @@ class Bound:
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Bounds of all quantities, and how many operations of a period the analysis cannot keep from wrapping."""
+    """Bounds of all quantities, and the number of operations for which the analysis cannot exclude a wrap."""
 
     quantities: tuple[Bound, ...]
     may_wrap: int

@@ -15,7 +15,7 @@ from railhil.supervisor.score import Score
 
 def _range(row: QuantityTelemetry) -> dict[str, Any]:
     found = asdict(row)
-    # JSON has no infinity: a bar says that there was one.
+    # JSON cannot represent infinity; the limit "infinite values" reports it.
     return found | {key: found[key] if isfinite(found[key] or 0.0) else None for key in ("minimum", "maximum")}
 
 
@@ -53,11 +53,12 @@ def _floor(floor: Floor | None) -> dict[str, Any] | None:
 
 
 def document(result: Result) -> dict[str, Any]:
-    """What ``--json`` prints: numbers in the units of the quantities, ``_lsb`` in last bits of their formats.
+    """The document printed by ``--json``: numbers in the units of the quantities, ``_lsb`` in LSB of their formats.
 
-    ``commands`` has the codes of each command, ``largest`` raw, Q ``q`` of ``unit``. What a system looks at besides
-    stands under a key of its own (``standstill`` of ``ato``). ``effect`` is empty, ``effect_counters`` (audited
-    arithmetic, all runs), ``bounds`` and ``floor`` are null where there is nothing to look at.
+    ``commands`` compares the codes of each command; ``largest`` is a raw difference, in Q ``q`` of ``unit``. A system's
+    own examination has a key of its own (``standstill`` for ``ato``). ``effect`` is empty and ``effect_counters``
+    (audited arithmetic, all runs) is null without perturbed runs; ``bounds`` and ``floor`` are null for an arithmetic
+    without formats.
     """
     options, cost, effect = result.options, result.cost, result.effect
     return {

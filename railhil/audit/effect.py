@@ -1,4 +1,4 @@
-"""Effect on the scores: medians over perturbed runs in the audited arithmetic and in float64, same draws."""
+"""Effect on the scores: medians over perturbed runs in the audited arithmetic and in float64, with the same draws."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score
 
-#: How far a median may be from that of float64, as a share of it, where the criterion does not say.
+#: Allowed difference of a median from that of float64, relative to the latter, if the criterion sets none.
 _ALLOWED_SHARE = 0.01
 
 
@@ -22,8 +22,8 @@ _ALLOWED_SHARE = 0.01
 class ScoreEffect:
     """Medians of one score over the runs that have it, and the largest difference of a single run (same draw).
 
-    ``audited`` or ``reference`` is None when no run has the score, ``missing`` counts the runs in which only one of
-    the two has it.
+    ``audited`` or ``reference`` is None if no run in that arithmetic has the score; ``missing`` counts the draws with
+    the score in only one of the two arithmetics.
     """
 
     score: str
@@ -41,13 +41,13 @@ class ScoreEffect:
 
     @property
     def met(self) -> bool:
-        """The medians are as near as allowed, and no run has the score in one arithmetic only."""
+        """The medians differ by no more than allowed, and no draw has the score in only one arithmetic."""
         return not self.missing and (self.difference is None or abs(self.difference) <= self.allowed)
 
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """Effect on each score, and what went wrong in the audited arithmetic, summed over its runs."""
+    """Effect on each score, and the event counters of the audited arithmetic, summed over its runs."""
 
     scores: list[ScoreEffect]
     counters: Counters
@@ -70,7 +70,7 @@ def _effect(criterion: Criterion, audited: list[Score], reference: list[Score]) 
 
 
 def effect(scenario: AnyScenario, runs: int, law: LawSpec) -> Effect:
-    """Run ``runs`` draws twice and compare their scores."""
+    """Run ``runs`` draws in each of the two arithmetics and compare the scores."""
     audited, reference = (outcomes(scenario, runs, each) for each in (law, replace(law, arithmetic="float64")))
     return compared(audited, reference, judging_of(scenario).criteria)
 

@@ -1,4 +1,4 @@
-"""The twin of an arithmetic that multiplies without rounding: what a law loses that calls ``mpy`` for ``rmpy``."""
+"""A twin of an arithmetic that multiplies without rounding: shows what a law loses by ``mpy`` instead of ``rmpy``."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from railhil.controller_node.arithmetic.base import Arithmetic
 
 
 def floored(arithmetic: Arithmetic[int]) -> Arithmetic[int]:
-    """A fresh fixed-point arithmetic of the same kind whose rounded products are floored ones.
+    """A fresh fixed-point arithmetic of the same kind that floors the products which the original rounds.
 
-    Each floored product is half a bit lower on average, and a sum of n products n halves. The quantiser of the notch
-    keeps its rounding: it is an equation of the law, not a matter of how products are formed.
+    Each floored product is half an LSB lower on average, a sum of n products n/2 LSB. The quantiser of the notch
+    still rounds: its rounding is part of the law's equations.
     """
     kind: Any = type(arithmetic)
 

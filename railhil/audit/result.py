@@ -26,7 +26,7 @@ from railhil.supervisor.score import Score
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What is audited, and how thoroughly: ``runs`` 0 leaves the perturbed runs out."""
+    """Law, seed and number of perturbed runs of an audit; ``runs`` = 0 skips the perturbed runs."""
 
     law: LawSpec = field(default_factory=LawSpec)
     seed: int = 0
@@ -35,7 +35,11 @@ class Options:
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """The same run with floored products beside it, errors against float64, and its score when it drives."""
+    """The twin with floored products.
+
+    ``errors`` and ``codes`` compare it with float64 on the inputs of the audited run; ``score`` is that of a run of its
+    own.
+    """
 
     errors: list[QuantityError]
     codes: tuple[Codes, ...]
@@ -44,9 +48,11 @@ class Floor:
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """Everything that an audit found; ``bounds`` and ``floor`` are None for an arithmetic without formats,
-    ``effect`` without perturbed runs, ``look`` for a system that has none of its own. ``codes``: one for each
-    command."""
+    """Everything that an audit found.
+
+    ``codes`` has one element for each command. ``bounds`` and ``floor`` are None for an arithmetic without formats,
+    ``effect`` without perturbed runs, ``look`` for a system without an examination of its own.
+    """
 
     scenario: AnyScenario
     options: Options
@@ -65,17 +71,17 @@ class Result:
 
     @property
     def met(self) -> bool:
-        """All demands are met."""
+        """All limits are met."""
         return all(bar.met for bar in self.bars)
 
     @property
     def criteria(self) -> tuple[Criterion, ...]:
-        """Scores of the system."""
+        """Criteria of the system's scores."""
         return judging_of(self.scenario).criteria
 
 
 def audit(scenario: AnyScenario, options: Options) -> Result:
-    """Audit a law in an arithmetic on a scenario.
+    """Audit one law in one arithmetic on one scenario.
 
     :raises scenarios.errors.InputError: an unknown law, arithmetic or indexing.
     """

@@ -1,7 +1,7 @@
-"""Shadow run: the audited arithmetic drives the plant, other arithmetics compute along on the same inputs.
+"""Shadow run: the audited arithmetic drives the plant, other arithmetics compute in parallel on the same inputs.
 
-Every controller is told the commands that were really sent, so that the states stay comparable and what is left between
-two of them is the arithmetic alone, not two plants that drift apart.
+Every controller is given the commands that were really sent. Their states therefore stay comparable: differences come
+from the arithmetic alone, not from two plants that drift apart.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from railhil.scenarios.system import system_named
 class Watched:
     """A controller that keeps the values of its named quantities and the codes of its commands, one row per period.
 
-    :param law: its arithmetic is not looked at.
-    :raises InputError: there is no such law, it cannot be made, or the system's controller is of a kind that cannot be
-        looked into.
+    :param law: its arithmetic is ignored; ``arithmetic`` counts.
+    :raises InputError: there is no such law, it cannot be made, or the system's controller does not provide what the
+        audit needs (see :mod:`railhil.controller_node.law_controller`).
     """
 
     def __init__(self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any]) -> None:
@@ -50,16 +50,16 @@ class Watched:
         return computed
 
     def sent(self, *codes: int) -> None:
-        """Tell the law the commands really sent."""
+        """Pass the commands really sent to the law."""
         self.controller.sent(*codes)
 
     def __getattr__(self, name: str) -> Any:
-        """All else that the controller's side of the bus asks."""
+        """Everything else that the controller's node uses."""
         return getattr(self.controller, name)
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """What it keeps, in the order of the columns of :attr:`rows`."""
+        """The recorded quantities, in the order of the columns of :attr:`rows`."""
         return self.telemetry.quantities
 
     @property
@@ -70,12 +70,15 @@ class Watched:
 
     @property
     def not_finite(self) -> int:
-        """How many values were infinite."""
+        """Number of infinite values."""
         return int(np.count_nonzero(~np.isfinite(self.rows)))
 
 
 class Shadowed(Watched):
-    """The one that drives, with those that compute along: they are told whatever it sends."""
+    """The controller that drives the plant; it passes its inputs and the commands sent to its shadows.
+
+    :param along: the shadows.
+    """
 
     def __init__(
         self, scenario: AnyScenario, law: LawSpec, arithmetic: Arithmetic[Any], along: Sequence[Watched]
@@ -98,7 +101,7 @@ class Shadowed(Watched):
 
 @dataclass(frozen=True, slots=True)
 class ShadowRun:
-    """One run: ``audited`` drove the plant, ``reference`` (float64) and ``others`` computed along."""
+    """One run: ``audited`` drove the plant, ``reference`` (float64) and ``others`` computed in parallel."""
 
     run: BenchRun
     audited: Watched
@@ -112,9 +115,9 @@ class ShadowRun:
 
 
 def run_under(scenario: AnyScenario, law: LawSpec, controller: Watched, seed: int = 0) -> BenchRun:
-    """The nominal run under a controller: by what the system has for runs without a bus, else through the nodes.
+    """The nominal run with a given controller: by the system's part ``direct`` (no bus), else through the nodes.
 
-    :raises InputError: the law raises, or is never asked.
+    :raises InputError: the law raises, or no control period was computed.
     """
     system = system_named(scenario.system)
     run: Callable[..., BenchRun] = system.part("direct") if "direct" in system.own else unrecorded_run
@@ -135,7 +138,7 @@ def shadow_run(
 ) -> ShadowRun:
     """Run the nominal plant with the audited arithmetic and shadow it.
 
-    :param others: fresh arithmetics that compute along beside float64.
+    :param others: fresh arithmetics that compute in parallel, in addition to float64.
     :raises InputError: as :class:`Watched` and :func:`run_under`.
     """
     reference, *along = (Watched(scenario, law, each) for each in (make("float64"), *others))
@@ -147,10 +150,10 @@ def shadow_run(
 class QuantityError:
     """Error of one quantity against float64 over a run, in the unit of the quantity.
 
-    ``bias`` is the mean with its sign, ``worst_step`` the control period of the largest error. ``outside`` counts the
-    periods in which float64's value does not fit the format at all: there the law has put a limit in its place, and
-    the difference is none of the arithmetic's. They are left out, as are periods in which the audited value is
-    infinite (a bar of its own); with nothing left the figures are None.
+    ``bias`` is the signed mean, ``worst_step`` the control period of the largest error. ``outside`` counts the periods
+    in which float64's value does not fit the format at all: there the law substitutes a limit, so the difference is
+    not an error of the arithmetic. These periods are excluded, as are those in which the audited value is infinite
+    (this has a limit of its own); if none is left, the figures are None.
     """
 
     name: str
@@ -163,7 +166,7 @@ class QuantityError:
     outside: int
 
     def lsb(self, value: float) -> float:
-        """A value in units of the last bit of the quantity's format."""
+        """A value in LSB of the quantity's format."""
         return ldexp(value, self.q)
 
 
@@ -199,12 +202,12 @@ def errors(quantities: Sequence[Quantity], audited: Watched, reference: Watched)
 
 @dataclass(frozen=True, slots=True)
 class Codes:
-    """Codes of one command in one arithmetic beside those of float64 on the same inputs."""
+    """Codes of one command in one arithmetic compared with those of float64 on the same inputs."""
 
     command: CommandCode
     steps: int
     equal: int
-    #: Raw.
+    #: Largest difference, raw.
     largest: int
 
     @property
@@ -214,7 +217,7 @@ class Codes:
 
 
 def compare_codes(audited: Watched, reference: Watched) -> tuple[Codes, ...]:
-    """Compare what two controllers of one run would have sent, command by command."""
+    """Compare the commands computed by two controllers of one run, command by command."""
     found = []
     columns = zip(*audited.codes, strict=True), zip(*reference.codes, strict=True)
     for command, ours, theirs in zip(audited.controller.commands, *columns, strict=True):

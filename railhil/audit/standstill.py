@@ -1,9 +1,9 @@
-"""What the system ``ato`` looks at besides: does a law, at rest with a target of 0, keep sending one notch?
+"""The system ``ato``'s own examination: does a law keep its notch constant at standstill with target 0?
 
-Rounding inside a loop can keep it going for ever where exact numbers come to rest. Two looks at a train that is held
-at standstill: untouched, where the notch must not move at all; and after one reading of the smallest speed, where a
-law may well swing by itself (its model runs on while the train is held), but no other than in float64. A law that
-follows the timetable by itself is held where it ends.
+Rounding inside a feedback loop can sustain an oscillation (a limit cycle) that exact arithmetic would not have. A train
+is held at standstill twice: undisturbed, where the notch must not change at all; and after one reading of 1 mm/s, where
+the law may oscillate by itself (its model keeps moving while the train is held), but in the same way as in float64. A
+law that follows the timetable by itself is examined at the timetable's end.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from railhil.scenarios.run_spec import LawSpec
 HELD_S = 60.0
 #: One reading of 1 mm/s, in km/h with Q ``SPEED_Q``.
 _KICK_RAW = round(0.0036 * 2**SPEED_Q)
-#: Number of a control period after every timetable.
+#: Number of a control period beyond the end of any timetable.
 _PERIODS_MAX = 2**31 - 1
 
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """What a train held for ``seconds`` is sent; codes are 1/256 notch.
+    """Notch codes (1/256 notch) computed for a train that is held at standstill for ``seconds``.
 
-    ``changes``: changes of the code at rest. ``kicked_difference``: largest difference to float64 (told the same
-    notches) after the reading; ``kicked_swing``: largest code then, of the law itself.
+    ``changes``: changes of the code at rest. After the reading of 1 mm/s, ``kicked_difference`` is the largest
+    difference from float64 (given the same notches) and ``kicked_swing`` the largest magnitude of the law's code.
     """
 
     seconds: float
@@ -43,12 +43,12 @@ class Standstill:
 
 
 class _Held:
-    """A law that is given a train at standstill."""
+    """A law whose inputs are those of a train at standstill."""
 
     def __init__(self, scenario: Scenario, law: str, arithmetic: Arithmetic[Any]) -> None:
         self._arithmetic = arithmetic
         self._law = ControlLoop(scenario, LawSpec(law), arithmetic).law
-        # Beyond the end of every timetable the last entry holds.
+        # Beyond the end of the timetable its last entry applies.
         stop, none = (arithmetic.from_raw(raw, 0) for raw in (round(scenario.plan.distance_m * 1e4), 0))
         self._track: Any = TrackInputs(_PERIODS_MAX, stop, BaliseReading(none, none, none)) if self._law.track else ()
         self._state: Any = self._law.start(self._inputs(0))
@@ -67,9 +67,10 @@ class _Held:
 
 
 def standstill(scenario: Scenario, law: str, arithmetic: Arithmetic[Any], twin: Arithmetic[Any]) -> Standstill:
-    """Hold the train twice.
+    """Hold the train twice: undisturbed, and after one reading of 1 mm/s.
 
-    :param arithmetic: fresh, for the train at rest; ``twin``: another of the same, for the reading.
+    :param arithmetic: fresh, for the undisturbed train.
+    :param twin: another fresh one of the same kind, for the train with the reading.
     """
     periods = round(HELD_S * 1e9 / scenario.timing.control_period_ns)
     at_rest = _Held(scenario, law, arithmetic)

@@ -1,4 +1,4 @@
-"""An audit on the terminal: tables that fit into 100 columns."""
+"""Output of an audit on the terminal: tables at most 100 columns wide."""
 
 from __future__ import annotations
 
@@ -16,15 +16,15 @@ from railhil.supervisor.score import Score
 
 #: Bits of headroom below which a quantity is flagged.
 _HEADROOM_MIN_BITS = 1
-#: Errors above are shown with an exponent.
+#: Errors above this are printed with an exponent.
 _LSB_PLAIN_MAX = 1e5
 
 
 def _columns(title: str, left: Sequence[str], right: Sequence[str]) -> Table:
-    """A table with text columns, of which the first is never cut, then columns of numbers."""
+    """A table of text columns (the first is never truncated) followed by columns of numbers."""
     made = table()
     made.title, made.title_justify, made.title_style = title, "left", "bold"
-    # A title is not wrapped for a narrow table.
+    # Keeps the title of a narrow table on one line.
     made.min_width = len(title)
     for i, name in enumerate(left):
         made.add_column(name, no_wrap=not i)
@@ -38,7 +38,7 @@ def _number(value: float | None, digits: int = 4) -> str:
 
 
 def _left(bits: int | None) -> str:
-    """Headroom, flagged when it is scarce."""
+    """Headroom, flagged if below the minimum."""
     if bits is None:
         return "-"
     return f"{bits} !" if bits < _HEADROOM_MIN_BITS else f"{bits}  "

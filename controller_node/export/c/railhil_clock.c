@@ -49,11 +49,11 @@ void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned
     if (step == 0) {
         return;
     }
-    /* Of the ticks with this life sign, the one nearest to where the polls say that time is. */
+    /* Of the ticks with this life sign, take the one nearest to the time derived from the polls. */
     behind = railhil_floored(clock->tick - clock->frame_tick, RAILHIL_CLOCK_TICKS) - step;
     step += 16 * railhil_floored(behind + RAILHIL_LIFE_STEP_MAX, 16);
     if (step < 0) {
-        /* Old, or the whole bus was silent: the second such frame in a row tells. */
+        /* Either an old frame, or the whole bus was silent: a second such frame in a row decides for the latter. */
         const int confirmed = life == clock->expected;
         clock->expected = (life + 1) & 0xF;
         if (!confirmed) {
@@ -83,7 +83,7 @@ void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process)
     const int64_t tick = (now_ns + RAILHIL_BASE_TICK_NS / 2) / RAILHIL_BASE_TICK_NS;
     const int64_t off = tick - clock->tick;
     const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
-    /* Clock frames that are missing since before the last poll go on where they were. */
+    /* If only clock frames have been missing, since before the last poll, their count continues. */
     const int known = clock->life >= 0 && clock->polls > 0 && off <= near_ticks && off >= -near_ticks;
     if (off == 0 && clock->running) {
         return;

@@ -1,22 +1,20 @@
-/* Simulation time on the bus, and arithmetic in 64 bits. Whole numbers only; periods and identifiers stand in
- * @LAW@_node.h.
- */
+/* Simulation time on the bus, and 64-bit arithmetic. Integers only; periods and identifiers are in @LAW@_node.h. */
 #ifndef RAILHIL_CLOCK_H
 #define RAILHIL_CLOCK_H
 
 #include "railhil_mvb.h"
 
-/* The clock port is the first port that is received. */
+/* The clock port is the first of the received ports. */
 enum { RAILHIL_CLOCK_PORT = 0 };
 
 /* Simulation time in base ticks, counted from the life sign of the clock port. */
 typedef struct {
     int64_t tick;
     int64_t frame_tick; /* tick of the last clock frame */
-    int64_t poll_tick;  /* of the first poll since */
-    int64_t polls;
+    int64_t poll_tick;  /* tick of the first poll since then */
+    int64_t polls;      /* polls since then */
     int life;     /* of the last clock frame, -1: not known */
-    int expected; /* life sign that confirms that frames which look old are not */
+    int expected; /* life sign that would confirm that an apparently old frame is a new one; -1: none */
     int running;
 } railhil_clock_t;
 
@@ -45,7 +43,8 @@ void railhil_clock_init(railhil_clock_t *clock);
 /* Simulation time of the current tick. */
 int64_t railhil_now_ns(const railhil_clock_t *clock);
 
-/* A frame of the clock port, before it is taken as a telegram; a poll that comes every period_ticks; a TIME_SYNC. */
+/* Take a frame of the clock port, before it is handled as a telegram; a poll that comes every period_ticks; a
+ * TIME_SYNC. */
 void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned char *data);
 void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks);
 void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process);

@@ -1,7 +1,7 @@
 /* Telegrams in, answers out: see railhil_control.h. */
 #include "railhil_control.h"
 
-/* All blocks of a telegram come within this time. */
+/* All blocks of a telegram arrive within this time. */
 #define ASSEMBLY_NS INT64_C(5000000)
 
 enum { F_DEVICE_STATUS = 15, POLL_LENGTH = 3 };
@@ -29,9 +29,9 @@ void railhil_init(railhil_control_t *control)
     railhil_law_init(&control->law);
 }
 
-/* The handshake of another run, with what is left of one that ended, or was never heard to end. In a run the bus
- * administrator looks for nobody, and between its looking and this poll nothing of a run is on the bus: no single frame
- * makes a law begin afresh in motion. */
+/* Answers the poll of the handshake. If it opens a new run, the state of the previous one is cleared, even if its end
+ * was not received. During a run the bus administrator does not poll device status, and between that poll and this one
+ * there are no frames of a run on the bus; so a single frame cannot restart the law while the train moves. */
 static unsigned answer_ident(railhil_control_t *control, railhil_frame_t *answer)
 {
     if (control->phase == RAILHIL_LOOKED_FOR) {
@@ -42,7 +42,7 @@ static unsigned answer_ident(railhil_control_t *control, railhil_frame_t *answer
                           answer);
 }
 
-/* Device status: no port of its own, two octets in the form of a single frame on a common identifier. */
+/* Device status has no port of its own: two octets, sent like a telegram of one frame on a common identifier. */
 static unsigned answer_device_status(railhil_control_t *control, uint32_t word, railhil_frame_t *answer)
 {
     static const unsigned char ready[RAILHIL_BLOCK] = {0x10, 0x00};

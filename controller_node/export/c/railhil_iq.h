@@ -1,16 +1,16 @@
-/* Fixed point of the TMS320F28335 for exported control laws.
+/* Fixed-point arithmetic of the TMS320F28335 for exported control laws.
  *
  * The functions iq_* compute in int64_t and give the same 32 bits on every compiler: gcc, clang, cl2000. The names
  * _IQNmpy, _IQNdiv, ... are those of the IQmath library. On the target they come from the library's own header,
- * elsewhere they stand for the functions here. RAILHIL_USE_TI_IQMATH says which: 1 is the default on the target;
- * 0 keeps the functions here on the target too (slower, but bit-equal to the host also in divisions and roots).
+ * elsewhere they are macros for the functions here. RAILHIL_USE_TI_IQMATH selects: 1 is the default on the target;
+ * 0 uses the functions here on the target too (slower, but bit-equal to the host in divisions and roots as well).
  *
- * Semantics: TI IQmath user's guide V1.70 (C28x). Products are 64 bit wide and floored, nothing saturates unless it
- * says so. A division is the exact quotient rounded to nearest, saturated, x / 0 = 0x7FFFFFFF; TI's own routine is
- * at most 7 LSB of 2^31 away from it at full scale. No floating point, no memory allocation, no recursion.
+ * Semantics: TI IQmath user's guide V1.70 (C28x). Products are 64 bits wide and floored; nothing saturates unless
+ * stated. A division is the exact quotient rounded to nearest, saturated, x / 0 = 0x7FFFFFFF; TI's own routine
+ * differs from it by at most 7 LSB of 2^31 at full scale. No floating point, no memory allocation, no recursion.
  *
- * What is needed of the compiler beyond C99: a right shift of a negative number is arithmetic, and a conversion to
- * int32_t keeps the low 32 bits. gcc, clang and cl2000 document both.
+ * Required of the compiler beyond C99: a right shift of a negative number is arithmetic, and a conversion to int32_t
+ * keeps the low 32 bits. gcc, clang and cl2000 document both.
  */
 #ifndef RAILHIL_IQ_H
 #define RAILHIL_IQ_H
@@ -25,7 +25,7 @@
 #endif
 #endif
 
-/* What happened since the caller zeroed it: format limits, products and quotients that saturated; divisors of 0. */
+/* Counters since the caller zeroed them: saturations of format limits, products and quotients; divisions by 0. */
 typedef struct {
     uint32_t saturations;
     uint32_t zero_divisions;
@@ -42,7 +42,7 @@ static inline int32_t iq_saturated(int64_t exact)
     return exact > INT32_MAX ? INT32_MAX : exact < INT32_MIN ? INT32_MIN : (int32_t)exact;
 }
 
-/* a + b, a - b, -a and the size of a, wrapping; INT32_MIN has neither a negative nor a size and stays. */
+/* a + b, a - b, -a and the absolute value of a, wrapping; -INT32_MIN and its absolute value are INT32_MIN. */
 static inline int32_t iq_add(int32_t a, int32_t b)
 {
     return (int32_t)((uint32_t)a + (uint32_t)b);
@@ -63,7 +63,7 @@ static inline int32_t iq_abs(int32_t a)
     return a < 0 ? iq_neg(a) : a;
 }
 
-/* Another format: to the left wrapping, to the right floor; count 0..31. */
+/* Conversion to another format: left shifts wrap, right shifts floor; count 0..31. */
 static inline int32_t iq_shl(int32_t a, int count)
 {
     return (int32_t)((uint32_t)a << count);
@@ -86,11 +86,11 @@ static inline int32_t iq_max(int32_t a, int32_t b)
 
 static inline int32_t iq_sat(int32_t a, int32_t upper, int32_t lower)
 {
-    /* In the order of the chip: with limits the wrong way round the lower one wins. */
+    /* Same order as on the chip: if upper < lower, the result is lower. */
     return iq_max(iq_min(a, upper), lower);
 }
 
-/* Products: shifted right by q, floored or rounded with ties upward (q >= 1). */
+/* Products, shifted right by q: floored, or rounded with ties upward (q >= 1). */
 static inline int32_t iq_mpy(int32_t a, int32_t b, int q)
 {
     return iq_low(((int64_t)a * b) >> q);
@@ -141,7 +141,7 @@ static inline int32_t iq_div(int32_t a, int32_t b, int q)
     return iq_saturated(quotient);
 }
 
-/* Root of a number in Q q, in Q q, rounded; 0 for a <= 0; q <= 30. */
+/* Square root of a number in Q q, in Q q, rounded; 0 for a <= 0; q <= 30. */
 static inline int32_t iq_sqrt(int32_t a, int q)
 {
     uint64_t rest = a > 0 ? (uint64_t)a << (q + 2) : 0;
@@ -160,7 +160,7 @@ static inline int32_t iq_sqrt(int32_t a, int q)
     return (int32_t)((root + 1) >> 1);
 }
 
-/* Events of the product and of the division with the same arguments, without dividing. */
+/* Count the events of the product and of the division with the same arguments, without dividing. */
 static inline void iq_note_product(int32_t a, int32_t b, int q, iq_events_t *events)
 {
     const int64_t exact = iq_rounded_product(a, b, q);
@@ -177,7 +177,7 @@ static inline void iq_note_division(int32_t a, int32_t b, int q, iq_events_t *ev
     if (b == 0) {
         events->zero_divisions++;
     } else if (b != INT32_MIN) {
-        /* By INT32_MIN the quotient is at most 2^q: nothing to limit, and its bound would not fit here. */
+        /* Divided by INT32_MIN the quotient is at most 2^q: it cannot saturate, and its bound would not fit 64 bits. */
         const int64_t bound = size * ((int64_t)1 << 32);
         if (rounded >= bound || rounded < -bound) {
             events->saturations++;
@@ -185,7 +185,7 @@ static inline void iq_note_division(int32_t a, int32_t b, int q, iq_events_t *ev
     }
 }
 
-/* Index of a table from a whole number, 0..last. */
+/* Table index from an integer, limited to 0..last. */
 static inline int32_t iq_index(int32_t k, int32_t last)
 {
     return iq_sat(k, last, 0);
@@ -207,7 +207,7 @@ static inline int32_t iq_locate(const int32_t *table, int32_t count, int32_t a)
     return low;
 }
 
-/* Curve of 257 samples over 0..1, linear between them; a in Q (8 + bits), a cell has 2^bits. */
+/* Curve of 257 samples over 0..1, linear between them; a in Q (8 + bits), a cell is 2^bits wide. */
 static inline int32_t iq_curve(const int32_t *samples, int32_t a, int bits)
 {
     const int32_t cell = iq_sat(a >> bits, 255, 0);
@@ -228,7 +228,7 @@ static inline int32_t iq_curve(const int32_t *samples, int32_t a, int bits)
 @NAMES@
 #endif
 
-/* A format limit that is counted when it acts. */
+/* A format limit; counted when it limits. */
 static inline int32_t iq_limit(int32_t a, int32_t upper, int32_t lower, iq_events_t *events)
 {
     const int32_t limited = _IQsat(a, upper, lower);

@@ -1,4 +1,4 @@
-/* MVB telegrams on CAN frames: check sequences, the parts of a telegram, life signs. Pure functions, for any driver.
+/* MVB telegrams on CAN frames: check sequences, parts of a telegram, life signs. Independent of the CAN driver.
  *
  * A telegram of 2 or 4 bytes is one CAN frame on its address (CS: check sequence, of the data and of the master word):
  *
@@ -8,7 +8,7 @@
  *   |               |     |  word   | master|
  *   +---------------+-----+---------+-------+
  *
- * A longer one is its 64-bit blocks on address + 0, 1, ... and then the trailer on address + 4:
+ * A longer one is sent as its 64-bit blocks on address + 0, 1, ... followed by the trailer on address + 4:
  *
  *     0     1     2     3      4         5    6     7
  *   +-----+-----+-----+-----+--------+---------+-------+
@@ -17,7 +17,7 @@
  *   +-----+-----+-----+-----+--------+---------+-------+
  *
  * Check sequence: remainder of x^7 + x^6 + x^5 + x^2 + 1, even parity over data and remainder, all of it inverted
- * (IEC 61375-3-1). An octet is an unsigned char with a value of 0..255, on a chip without bytes too.
+ * (IEC 61375-3-1). An octet is an unsigned char with a value of 0..255, also on a chip without an 8-bit type.
  */
 #ifndef RAILHIL_MVB_H
 #define RAILHIL_MVB_H
@@ -44,16 +44,16 @@ typedef struct {
 
 /* Receiving side of a port. */
 typedef struct {
-    unsigned char data[RAILHIL_BLOCKS_MAX * RAILHIL_BLOCK]; /* newest telegram that was accepted */
+    unsigned char data[RAILHIL_BLOCKS_MAX * RAILHIL_BLOCK]; /* newest accepted telegram */
     unsigned char staged[RAILHIL_BLOCKS_MAX][RAILHIL_BLOCK];
-    unsigned present; /* bit k: block k has come since the last trailer */
-    int64_t arrived_ns[RAILHIL_BLOCKS_MAX]; /* when each of them came */
+    unsigned present; /* bit k: block k has arrived since the last trailer */
+    int64_t arrived_ns[RAILHIL_BLOCKS_MAX]; /* arrival time of each block */
 } railhil_sink_t;
 
-/* What became of a frame or of a telegram; everything from RAILHIL_WRONG_LENGTH on is counted. */
+/* Outcome of a received frame or telegram; those from RAILHIL_WRONG_LENGTH on are refusals, counted and reported. */
 typedef enum {
-    RAILHIL_PART,     /* a block: the telegram is not complete */
-    RAILHIL_COMPLETE, /* the telegram stands in the sink */
+    RAILHIL_PART,     /* a block; the telegram is not complete yet */
+    RAILHIL_COMPLETE, /* the telegram is in the sink */
     RAILHIL_WRONG_LENGTH,
     RAILHIL_WRONG_CHECK_SEQUENCE,
     RAILHIL_WRONG_MASTER_WORD,
@@ -118,7 +118,7 @@ static inline unsigned railhil_blocks(const railhil_port_t *port)
     return port->bytes < RAILHIL_BLOCK ? 1u : port->bytes / RAILHIL_BLOCK;
 }
 
-/* Part of the port that an identifier carries: its block, RAILHIL_TRAILER, or -1 for an identifier of another port. */
+/* Part of the telegram with this identifier: number of the block, RAILHIL_TRAILER, or -1 for another port. */
 static inline int railhil_part(const railhil_port_t *port, uint32_t can_id)
 {
     const uint32_t offset = can_id - port->address;
@@ -128,9 +128,10 @@ static inline int railhil_part(const railhil_port_t *port, uint32_t can_id)
     return offset == RAILHIL_TRAILER && port->bytes >= RAILHIL_BLOCK ? RAILHIL_TRAILER : -1;
 }
 
-/* Takes one frame of a port. A telegram is accepted whole or not at all: all blocks since the last trailer, blocks and
- * trailer within assembly_ns, their number, the master word and every check sequence right. A block that comes again
- * takes the place and the time of the one before: what was left over of one telegram does not spoil the next. */
+/* Takes one frame of a port. A telegram is accepted as a whole or not at all: all blocks must have arrived since the
+ * last trailer, blocks and trailer within assembly_ns, and their number, the master word and every check sequence must
+ * be correct. A repeated block replaces the earlier one and its time, so blocks left over from one telegram do not
+ * spoil the next. */
 static inline railhil_outcome_t railhil_take(const railhil_port_t *port, railhil_sink_t *sink, int part,
                                              unsigned length, const unsigned char *data, int64_t now_ns,
                                              int64_t assembly_ns)
@@ -185,7 +186,7 @@ static inline railhil_outcome_t railhil_take(const railhil_port_t *port, railhil
     return RAILHIL_COMPLETE;
 }
 
-/* Writes the frames of one telegram; returns how many. sequence: 4-bit counter of the port, counted on. */
+/* Writes the frames of one telegram; returns their number. sequence: 4-bit counter of the port, incremented. */
 static inline unsigned railhil_frames(const railhil_port_t *port, const unsigned char *process, unsigned *sequence,
                                       railhil_frame_t *frames)
 {
@@ -213,12 +214,13 @@ static inline unsigned railhil_frames(const railhil_port_t *port, const unsigned
     return (unsigned)(last - frames) + 1u;
 }
 
-/* Life sign: the 4-bit counter by which a sink tells fresh from repeated and old. last: -1 before the first. */
+/* Life sign: the 4-bit counter by which a sink distinguishes fresh, repeated and old telegrams. last: -1 before the
+ * first. */
 typedef enum { RAILHIL_FRESH, RAILHIL_GAP, RAILHIL_REPEATED, RAILHIL_OLD } railhil_life_t;
 
 enum { RAILHIL_LIFE_STEP_MAX = 7 };
 
-/* Check variable of a telegram that is right. */
+/* Value of a check variable that marks correct data. */
 enum { RAILHIL_CHECK_CORRECT = 1 };
 
 static inline railhil_life_t railhil_life(int last, int life)

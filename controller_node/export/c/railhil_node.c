@@ -1,14 +1,14 @@
-/* The exported law as a controller of its own on the bus: Linux SocketCAN, or the bench's hub. For the host only.
+/* The exported law as a stand-alone controller on the bus: Linux SocketCAN, or the bench's hub. For the host only.
  *
  *   @LAW@_node [-w S] [-p S] can INTERFACE   raw CAN socket, e.g. vcan0, can0
  *   @LAW@_node [-w S] [-p S] hub PATH        Unix socket of the hub (railhil bus hub -c PATH)
  *
  *   -w S   seconds to wait for the first frame of the bench (default 300)
- *   -p S   patience in lockstep: silence of the bench that ends the program, s (default 62: the plant may wait 60 s for
- *          another node). In realtime 3 s do.
+ *   -p S   patience in lockstep: the program ends when the bench has been silent for S seconds (default 62: the plant
+ *          may wait 60 s for another node). In real time it ends after 3 s of silence.
  *
  * Exit code 0: the run has ended; 2: bad command line, a bus that cannot be opened, or nodes that do not agree on what
- * to run; 3: the bus is gone or silent. On a board its main loop takes the place of this file.
+ * to run; 3: the bus is gone or silent. On a board, the board's main loop replaces this file.
  */
 #define _POSIX_C_SOURCE 200809L
 
@@ -21,7 +21,7 @@
 #include "railhil_socket.h"
 
 enum { EXIT_ENDED = 0, EXIT_USAGE = 2, EXIT_LOST = 3 };
-/* Silence that ends the program: at first the other nodes may be started by hand, on a machine that is busy. */
+/* Silence that ends the program. The first limit is long: the other nodes may be started by hand, on a busy machine. */
 enum { FIRST_FRAME_S = 300, PATIENCE_S = 62, SILENCE_S = 3, WAIT_MAX_S = 3600 };
 
 static void say_how_it_went(const railhil_bus_t *bus, const railhil_control_t *control)
@@ -76,7 +76,7 @@ static int serve(railhil_bus_t *bus, railhil_control_t *control, long first_fram
     return control->ended == RAILHIL_REFUSED ? EXIT_USAGE : EXIT_ENDED;
 }
 
-/* Seconds of an option; 0 when the text is not a whole number from 1 to WAIT_MAX_S. */
+/* Seconds of an option; 0 if the text is not an integer from 1 to WAIT_MAX_S. */
 static long seconds(const char *text)
 {
     char *end;

@@ -1,13 +1,13 @@
 /* Host program around an exported control law: runs recorded inputs through it. For the host only.
  *
- *   @LAW@_run          records on stdin, results on stdout, int32 words of this machine's byte order
+ *   @LAW@_run          records on stdin, results on stdout, int32 words in this machine's byte order
  *   @LAW@_run log      records on stdin, the log as text on stdout
- *   @LAW@_run check    a log on stdin: every line computed again and compared; exit code 1 at the first difference
+ *   @LAW@_run check    a log on stdin: every line is recomputed and compared; exit code 1 at the first difference
  *   @LAW@_run mailboxes   the eCAN mailbox table
  *
  * A record is one control period: flags (bit 0: a run begins here; bit 1: @OTHER@ sent), @RECORD@. A result is: the law's inputs, its state after the period
- * and after the @WHAT@ sent, its outputs, the two event counters since the run began. A line of the log is a record and
- * its result, each word as 8 hexadecimal digits; lines that begin with # are comments.
+ * (updated with the @WHAT@ sent), its outputs, the two event counters since the run began. A line of the log is a
+ * record and its result, each word as 8 hexadecimal digits; lines that begin with # are comments.
  */
 #include <inttypes.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@
 
 enum { RECORD_WORDS = @RECORD_WORDS@, FLAG_BEGIN = 1, FLAG_SENT = 2 };
 
-/* All members have 32 bits, so the words of a result lie next to each other. */
+/* All members have 32 bits, so the words of a result are contiguous. */
 typedef struct {
     @LAW@_in_t in;
     @LAW@_state_t state;
@@ -74,7 +74,7 @@ static int run_records(int as_text)
     return fflush(stdout) == 0 ? 0 : 2;
 }
 
-/* Reads the words of one line; 1 when they were all there, 0 at the end, -1 for anything else. */
+/* Reads the words of one line; 1 if the line is complete, 0 at the end of the file, -1 for anything else. */
 static int read_line(uint32_t *words, long *line)
 {
     int i = 0;

@@ -14,11 +14,11 @@
 
 #include <linux/can/raw.h>
 
-/* A hub may only just be starting. A full transmit queue is tried again for so long; then the answer is dropped: a
- * later one is newer. In lockstep there is no later one: the very answer waits, also while the interface is down, as
- * long as the bench's own nodes wait for theirs. */
+/* HUB_START_MS: a hub may still be starting. SEND_MS: how long sending is retried while the transmit queue is full; the
+ * answer is then dropped, since a newer one follows. In lockstep none follows: this answer is retried, also while the
+ * interface is down, for as long as the bench's own nodes retry theirs. */
 enum { HUB_START_MS = 5000, SEND_MS = 20, SEND_LOCKSTEP_MS = 30000, SEND_RETRY_NS = 500000, DOWN_WAIT_NS = 50000000 };
-/* Packets of the hub are whole struct can_frame, or one CAN FD frame. */
+/* A packet of the hub is one or more struct can_frame, or one CAN FD frame. */
 enum { FD_PACKET = 72, HELLO_MAX = 1024 };
 
 static int complain(const char *channel, const char *what, const char *why)
@@ -42,7 +42,7 @@ int64_t railhil_now_ms(void)
     return (int64_t)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
-/* A read ends after half a second without a frame. */
+/* A read returns after half a second without a frame. */
 static int set_timeout(int fd)
 {
     struct timeval timeout;
@@ -51,7 +51,7 @@ static int set_timeout(int fd)
     return setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
 }
 
-/* What the receive mailboxes of the chip would let in. */
+/* Filters that pass what the receive mailboxes of the chip would accept. */
 static void make_filters(railhil_bus_t *bus)
 {
     unsigned i;
@@ -101,7 +101,8 @@ static int open_can(railhil_bus_t *bus)
     return fd;
 }
 
-/* An interface that is taken down and up keeps its socket; one that is unplugged and plugged in has another index. */
+/* The socket survives if the interface is set down and up again; an adapter that is unplugged and plugged in again has
+ * a new interface index and needs a new socket. */
 static void rejoin(railhil_bus_t *bus)
 {
     const unsigned index = if_nametoindex(bus->channel);
@@ -114,7 +115,7 @@ static void rejoin(railhil_bus_t *bus)
     }
 }
 
-/* The first packet in each direction is a hello; a refusal has the key "error". */
+/* The first packet in each direction is a hello; a refusal contains the key "error". */
 static int say_hello(int fd, const char *path)
 {
     static const char hello[] = "{\"railhil_hub\": 1, \"name\": \"@LAW@_node\", \"role\": \"controller\"}";
@@ -139,7 +140,7 @@ static int say_hello(int fd, const char *path)
     return 0;
 }
 
-/* Waits for a hub that is only just starting. */
+/* Waits for a hub that is still starting. */
 static int open_hub(const char *path)
 {
     struct sockaddr_un address;

@@ -1,5 +1,5 @@
-/* The bus of the controller on a host (Linux): a raw CAN socket, or a socket of the bench's hub. On a board the CAN
- * driver takes its place.
+/* The bus of the controller on a host (Linux): a raw CAN socket, or a socket of the bench's hub. On a board it is
+ * replaced by the CAN driver.
  */
 #ifndef RAILHIL_SOCKET_H
 #define RAILHIL_SOCKET_H
@@ -9,15 +9,15 @@
 #include "@LAW@_mailboxes.h"
 #include "railhil_mvb.h"
 
-/* Frames that come at once, at most. */
+/* Largest number of frames received at once. */
 enum { RAILHIL_PACKET_FRAMES = 256 };
 
 typedef struct {
     int socket;
     int is_hub;
     const char *channel;
-    int64_t lockstep_ms;   /* so long an answer waits for the interface in lockstep */
-    unsigned long dropped; /* answers that the interface did not take */
+    int64_t lockstep_ms;   /* how long an answer waits for the interface in lockstep */
+    unsigned long dropped; /* answers that the interface did not accept */
     int down;
     unsigned index; /* of the interface that the socket is bound to */
     struct can_filter filters[RAILHIL_MAILBOX_COUNT];
@@ -27,18 +27,19 @@ typedef struct {
 /* Monotonic wall time. */
 int64_t railhil_now_ms(void);
 
-/* Opens an interface (vcan0, can0), or the hub of that path, for which it waits 5 s. What cannot be done is said in one
- * line on stderr, here and below. Returns 0, or -1. */
+/* Opens an interface (vcan0, can0), or the hub at that path, for which it waits up to 5 s. Here and below, errors are
+ * reported in one line on stderr. Returns 0, or -1. */
 int railhil_bus_open(railhil_bus_t *bus, int is_hub, const char *channel);
 
-/* Frames that have come, at most RAILHIL_PACKET_FRAMES; 0 after half a second without one, -1 when the bus is gone. */
+/* Receives at most RAILHIL_PACKET_FRAMES frames; returns their number, 0 after half a second without one, -1 when the
+ * bus is gone. */
 int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames);
 
-/* Whether a receive mailbox of the chip would take the frame: the hub gives every frame of the bus, and what the
- * kernel's filters do has to be done here. */
+/* 1 if a receive mailbox of the chip would accept the frame. The hub delivers every frame of the bus, so the filtering
+ * that the kernel does for a CAN socket is done here. */
 int railhil_is_let_in(const railhil_bus_t *bus, const struct can_frame *frame);
 
-/* Sends the frames of one answer; -1 when the bus is gone. lockstep: the bench waits for this very answer. */
+/* Sends the frames of one answer; returns 0, or -1 when the bus is gone. lockstep: the bench waits for this answer. */
 int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned count, int lockstep);
 
 #endif

@@ -1,4 +1,4 @@
-"""The audit detects faults of an arithmetic: every limit can be missed, every figure is correct."""
+"""The audit detects defects of an arithmetic: every limit can be missed, every figure is correct."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ IQ: Any = type(make("iq"))
 
 @pytest.fixture(scope="module")
 def short(tmp_path_factory):
-    """8 m in 8 s: 16 and some control periods."""
+    """8 m in 8 s: a little more than 16 control periods."""
     path = tmp_path_factory.mktemp("audit") / "short.toml"
     path.write_text(QUICK_TOML)
     return load(str(path))
@@ -63,12 +63,12 @@ def notch_codes(audited: Watched, reference: Watched) -> Codes:
 
 @pytest.fixture(scope="module")
 def sound() -> ShadowRun:
-    """The shipped fixed point with its floored twin along."""
+    """The shipped fixed-point arithmetic, with its floored twin as a second shadow."""
     return shadowed(make("iq"), [floored(make("iq"))])
 
 
 def missed(shadow: ShadowRun, arithmetic: Any = None) -> set[str]:
-    """Names of the bars that are missed."""
+    """Names of the limits that are missed."""
     kind = arithmetic or type(make("iq"))
     price = cost_of(record(FULL, LawSpec()), kind(), FULL.timing.control_period_ns)
     return {bar.name for bar in bars(shadow, price, look=look(FULL, LawSpec(), kind)) if not bar.met}
@@ -82,13 +82,13 @@ def test_the_shipped_arithmetic_meets_every_bar(sound):
 def test_figures_of_the_shipped_arithmetic(sound):
     found = {error.name: error for error in errors(sound.quantities, sound.audited, sound.reference)}
     assert list(found) == [quantity.name for quantity in sound.quantities]
-    # A rounded table entry is off by half a bit at most, a floored product by one.
+    # A rounded table entry is off by at most half an LSB, a floored product by one.
     assert 0.4 < found["set_point"].lsb(found["set_point"].maximum) <= 0.5
     assert -0.6 < found["speed"].lsb(found["speed"].bias) < -0.4
     assert 0.9 < found["speed"].lsb(found["speed"].maximum) < 1.01
     assert found["notch"].maximum <= 1 / 256
     assert found["notch_raw"].lsb(found["notch_raw"].maximum) < 50
-    # "Never closing" is beyond the format in float64: no error of the arithmetic.
+    # In float64 the rise time for "never" is beyond the format: not an error of the arithmetic.
     assert found["t_s"].outside > 100
     assert {name for name, error in found.items() if error.outside} == {"t_s"}
 
@@ -113,28 +113,28 @@ def test_float64_has_no_error_against_itself():
 
 
 class OffByOne(IQ):
-    """Every sum of products shifted by one bit too many."""
+    """Every sum of products is shifted by one bit too many."""
 
     def dot(self, coefficients: Sequence[int], values: Sequence[int], q: int) -> int:
         return super().dot(coefficients, values, q + 1)
 
 
 class FlooredQuantiser(IQ):
-    """The notch truncated instead of rounded."""
+    """The notch is truncated instead of rounded."""
 
     def quantise(self, a: int, q_from: int, q_to: int) -> int:
         return a >> (q_from - q_to)
 
 
 class Narrow(IQ):
-    """Speeds a million times too large for their format: the first reading wraps."""
+    """Speeds are a million times too large for their format: the first reading wraps."""
 
     def const(self, constant: Constant) -> int:
         return super().const(constant) << (20 if constant.name == "kmh_per_01mmps" else 0)
 
 
 class Creeping(IQ):
-    """A bit too much in every sum of products: the model moves by itself."""
+    """Every sum of products is 4096 LSB too large: the model moves by itself."""
 
     def dot(self, coefficients: Sequence[int], values: Sequence[int], q: int) -> int:
         return super().dot(coefficients, values, q) + 4096
@@ -158,7 +158,7 @@ def test_a_broken_arithmetic_misses_its_bars(broken, expected):
 
 
 def test_shadows_are_told_the_notch_really_sent():
-    """Codes that are one off do not drive the states apart: the model of float64 runs on the same notches."""
+    """Codes that differ by one do not make the states diverge: float64's model is given the same notches."""
     shadow = shadowed(FlooredQuantiser())
     assert notch_codes(shadow.audited, shadow.reference).equal_share < 0.7
     model = next(error for error in errors(shadow.quantities, shadow.audited, shadow.reference) if "y_m" in error.name)
@@ -166,7 +166,7 @@ def test_shadows_are_told_the_notch_really_sent():
 
 
 def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_path):
-    """Through the nodes, 2 s without a reading: the controller's watch holds the notch, then brakes, unasked."""
+    """Through the nodes, 2 s without a reading: the controller's speed watch holds the notch, then brakes."""
     seen = 0
 
     def deaf(frame: Frame) -> list[Frame]:
@@ -185,7 +185,7 @@ def test_shadows_are_told_what_the_nodes_send_in_place_of_the_law_s_answer(tmp_p
 
 
 def test_an_audit_through_the_nodes_finds_the_same(short, monkeypatch):
-    """A system with nothing for runs without a bus: every run goes through the nodes of the bench."""
+    """A system without a part ``direct``: every run goes through the nodes of the bench."""
     options = Options(runs=0)
     direct = document(audit(short, options))
     slower = replace(ATO, own={name: part for name, part in ATO.own.items() if name != "direct"})
@@ -218,12 +218,12 @@ def test_floor_shows_as_bias_of_the_products(sound):
         {error.name: error for error in errors(sound.quantities, watched, sound.reference)}
         for watched in (sound.audited, sound.others[0])
     )
-    # Sums of 9 and 7 products: half a bit each below.
+    # Sums of 9 and 7 products: each product is half an LSB too low on average.
     for name, products in (("c[0]", 9), ("e[0]", 7)):
         assert abs(rounded[name].lsb(rounded[name].bias)) < 0.5
         assert twin[name].lsb(twin[name].bias) < -products / 4
         assert twin[name].rms > rounded[name].rms
-    # What no rounded product takes part in stays as it is.
+    # Quantities computed without rounded products are unchanged.
     for name in ("speed", "set_point", "tracking_error"):
         assert twin[name].bias == rounded[name].bias
 
@@ -238,7 +238,7 @@ def test_floored_products_and_a_rounded_quantiser():
 
 
 def test_error_figures_by_hand():
-    """Two periods of three quantities: an error of +1 and -3 bits, one value outside, all outside."""
+    """Two periods of three quantities: errors of +1 and -3 LSB; one value outside the format; both outside."""
     quantities = [Quantity(name, q, "m", Value(0, q)) for name, q in (("a", 1), ("b", 30), ("c", 30))]
     reference = SimpleNamespace(rows=[[10.0, 1.0, 2.0], [10.0, 2.0, -2.0]])
     audited = SimpleNamespace(rows=[[10.5, 1.25, 0.0], [8.5, 0.0, 0.0]], arithmetic=SimpleNamespace(wide=False))
@@ -292,7 +292,7 @@ def test_effect_bars():
     assert near.difference == pytest.approx(0.01)
     assert not replace(near, audited=0.2).met
     assert not replace(near, audited=0.311).met
-    # A train that stops in one arithmetic only is a difference that no median shows.
+    # A train that stops in only one arithmetic is a difference that no median shows.
     assert not replace(near, missing=1).met
     assert replace(near, audited=None, reference=None).met
 
@@ -310,7 +310,7 @@ def test_effect_runs_the_same_draws_in_both(short):
 
 
 def test_effect_compares_each_draw_with_its_own_twin(sound):
-    """Fixed point: ITAE 12, 11, 10, no stop in the last; float64: 10, 10, 10."""
+    """Fixed point: ITAE 12, 11, 10, no stop in the last run; float64: 10, 10, 10."""
     fixed, real = (
         [
             with_values(sound.run.score, itae=itae, stop_error_m=stop_m)

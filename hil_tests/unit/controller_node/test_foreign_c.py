@@ -1,4 +1,4 @@
-"""The C functions of the exported controller in isolation: MVB framing against Python's, fuzzing, sending."""
+"""The C functions of the exported controller in isolation: MVB framing compared with Python's, fuzzing, sending."""
 
 from __future__ import annotations
 
@@ -44,11 +44,11 @@ unsigned make(uint32_t address, uint32_t word, unsigned bytes, const unsigned ch
 }
 int life(int last, int now) { return (int)railhil_life(last, now); }
 """
-#: Ports of every length that process data can have.
+#: Ports with every possible length of process data.
 PORTS = [Port(f"P{f_code}", 0x200 + 8 * f_code, f_code, 0, "plant", "publish", "", ()) for f_code in range(5)]
 OUTCOMES = ("part", "complete", "wrong_length", "wrong_check_sequence", "wrong_master_word", "wrong_block_count",
             "missing_block", "assembly_timeout")  # fmt: skip
-#: So many random frames go through the receive function.
+#: Number of random frames passed to the receive function.
 FUZZED = 1_000_000
 _FUZZ = """\
 #include <stdio.h>
@@ -152,7 +152,7 @@ int main(void)
 }
 """
 
-#: The program's sending, with an interface that takes nothing for so many attempts.
+#: The program's send function, with an interface that accepts nothing for a given number of attempts.
 _SEND = """\
 #define _POSIX_C_SOURCE 200809L
 #include <stdlib.h>
@@ -195,7 +195,7 @@ int main(int argc, char **argv)
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An export of the law that uses most of it."""
+    """An export of the law that uses most of the controller's functions."""
     path = tmp_path_factory.mktemp("export")
     export_node(load("lvshun_tieshan_worn_wheels"), path, law="ipfc_plus")
     return path
@@ -203,7 +203,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def mvb(folder: Path) -> ctypes.CDLL:
-    """``railhil_mvb.h`` as a library; undefined behaviour ends the process."""
+    """``railhil_mvb.h`` as a library; the process ends at undefined behaviour."""
     (folder / "mvb.c").write_text(_MVB)
     flags = (*STRICT, "-O1", "-fPIC", "-shared", "-fsanitize=undefined", "-fsanitize-undefined-trap-on-error")
     library = ctypes.CDLL(str(build(folder, ["mvb.c"], "mvb.so", flags)))
@@ -218,7 +218,7 @@ def _c_frames(mvb: ctypes.CDLL, address: int, f_code: int, data: bytes, sequence
 
 
 def test_vectors(mvb: ctypes.CDLL) -> None:
-    """Check sequences right and wrong, and telegrams as CAN frames, from the shipped vectors."""
+    """Correct and wrong check sequences, and telegrams as CAN frames, from the shipped vectors."""
     path = TEST_DATA / "mvb" / "vectors.jsonl"
     vectors = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
     kinds = {"block": 0, "shim": 0}
@@ -244,7 +244,7 @@ def test_check_sequence_is_ours(mvb: ctypes.CDLL, data: bytes) -> None:
 
 @st.composite
 def bus_traffic(draw: Callable[..., object]) -> tuple[Port, list[tuple[Frame, int]]]:
-    """A port and what arrives on it: telegrams with parts lost, damaged, cut, swapped or late; each with its time."""
+    """A port and the frames that arrive on it, with their times: some lost, damaged, cut, swapped or late."""
     port: Port = draw(st.sampled_from(PORTS))  # type: ignore[assignment]
     source = TelegramSource(port)
     arriving: list[tuple[Frame, int]] = []
@@ -281,7 +281,7 @@ def test_telegrams_are_taken_and_refused_as_by_our_store(
             port.address, word, port.data_bytes, frame.can_id, len(frame.data), frame.data, ctypes.c_int64(now_ns)
         )
         assert (outcome == OUTCOMES.index("complete")) == (committed is not None)
-        # Identifiers of no port, and that of the CAN FD form, are another matter here.
+        # Identifiers that belong to no port, and that of the CAN FD form, are not compared here.
         if outcome >= 2:
             counts[OUTCOMES[outcome]] = counts.get(OUTCOMES[outcome], 0) + 1
         if frame.can_id == port.fd_id:
@@ -293,7 +293,7 @@ def test_telegrams_are_taken_and_refused_as_by_our_store(
 
 @pytest.mark.parametrize("port", PORTS[2:], ids=lambda port: port.name)
 def test_what_is_left_over_of_one_telegram_does_not_spoil_the_next(mvb: ctypes.CDLL, port: Port) -> None:
-    """Of one telegram all but the trailer came, or a frame of zeros from nowhere; the next one is seconds later."""
+    """All of one telegram except the trailer arrived, or a stray frame of zeros; the next one comes seconds later."""
     word = port.f_code << 12 | port.address
 
     def take(frame: Frame, now_ns: int) -> str:
@@ -325,8 +325,8 @@ def test_life_signs_are_judged_as_ours(mvb: ctypes.CDLL) -> None:
 
 
 def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
-    """Any identifier, length and content, half of them with right check sequences: no undefined behaviour, no bad
-    memory access, no notch beyond the greatest, no traction from TRACTION_CUT on, and every path taken."""
+    """Any identifier, length and content, half of them with correct check sequences: no undefined behaviour, no invalid
+    memory access, no notch beyond the largest, no traction from TRACTION_CUT on, and every path taken."""
     (folder / "fuzz.c").write_text(_FUZZ.replace("@COUNT@", str(FUZZED)))
     program = build(folder, ["ipfc_plus.c", *PORTABLE, "fuzz.c"], "fuzz", SANITIZED)
     done = subprocess.run([program], capture_output=True, text=True, timeout=100, check=False)
@@ -339,7 +339,7 @@ def test_a_million_random_frames_do_no_harm(folder: Path) -> None:
 
 
 def test_an_answer_in_lockstep_waits_for_the_interface(folder: Path) -> None:
-    """In realtime it is dropped: a newer one comes. Nobody sends a lockstep answer a second time."""
+    """In real time the answer is dropped, since a newer one follows; in lockstep none follows."""
     (folder / "send.c").write_text(_SEND)
     program = build(folder, ["send.c"], "send", STRICT)
 

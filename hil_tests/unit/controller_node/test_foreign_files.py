@@ -1,4 +1,4 @@
-"""The files of the exported controller: includes, compilers, and what stands in no line of them."""
+"""The files of the exported controller: includes, compilers, and constructs that must not occur in them."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ pytestmark = pytest.mark.needs_compiler
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An export of the law that uses most of it."""
+    """An export of the law that uses most of the controller's functions."""
     path = tmp_path_factory.mktemp("export")
     export_node(load("lvshun_tieshan_worn_wheels"), path, law="ipfc_plus")
     return path
 
 
 def test_files_include_each_other_one_way(folder: Path) -> None:
-    """No circle, and each header of ours stands on its own."""
+    """No circular includes, and each of railhil's headers compiles on its own."""
     found = {
         path.name: set(re.findall(r'#include "(\w+\.h)"', path.read_text(encoding="ascii")))
         for path in folder.glob("*.[ch]")
     }
     assert found["railhil_position.h"] == {"railhil_clock.h"}
     assert "railhil_guard.h" not in found["railhil_position.c"]
-    # A source stands above its own header.
+    # Raises CycleError if the includes are circular.
     TopologicalSorter(found).prepare()
     for name in ("mvb", "clock", "position", "guard", "law", "control"):
         (folder / "alone.c").write_text(f'#include "railhil_{name}.h"\nint nothing;\n')
@@ -40,7 +40,7 @@ def test_files_include_each_other_one_way(folder: Path) -> None:
 
 
 def test_program_is_integer_code_without_memory(folder: Path) -> None:
-    """No float, no heap, in any file; names differ in their first 31 characters."""
+    """No float and no heap in any file; no name is longer than 31 characters."""
     headers = [f"railhil_{name}.h" for name in ("mvb", "clock", "position", "guard", "law", "control", "socket")]
     names = [*PROGRAM, *headers, "ipfc_plus_node.h"]
     for name in names:
@@ -53,7 +53,7 @@ def test_program_is_integer_code_without_memory(folder: Path) -> None:
 
 
 def test_what_a_board_takes_compiles_where_int_has_16_bits(folder: Path) -> None:
-    """clang for another processor of 16 bits, with every implicit conversion a warning."""
+    """clang for another 16-bit processor, with a warning for every implicit conversion."""
     flags = ["--target=msp430", "-ffreestanding", "-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror"]
     (folder / "string.h").write_text(
         "void *memset(void *, int, unsigned);\nvoid *memcpy(void *, const void *, unsigned);\n"

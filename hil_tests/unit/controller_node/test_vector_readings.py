@@ -1,4 +1,4 @@
-"""Which telegrams give a law over several units its readings, and how old these are."""
+"""Which telegrams update the readings of a law for several units, and the age of the readings."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WRONG = [value for value in range(4) if value != CHECK_CORRECT]
 
 
 class Node:
-    """Readings of some fields; TRN_SPEED counts the ticks."""
+    """A node with readings of the given fields; TRN_SPEED counts the ticks."""
 
     def __init__(self, *fields: tuple[type[Telegram], str]) -> None:
         sinks = [TrnSpeed.port(), TrnPos.port(), TimeSync.port(), RunEvent.port()]
@@ -37,14 +37,14 @@ class Node:
             self.responder.handle(frame)
 
     def ticks(self, count: int = 1) -> None:
-        """Speeds whose life sign moves on."""
+        """Send speed telegrams with increasing life signs."""
         for _ in range(count):
             self._life = (self._life + 1) % 16
             self.feed(TrnSpeed(0, life=self._life))
 
     @property
     def seen(self) -> Any:
-        """The readings while they are fresh, and what has been counted."""
+        """The readings (None if they are not fresh) and the counters."""
         readings = self.readings
         return readings.raws() if readings.fresh() else None, dict(readings.counters)
 
@@ -72,14 +72,14 @@ def test_every_check_variable_of_the_telegram_must_be_correct(field: str, value:
     node.feed(TrnPos(2, life=2))
     node.feed(replace(TrnPos(3, life=3), **{field: value}))
     assert node.seen == ([2], {"check_variable": 2})
-    # The life sign of an invalid telegram is used up, as in the guard of ato.
+    # An invalid telegram also advances the life sign, as in the guard of ato.
     node.feed(TrnPos(4, life=3))
     assert node.seen == ([2], {"check_variable": 2, "duplicate": 1})
 
 
 @pytest.mark.parametrize("refused", [TrnPos(5, life=1), TrnPos(5, life=0), replace(TrnPos(5, life=2), check=0), None])
 def test_only_a_telegram_that_counts_makes_the_readings_new(refused: TrnPos | None) -> None:
-    """The last that counts is of tick 0."""
+    """The last accepted telegram is that of tick 0."""
     node = Node((TrnSpeed, "speed_01mmps"), (TrnPos, "odometer_mm"))
     node.ticks()
     node.feed(TrnPos(5, life=1))
@@ -123,7 +123,7 @@ def test_two_classes_of_one_port_are_one_source() -> None:
 
 @dataclass(slots=True)
 class _Wide(Telegram):
-    """TRN_SPEED with its speed under the name of a life sign."""
+    """TRN_SPEED with its speed in a field named ``life``."""
 
     life: int = signal("TrainSpeed")
     speed_check: int = signal("SpeedChk")

@@ -1,4 +1,4 @@
-/* What the law is given and what is answered: see railhil_law.h. */
+/* Readings, commands and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
 /* Overflow flags of the status. */
@@ -27,7 +27,7 @@ void railhil_law_init(railhil_law_t *law)
     law->period = -1;
 }
 
-/* The raw integer of a signal. */
+/* Extracts the raw integer of a signal. */
 static int32_t taken(const unsigned char *process, const railhil_signal_t *signal)
 {
     uint32_t raw = 0;
@@ -42,7 +42,7 @@ static int32_t taken(const unsigned char *process, const railhil_signal_t *signa
     return (int32_t)raw;
 }
 
-/* Writes the low bits of a number in the place of a signal; the sign fills one of more than 32 bits. */
+/* Writes the low bits of a number into a signal; a signal of more than 32 bits is sign-extended. */
 static void put(unsigned char *process, const railhil_signal_t *signal, int32_t value)
 {
     const uint64_t raw = (uint64_t)(int64_t)value;
@@ -54,7 +54,7 @@ static void put(unsigned char *process, const railhil_signal_t *signal, int32_t 
     }
 }
 
-/* Whether a telegram counts. */
+/* 1 if the readings of a telegram are accepted. */
 static int counted(railhil_law_t *law, int port, const unsigned char *process, uint32_t *counts)
 {
     int i;
@@ -64,7 +64,7 @@ static int counted(railhil_law_t *law, int port, const unsigned char *process, u
             const int life = (int)taken(process, sign);
             const railhil_life_t judged = railhil_life(law->signs[i], life);
             if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
-                /* No news: the readings go on ageing. */
+                /* Nothing new: the age of the readings keeps growing. */
                 counts[judged == RAILHIL_OLD ? RAILHIL_READING_OUT_OF_ORDER : RAILHIL_READING_DUPLICATE]++;
                 return 0;
             }
@@ -99,7 +99,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
     }
 }
 
-/* Runs the law when a control period has begun since its last step; tells whether its answer may be sent. */
+/* Runs the law if a control period has begun since its last step; returns 1 if its commands may be sent. */
 static int step(railhil_law_t *law, const railhil_clock_t *clock)
 {
     const int64_t now_ns = railhil_now_ns(clock);
@@ -139,7 +139,7 @@ static void answer_commands(railhil_law_t *law, const railhil_clock_t *clock, in
     }
 }
 
-/* Notes and flags once the law has answered; the number of its steps in any case. */
+/* Notes and flags, from the law's first step on; the number of steps always. */
 static void answer_status(const railhil_law_t *law, unsigned char *process)
 {
     const int32_t flags =

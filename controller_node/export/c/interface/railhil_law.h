@@ -1,4 +1,4 @@
-/* A law over several units between the telegrams: readings in, commands and notes out, and how old a reading may be. */
+/* A law for several units: readings from telegrams and their ages, commands and notes into telegrams. */
 #ifndef RAILHIL_LAW_H
 #define RAILHIL_LAW_H
 
@@ -6,19 +6,19 @@
 #include "@LAW@_node.h"
 #include "railhil_clock.h"
 
-/* What is counted after the outcomes of railhil_outcome_t. */
+/* Counters after those of railhil_outcome_t. */
 enum {
     RAILHIL_READING_DUPLICATE = RAILHIL_MVB_OUTCOMES, /* telegram of readings: life sign repeated */
-    RAILHIL_READING_OUT_OF_ORDER,                     /* from the past */
-    RAILHIL_READING_GAP,                              /* new, but telegrams are missing before it */
+    RAILHIL_READING_OUT_OF_ORDER,                     /* older than the last telegram */
+    RAILHIL_READING_GAP,                              /* new, but telegrams before it are missing */
     RAILHIL_READING_CHECK,                            /* a check variable is not correct */
-    RAILHIL_STALE,                                    /* commands that were the safe ones: a reading was too old */
+    RAILHIL_STALE,                                    /* safe commands sent because a reading was too old */
     RAILHIL_COUNTS
 };
 
 typedef struct {
     int signs[RAILHIL_SOURCE_COUNT];     /* life sign of the last telegram with readings, -1 before the first */
-    int32_t raws[RAILHIL_READING_COUNT]; /* of the last telegrams that counted */
+    int32_t raws[RAILHIL_READING_COUNT]; /* of the last accepted telegrams */
     int64_t taken_ns[RAILHIL_READING_COUNT];
     int known[RAILHIL_READING_COUNT];
     @LAW@_in_t in;
@@ -32,16 +32,16 @@ typedef struct {
 
 void railhil_law_init(railhil_law_t *law);
 
-/* Takes the process data of a telegram that was accepted on a port. One with readings counts if its life sign is new
- * and all its check variables are correct, as far as it has them. counts: by outcome. */
+/* Takes the process data of a telegram received on a port. Its readings are accepted if its life sign is new and all
+ * its check variables are correct, as far as it has them. counts: by outcome. */
 void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port, const unsigned char *process,
                       uint32_t *counts);
 
-/* Process data of the answer to a poll of a port, written over zeros. */
+/* Writes the process data that answer a poll of a port; the caller passes zeros. */
 void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
                         uint32_t *counts);
 
-/* Name of an outcome from RAILHIL_MVB_OUTCOMES on. */
+/* Name of an outcome; index >= RAILHIL_MVB_OUTCOMES. */
 const char *railhil_law_outcome(unsigned index);
 
 #endif

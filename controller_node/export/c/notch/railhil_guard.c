@@ -1,10 +1,10 @@
-/* Speeds that count, and the reaction ladder: see railhil_guard.h. */
+/* Acceptance of speeds, and the reaction ladder: see railhil_guard.h. */
 #include "railhil_guard.h"
 
 #include "@LAW@_node.h"
 
 #define NS_PER_MS INT64_C(1000000)
-/* Beyond this a raw speed is no speed of a train (0.1 mm/s). */
+/* A higher raw speed is not plausible for a train (0.1 mm/s). */
 #define SPEED_MAX_01MMPS INT32_C(1500000)
 
 enum { GOOD_AFTER_TRACTION_CUT = 5, GOOD_AFTER_SERVICE_BRAKE = 10, BAD_FOR_TRACTION_CUT = 3, RECENT_MASK = 0x3FF };
@@ -32,7 +32,7 @@ static int may_leave(int level, int good_run, int standstill)
     }
 }
 
-/* One look: at every telegram, and before every notch. */
+/* Evaluates the ladder: after every telegram, and before every notch. */
 static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
 {
     railhil_watch_t *watch = &guard->watch;
@@ -83,7 +83,7 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     const uint32_t raw = (railhil_get16(process) << 8) | process[2];
     const int32_t speed_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
-        /* No news: the age goes on growing. */
+        /* Nothing new: the age of the speed keeps growing. */
         counts[judged == RAILHIL_OLD ? RAILHIL_SPEED_OUT_OF_ORDER : RAILHIL_SPEED_DUPLICATE]++;
         look(guard, now_ns, NO_TELEGRAM);
         return;
@@ -130,8 +130,8 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
         code = -RAILHIL_FULL_CODE;
         break;
     case RAILHIL_SERVICE_BRAKE:
-        /* A law or a kept notch that brakes harder than the service brake is not released. Nor does traction go on
-         * while the ramp begins: the ladder may come here from any level in one look. */
+        /* A notch of the law, or one kept from before, that brakes harder than the service brake is not released.
+         * Traction is cut before the ramp starts, since this level may follow any other directly. */
         code = railhil_lesser(last, 0);
         code = railhil_lesser(railhil_lesser(law_code, railhil_greater(-RAILHIL_SERVICE_CODE, code - ramp)), code);
         break;
@@ -142,7 +142,7 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
         code = last < 0 ? last : railhil_lesser(railhil_greater(law_code, 0), last);
         break;
     default:
-        /* After a level above HOLD no release of the brake is a jump into traction. */
+        /* After a level above HOLD the notch returns on the ramp, so that the brake release never jumps to traction. */
         code = returning ? railhil_lesser(law_code, last + ramp) : law_code;
         returning = code < law_code;
         break;

@@ -1,5 +1,5 @@
-/* Which speeds count, and the reaction ladder that watches them and the position. Whole numbers only; the numbers of
- * the scenario stand in @LAW@_node.h.
+/* Acceptance of speeds, and the reaction ladder that supervises speed and position. Integers only; the constants of the
+ * scenario are in @LAW@_node.h.
  */
 #ifndef RAILHIL_GUARD_H
 #define RAILHIL_GUARD_H
@@ -9,27 +9,27 @@
 /* Refusals and losses that are counted, after those of positions and balises. */
 enum {
     RAILHIL_SPEED_DUPLICATE = RAILHIL_POSITION_OUTCOMES, /* TRN_SPEED: life sign repeated */
-    RAILHIL_SPEED_OUT_OF_ORDER,                          /* from the past */
-    RAILHIL_SPEED_GAP,                                   /* used, but telegrams are missing before it */
+    RAILHIL_SPEED_OUT_OF_ORDER,                          /* older than the last telegram */
+    RAILHIL_SPEED_GAP,                                   /* used, but telegrams before it are missing */
     RAILHIL_SPEED_CHECK,                                 /* check variable not correct */
     RAILHIL_SPEED_OUT_OF_RANGE,
     RAILHIL_COUNTS
 };
 
-/* Reaction ladder; a higher level is the stronger reaction. */
+/* Reaction ladder; a higher level is a stronger reaction. */
 enum { RAILHIL_NORMAL, RAILHIL_HOLD, RAILHIL_TRACTION_CUT, RAILHIL_SERVICE_BRAKE, RAILHIL_EMERGENCY };
 
 typedef struct {
-    int64_t accepted_ns; /* last accepted TRN_SPEED */
-    int64_t sent_ns;     /* last notch sent */
+    int64_t accepted_ns; /* time of the last accepted TRN_SPEED */
+    int64_t sent_ns;     /* time of the last notch sent */
     int32_t speed_01mmps;
     int32_t limit_01mmps;
-    int32_t code;      /* notch last sent, 1/256 */
+    int32_t code;      /* last notch sent, 1/256 */
     int32_t kept_code; /* braking to keep during TRACTION_CUT */
     unsigned recent;   /* last telegrams, newest in bit 0, 1: bad */
     int level;
     int good_run;
-    int returning; /* the notch comes back on the ramp */
+    int returning; /* the notch is returning to the law's on the ramp */
     int speed_known;
     int limit_known;
     int life;
@@ -43,7 +43,7 @@ typedef struct {
 
 void railhil_guard_init(railhil_guard_t *guard);
 
-/* Process data of telegrams that were accepted: TRN_SPEED, TRK_INFO. counts: of refusals, by outcome. */
+/* Take the process data of TRN_SPEED and TRK_INFO telegrams. counts: counters of refusals, by outcome. */
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);
 void railhil_track(railhil_guard_t *guard, const unsigned char *process);
 

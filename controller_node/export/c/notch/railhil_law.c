@@ -1,8 +1,8 @@
-/* What the law is given and what is answered: see railhil_law.h. */
+/* Inputs, notch and status of the law: see railhil_law.h. */
 #include "railhil_law.h"
 
 enum { FLAG_FALSE = 1, FLAG_TRUE = 2, MODE_INITIALISING = 0, MODE_RUNNING = 1 };
-/* CTL_STAT shows no quantity of the law; CTL_STAT, OverflowFlags. */
+/* CTL_STAT: no quantity with its headroom is reported; bits of OverflowFlags. */
 enum { NO_QUANTITY = 127, HEADROOM_UNUSED = 31, SATURATED = 2, DIVIDED_BY_ZERO = 4 };
 
 static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = {
@@ -32,7 +32,7 @@ void railhil_law_init(railhil_law_t *law)
     law->period = -1;
 }
 
-/* Runs the law when a control period has begun since its last step. */
+/* Runs the law if a control period has begun since its last step. */
 static void step(railhil_law_t *law, const railhil_clock_t *clock)
 {
     const int64_t now_ns = railhil_now_ns(clock);
@@ -41,7 +41,7 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
     const int32_t speed_01mmps = law->guard.watch.speed_01mmps;
     const int32_t *balise = law->guard.balise.last;
     int32_t position_01mm;
-    (void)balise; /* not every law is given it */
+    (void)balise; /* not every law uses it */
     if (!clock->running || period == law->period || !law->guard.watch.speed_known) {
         return;
     }
@@ -128,7 +128,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
     case RAILHIL_TRK_INFO:
         railhil_track(guard, process);
         break;
-    default: /* PLT_STAT: checked and counted like the others, of no use to a law */
+    default: /* PLT_STAT: checked and counted like the others, not used by the law */
         break;
     }
 }

@@ -1,7 +1,8 @@
 /* Position for the law, and balises: see railhil_position.h.
  *
- * The odometer stands beside a position that is reckoned from the accepted speeds and follows it with a time constant
- * of 1 s. A TRN_POS telegram counts when it fits: when it is nearer to the reckoned position than what both may be off.
+ * A position is dead-reckoned from the accepted speeds and corrected towards the odometer with a time constant of 1 s.
+ * A TRN_POS telegram is accepted if it fits, that is, if it differs from the reckoned position by no more than the
+ * tolerance of both.
  */
 #include "railhil_position.h"
 
@@ -10,13 +11,13 @@
 #define NS_PER_S INT64_C(1000000000)
 #define NS_PER_MS INT64_C(1000000)
 #define WORD_MM INT64_C(65536)
-/* A pause counts as at most this long: no product below leaves 64 bits. */
+/* Longer pauses are limited to this, so that no product below exceeds 64 bits. */
 #define PAUSE_MAX_NS INT64_C(100000000000)
 #define PLACE_MAX INT64_C(4000000000000000000)
-/* Positions for the law, 0.1 mm. */
+/* Limit of positions for the law, 0.1 mm. */
 #define POSITION_MAX_01MM INT64_C(2000000000)
 
-/* a * share / whole, floored, for 0 <= share <= whole <= 1e9 without a product of more than 64 bits. */
+/* a * share / whole, floored, without a product of more than 64 bits; 0 <= share <= whole <= 1e9. */
 static int64_t share_of(int64_t a, int64_t share, int64_t whole)
 {
     const int64_t quotient = railhil_floored(a, whole);
@@ -33,7 +34,7 @@ static int64_t tolerance(const railhil_odometer_t *odometer)
     return RAILHIL_ODOMETER_EXACT + odometer->speed_01mmps * RAILHIL_HOLD_MS * NS_PER_MS + odometer->slack;
 }
 
-/* Carries the position on with the last speed. A clock that was set back is waited for. */
+/* Integrates the last speed up to at_ns. If the clock was set back, it waits until the clock has caught up. */
 static void reckon(railhil_odometer_t *odometer, int64_t at_ns)
 {
     const int64_t step_ns = elapsed(odometer->at_ns, at_ns);
@@ -58,7 +59,7 @@ void railhil_odometer_speed(railhil_odometer_t *odometer, int32_t speed_01mmps, 
         odometer->speed_01mmps = speed_01mmps;
     }
     reckon(odometer, at_ns);
-    /* It went evenly from one reading to the other: the half of the difference is still missing. */
+    /* The speed is assumed to change linearly between two readings: half of the difference is still missing. */
     missing = railhil_floored((speed_01mmps - odometer->speed_01mmps) * elapsed(odometer->speed_ns, at_ns), 2);
     odometer->place = railhil_within(odometer->place + missing, PLACE_MAX);
     odometer->speed_01mmps = speed_01mmps;
@@ -91,7 +92,7 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     reckon(odometer, now_ns);
     reading_01mm = limited_01mm((int32_t)railhil_get32(process));
     if (!odometer->heard) {
-        /* The first one: there is nothing yet that it could contradict. */
+        /* The first telegram: there is no earlier position to compare it with. */
         odometer->heard = 1;
         odometer->place = reading_01mm * NS_PER_S;
         odometer->fitted_ns = now_ns;
@@ -154,8 +155,8 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
         counts[RAILHIL_BALISE_NUMBER]++;
         return;
     }
-    /* It lies behind here, and not behind the place where the port was last heard. What lies under the train that has
-     * not moved was read when it rolled in. */
+    /* The balise is behind the present position, but not behind the position at the last telegram of the port. A balise
+     * under a train that has not moved was read when the train arrived. */
     if (balise->heard && here_mm > within_mm) {
         furthest_mm = here_mm - balise->heard_mm;
     }
