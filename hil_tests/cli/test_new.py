@@ -99,15 +99,13 @@ def test_no_file_that_is_there_is_touched(here, tmp_path):
     (tmp_path / "mylaw").mkdir()
     (tmp_path / "mylaw" / "README.md").write_text("mine")
     said = complaint(here("new", "law", "mylaw"))
-    assert said == (
-        "railhil: mylaw/README.md: found a file that is there already, allowed a new one (--out says where)"
-    )
+    assert said == ("railhil: mylaw/README.md: found a file that exists already, allowed a new one (--out says where)")
     assert [path.name for path in (tmp_path / "mylaw").iterdir()] == ["README.md"]
     assert (tmp_path / "mylaw" / "README.md").read_text() == "mine"
     (tmp_path / "mylaw" / "README.md").rename(tmp_path / "mylaw" / "NOTES.md")
     assert here("new", "law", "mylaw").exit_code == 0
     (tmp_path / "myrun.toml").symlink_to("nowhere.toml")
-    assert "myrun.toml: found a file that is there already" in complaint(here("new", "scenario", "myrun"))
+    assert "myrun.toml: found a file that exists already" in complaint(here("new", "scenario", "myrun"))
     assert not (tmp_path / "nowhere.toml").exists()
 
 
