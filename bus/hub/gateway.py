@@ -250,7 +250,7 @@ class BusPort(SwitchPort):
         self._is_lost = True
         words = " ".join(str(error).split()) or type(error).__name__
         reason = words if isinstance(error, BusLost) else f"its driver has failed: {words}"
-        self._report(f"{self.name} is down ({reason}); it is opened again when it is available")
+        self._report(f"{self.name} is down ({reason}); it is opened again when it is back")
 
     def _attend(self) -> None:
         """Let the descriptor or the thread watch the bus."""
