@@ -112,8 +112,8 @@ class Responder:
         )
 
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:
-        """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``; after the handlers
-        that the port has already.
+        """Call ``handler`` with each telegram that is accepted on a port, decoded as ``telegram``; it is called after
+        the handlers that the port already has.
 
         :param port: another port with this layout, for trains with several units; default: the telegram's own.
         :raises KeyError: when this node has no mailbox for the port.
@@ -128,7 +128,7 @@ class Responder:
         can_id, data, flags = frame
         checked = None
         if can_id in self._clock_ids:
-            # Advance the time first, regardless of who reads the mailbox, so that everything gets the right time.
+            # Advance the time first, regardless of who reads the mailbox, so that all handlers get the right time.
             checked = self.store.check(frame)
             if not checked.cause:
                 self.clock.feed(data)

@@ -1,4 +1,4 @@
-"""What is installed under an entry point group: the laws and systems that plug in."""
+"""Installed entry points of a group: the laws and systems that plug in."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""For plants of systems that plug in: what every one has beside its physics, when its run lasts a given time."""
+"""For plants of plug-in systems: everything besides the physics for a run of a given duration."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import Telegram
 from railhil.bus.telegrams import Event, TimeState, TimeSync
 
-#: A plant without a command for so long is abandoned.
+#: A plant that has received no command for this long is abandoned.
 ABANDONED_NS = 1_000_000_000
 
 
@@ -27,19 +27,19 @@ class Milestone:
 
 
 class TimedEnd:
-    """The run is over when its time is, or its controller is gone (:class:`railhil.plant_sim.any_plant.Ending`).
+    """The run ends after its duration, or when its controller is lost (:class:`railhil.plant_sim.any_plant.Ending`).
 
-    :param duration_s: simulation time of the whole run.
+    :param duration_s: simulation time of the complete run.
     """
 
     def __init__(self, duration_s: float, tick_ns: int) -> None:
         self.due_tick = round(duration_s * 1e9 / tick_ns)
 
     def happened(self, kind: str, tick: int) -> None:
-        """Nothing that happens ends the run."""
+        """No event ends the run."""
 
     def reached(self, tick: int, controller_lost: bool) -> Event | None:
-        """The event that ends the run at this tick, None when it goes on."""
+        """The event that ends the run at this tick, None if the run continues."""
         if controller_lost:
             return Event.ENDED_NOT_STOPPED
         return Event.ENDED_COMPLETE if tick >= self.due_tick else None
@@ -48,12 +48,12 @@ class TimedEnd:
 class TimedPlant(ABC):
     """Tick, clock, life signs, command checks, milestones and end of a plant that runs for its task's ``duration_s``.
 
-    A subclass is an :class:`railhil.plant_sim.any_plant.AnyPlant` with what is its own: ``commands``, ``statuses``,
+    A subclass is an :class:`railhil.plant_sim.any_plant.AnyPlant` that adds ``commands``, ``statuses``,
     ``position_01mm``, ``act`` and ``advance``. ``refused`` counts commands as :class:`Acceptance` does.
 
     :param scenario: a :class:`railhil.scenarios.task.TaskScenario`.
     :param rate: simulated seconds per second, 0 in lockstep.
-    :param makers: what makes the telegram of each port that it publishes, in the order in which they are sent;
+    :param makers: for each published port, the function that makes its telegram, in the order of sending;
         TIME_SYNC comes after them.
     """
 
@@ -75,7 +75,7 @@ class TimedPlant(ABC):
         return life
 
     def take(self, telegram: Telegram) -> None:
-        """A command has come: it acts if it is accepted (:class:`railhil.bus.acceptance.Acceptance`)."""
+        """Take a command; it is carried out if it is accepted (:class:`railhil.bus.acceptance.Acceptance`)."""
         gate = self._gates.get(telegram.PORT)
         if gate is None:
             gate = self._gates[telegram.PORT] = Acceptance(type(telegram), self.refused)
@@ -84,10 +84,10 @@ class TimedPlant(ABC):
 
     @abstractmethod
     def act(self, telegram: Telegram) -> None:
-        """Carry out a command that was accepted, from the current tick on."""
+        """Carry out an accepted command, from the current tick on."""
 
     def milestone(self, kind: str, position_01mm: int, *, once: bool = False) -> None:
-        """Something that RUN_EVENT tells of has happened at the current tick.
+        """Record a milestone of the current tick for RUN_EVENT.
 
         :param once: only the first time in the run.
         """
@@ -97,16 +97,16 @@ class TimedPlant(ABC):
         self._milestones.append(Milestone(kind, self.tick * self.tick_ns // 100_000, position_01mm))
 
     def drain_events(self) -> list[Milestone]:
-        """What has happened since the last call."""
+        """Milestones since the last call."""
         found, self._milestones = self._milestones, []
         return found
 
     def telegram_of(self, event: Milestone) -> Telegram | None:
-        """No milestone has a telegram of its own."""
+        """No milestone has its own telegram."""
         return None
 
     def is_abandoned(self, command_age_ns: int) -> bool:
-        """Whether nobody commands the plant any more."""
+        """Whether the plant no longer receives commands."""
         return command_age_ns > ABANDONED_NS
 
     def _time_sync(self) -> Telegram:

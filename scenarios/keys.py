@@ -96,7 +96,7 @@ MEANING = {
     "published[].stop_error_m": "its stop error, without sign",
     "published[].comfort": "its comfort",
 }
-#: What a file that builds upon another changes most often; ``railhil new scenario`` writes them down.
+#: The keys that a scenario based on another one changes most often; ``railhil new scenario`` writes them.
 USUAL = (
     "train.mass_t",
     "train.actuator_pole_per_s",

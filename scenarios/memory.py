@@ -1,13 +1,13 @@
-"""What a law keeps from run to run: a JSON file with version, law, key and CRC, and values that only the law reads.
+"""A law's memory from run to run: a JSON file with version, law, key and CRC, and values interpreted only by the law.
 
 ::
 
     {"version": 1, "law": "mylaw", "key": "dalian_12 up", "runs": 3, "values": {"offset_m": -0.12},
      "crc32": "828a393a"}
 
-``key`` is the law's own word for where the values hold (train, platform, load class, ...); ``runs`` is how many runs
-they are from. The CRC-32 (as of zlib) is over all but itself as canonical JSON: keys sorted, no blanks, ASCII. A memory
-of no run yet has neither key nor values.
+``key`` is chosen by the law and says where the values apply (train, platform, load class, ...); ``runs`` is the number
+of runs from which they were obtained. The CRC-32 (that of zlib) covers everything except itself as canonical JSON: keys
+sorted, no blanks, ASCII. A memory before the first run has neither key nor values.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ from railhil.common.errors import InputError, Words, near_file
 from railhil.scenarios.validation import validated
 
 VERSION = 1
-#: Names in a run folder: what the run began with, and what the law wants kept.
+#: Names in a run folder: the memory with which the run began, and the one that the law wants to keep.
 MEMORY_BEFORE, MEMORY_AFTER = "memory_before.json", "memory.json"
-#: Digits of the hash that stand for a memory in names and in the handshake.
+#: Number of hash digits that identify a memory in names and in the handshake.
 _DIGEST_DIGITS = 8
 _BYTES_MAX = 1_000_000
 _ALLOWED = "a memory that railhil has written"
@@ -57,9 +57,9 @@ class _Certified(_Content):
 
 @dataclass(frozen=True)
 class Memory:
-    """What a law keeps, see the head of this module.
+    """What a law keeps; see the top of this module.
 
-    :param source: the file that it is from, or is to be named by.
+    :param source: the file that it was read from, or whose name is used for it.
     """
 
     law: str
@@ -74,13 +74,13 @@ class Memory:
 
     @property
     def text(self) -> str:
-        """The file, always the same for the same content."""
+        """Content of the file, always the same for the same memory."""
         content = self._content
         return json.dumps(content | {"crc32": crc32(content)}, indent=2, sort_keys=True, allow_nan=False) + "\n"
 
     @property
     def sha256(self) -> str:
-        """Hash of :attr:`text`, and so of the file in a run folder."""
+        """Hash of :attr:`text`, and therefore of the file in a run folder."""
         return hashlib.sha256(self.text.encode("ascii")).hexdigest()
 
     @property
@@ -89,11 +89,11 @@ class Memory:
         return self.sha256[:_DIGEST_DIGITS]
 
     def as_json(self) -> dict[str, Any]:
-        """What a certificate says of it: enough to begin the run again."""
+        """The memory in a certificate: enough to begin the run again."""
         return self._content | {"sha256": self.sha256}
 
     def after(self, key: str, values: Mapping[str, Any], source: Path) -> Memory:
-        """The memory after one run more."""
+        """The memory after one more run."""
         return replace(self, key=key, runs=self.runs + 1, values=values, source=source)
 
 
@@ -104,14 +104,14 @@ def crc32(content: Mapping[str, Any]) -> str:
 
 
 def no_memory(law: str, source: Path) -> Memory:
-    """That of a law that has not run yet."""
+    """The memory of a law that has not run yet."""
     return Memory(law, "", 0, {}, source)
 
 
 def load_memory(path: Path) -> Memory:
-    """Read a memory file, or what ``certificate.json`` of a run says that it began with.
+    """Read a memory file, or the initial memory from a run's ``certificate.json``.
 
-    :raises InputError: it cannot be read, or is damaged: one line, and the file stays as it is.
+    :raises InputError: it cannot be read or is damaged: one line, and the file is left unchanged.
     """
     try:
         with path.open("rb") as stream:
@@ -134,10 +134,10 @@ def load_memory(path: Path) -> Memory:
 
 
 def memory_from_json(document: Mapping[str, Any], source: Path) -> Memory:
-    """The memory of a document as :meth:`Memory.as_json` makes it.
+    """The memory of a document made by :meth:`Memory.as_json`.
 
-    :param source: the file it is from.
-    :raises InputError: it is none, or not with the values that it has the hash of.
+    :param source: the file that contains the document.
+    :raises InputError: it is not a memory, or its values do not match its hash.
     """
     file = validated(_Certified, dict(document), lambda keys: source)
     found = Memory(file.law, file.key, file.runs, file.values, source)
@@ -151,14 +151,14 @@ def _checked(memory: Memory, hashed: Any) -> str:
     try:
         return str(hashed())
     except ValueError:
-        # NaN and infinity are no JSON, though Python reads them.
+        # NaN and infinity are not JSON, though Python reads them.
         raise InputError(memory.source, "values", Words("a number that is not finite"), "finite numbers") from None
 
 
 def write_memory(memory: Memory, path: Path) -> None:
-    """Write the file whole or not at all, whatever happens meanwhile: draft, fsync, rename.
+    """Write the file completely or not at all, even if interrupted: temporary file, fsync, rename.
 
-    :raises OSError: it cannot be written; what was there stays.
+    :raises OSError: it cannot be written; the previous file is kept.
     """
     with wholefile.whole_file(path) as draft, draft.open("w", encoding="ascii") as stream:
         stream.write(memory.text)

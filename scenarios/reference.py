@@ -1,6 +1,6 @@
 """``docs/scenario_keys.md``: every key of a scenario file with unit, default and range, from the schema.
 
-``python -m railhil.scenarios.reference`` writes it; a test compares the file with what would be written.
+``python -m railhil.scenarios.reference`` writes it; a test compares the file with the generated text.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ the file or by a file that it is based on.
 """
 _NUMBERS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false"}
 
-#: Ends like a length, but is not one.
+#: Looks like a length by its ending, but is not one.
 _PURE = ("energy.xi_m",)
 #: Ending of a key and its unit, longer endings first.
 _UNITS = {
@@ -58,7 +58,7 @@ Schema = Mapping[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class Key:
-    """One row of the page; ``initial`` is the default itself, None where there is none."""
+    """One row of the page; ``initial`` is the default as a value, None if there is none."""
 
     name: str
     unit: str
@@ -71,7 +71,7 @@ class Key:
 def keys(file_type: type[BaseModel] = ScenarioFile) -> list[Key]:
     """All keys in the order of the schema, each once.
 
-    :param file_type: of the files of another system; what its own keys mean is their ``Field(description=...)``.
+    :param file_type: schema of another system's files; the meaning of its own keys is their ``Field(description=...)``.
     """
     schema = file_type.model_json_schema()
     found: dict[str, Key] = {}
@@ -121,7 +121,7 @@ def _tables(root: Schema, node: Schema) -> Iterator[Schema]:
 
 
 def _unit(key: str) -> str:
-    """Unit that a key ends with, ``force_n_per_mps`` with two; ``-`` for none."""
+    """Unit at the end of a key, or both units as in ``force_n_per_mps``; ``-`` for none."""
     ending = _ending(key)
     if not ending or key in _PURE:
         return "-"

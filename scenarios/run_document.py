@@ -1,7 +1,7 @@
-"""What a run is, as its sources say it: a TOML file or a certificate, the environment, a command line.
+"""The specification of a run from its sources: a TOML file or a certificate, the environment, a command line.
 
-Each source is a :class:`Layer` of some of the keys of :meth:`railhil.scenarios.run_spec.RunSpec.as_json`. ``railhil
-run`` lays them one above the other: command line over environment over file over defaults.
+Each source is a :class:`Layer` with some of the keys of :meth:`railhil.scenarios.run_spec.RunSpec.as_json`. In
+``railhil run`` the command line overrides the environment, the environment the file, and the file the defaults.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import findings
 
-#: Scenario and law of a run that names none.
+#: Scenario and law of a run that does not name them.
 USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
-#: Key of a run -> its option of ``railhil run``; the scenario stands there without one.
+#: Key of a run -> its option of ``railhil run``; the scenario is a positional argument.
 OPTIONS: Mapping[str, str] = {
     "scenario": "scenario",
     "settings": "--set",
@@ -46,21 +46,21 @@ OPTIONS: Mapping[str, str] = {
     "memory_file": "--memory",
     "memory": "--memory-from",
 }
-#: Key of a run -> the variable of the environment that says it: as the option, so that compose's names are these
-#: without the prefix. Settings are many, and have none.
+#: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
+#: same names without the prefix. Settings have no variable, because there may be many.
 ENVIRONMENT: Mapping[str, str] = {
     key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
     for key, option in OPTIONS.items()
     if key != "settings"
 }
-#: Keys that name files but where a certificate holds what was in them, and the one that always does.
+#: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_file`` is always one.
 _MEMORY = ("memory", "memory_file")
 _FILES = ("parameters", "memory", "memory_file")
 _ALLOWED = "a run in TOML, or certificate.json of a run folder"
 
 
 class RunDocument(BaseModel):
-    """A run as JSON, with the bounds of the command line; keys that no run has are left aside, as in a certificate."""
+    """A run as JSON, with the ranges of the command line; unknown keys are ignored, as in a certificate."""
 
     model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
     scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
@@ -81,7 +81,7 @@ class RunDocument(BaseModel):
 
 
 class _Named(RunDocument):
-    """A run in words that a person writes: parameters and memory are the names of their files."""
+    """A run as a person writes it: parameters and memory are given as file names."""
 
     model_config = ConfigDict(extra="forbid")
     parameters: str | None = Field(default=None, min_length=1)  # type: ignore[assignment]
@@ -90,12 +90,12 @@ class _Named(RunDocument):
 
 @dataclass(frozen=True)
 class Layer:
-    """What one source says of a run.
+    """The part of a run that one source defines.
 
-    :param source: the file, or in words what it is.
-    :param values: by the keys of a run. ``parameters``, ``memory``: the path of their file, or what a certificate says.
-    :param names: what the source calls a key, when not so.
-    :param folder: names of files are relative to it.
+    :param source: the file, or a description of the source.
+    :param values: by key of a run. ``parameters``, ``memory``: path of their file; in a certificate, their content.
+    :param names: what the source calls a key, if its name differs.
+    :param folder: file names are relative to it.
     """
 
     source: str | Path
@@ -104,12 +104,12 @@ class Layer:
     folder: Path = Path()
 
     def refused(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
-        """Complaint about one of the values."""
+        """The error for one of the values."""
         return InputError(self.source, self.names.get(key, key), found, allowed, hint)
 
 
 def file_layer(path: Path, faults: Faults) -> Layer:
-    """The run of a TOML file, or of a certificate (``.json``), of any version. What is wrong goes to ``faults``."""
+    """The run of a TOML file, or of a certificate (``.json``) of any version. Errors are added to ``faults``."""
     stored = path.suffix == ".json"
     values: dict[str, Any] = {}
     with faults.kept():
@@ -125,13 +125,13 @@ def file_layer(path: Path, faults: Faults) -> Layer:
     if not stored:
         known |= {key: path.parent / known[key] for key in _FILES if key in known}
     elif known.get("pace", "lockstep") == "lockstep":
-        # A certificate of version 0.1.0 says one all the same.
+        # A certificate of version 0.1.0 has a rate in lockstep too.
         known.pop("rate", None)
     return Layer(path, known, folder=path.parent)
 
 
 def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
-    """What the variables of :data:`ENVIRONMENT` say; an empty one says nothing. What is wrong goes to ``faults``."""
+    """The values of the variables in :data:`ENVIRONMENT`; empty ones are ignored. Errors are added to ``faults``."""
     said = {key: environment[name] for key, name in ENVIRONMENT.items() if environment.get(name)}
     source = "environment"
     values: dict[str, Any] = {}
@@ -145,12 +145,12 @@ def environment_layer(environment: Mapping[str, str], faults: Faults) -> Layer:
 
 
 def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], ParameterSet | None, Memory | None]:
-    """The document of a run that several sources say, the later one above the earlier, and the law's parameters and
-    memory.
+    """The document of a run defined by several sources, later ones overriding earlier ones, and the law's parameters
+    and memory.
 
-    Settings add up; whoever names no law has the usual one of the scenario's system.
+    Settings accumulate; without a law the default one of the scenario's system is used.
 
-    :raises InputError: all that is wrong, with what ``faults`` holds already.
+    :raises InputError: all errors, together with those already in ``faults``.
     """
     document: dict[str, Any] = {}
     said: dict[str, Layer] = {}
@@ -160,7 +160,7 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
             names = [layer.names.get(key, key) for key in _MEMORY]
             faults.found.append(layer.refused("memory", Words(f"beside {names[1]}"), "one of the two"))
         if any(key in layer.values for key in _MEMORY):
-            # Either says with what the run begins.
+            # Both define the memory with which the run begins.
             document = {key: value for key, value in document.items() if key not in _MEMORY}
         document |= layer.values
         said |= dict.fromkeys(layer.values, layer)
@@ -192,7 +192,7 @@ def _scenario(name: str, by: Layer | None) -> str:
         return stable_name(str(by.folder / name) if by is not None and name.endswith(".toml") else name)
     except InputError as error:
         if by is None or by.names is OPTIONS:
-            # There its own line says it well enough.
+            # The original message is clear enough in these cases.
             raise
         raise by.refused("scenario", name, error.allowed, error.hint) from None
 
@@ -218,7 +218,7 @@ def _memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
 def _table(path: Path, stored: bool) -> dict[str, Any]:
     """Content of the file.
 
-    :raises InputError: it cannot be read, or is no table.
+    :raises InputError: it cannot be read, or is not a table.
     """
     try:
         text = path.read_text(encoding="utf-8")

@@ -1,9 +1,9 @@
-"""What a run is: scenario, law, seed and pace, said once and handed on whole.
+"""The specification of a run: scenario, law, seed and pace, defined once and passed on as a whole.
 
 It is made from a command line (:meth:`RunSpec.from_namespace`), in Python, from a file (:meth:`RunSpec.from_file`:
-TOML, or the certificate of an earlier run), or from several of these and the environment, one above the other
-(:meth:`RunSpec.from_layers`). Every file that says what is or was run has the keys of :meth:`RunSpec.as_json`, or some
-of them.
+TOML, or the certificate of an earlier run), or from several of these and the environment, later ones overriding earlier
+ones (:meth:`RunSpec.from_layers`). Every file that describes a run uses the keys of :meth:`RunSpec.as_json`, or some of
+them.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ class LawSpec:
     :param controller: name of the law.
     :param arithmetic: one of :data:`railhil.common.choices.ARITHMETICS`.
     :param indexing: set-points by ``time`` or by ``distance``.
-    :param parameters: of the law, from a file; None: its own.
+    :param parameters: parameters of the law from a file; None: its own.
     :param task_period_ms: simulation time between two readings of the controller's mailboxes; 0: each frame at once.
-    :param memory: what the law has kept of its last runs; None: it is given none.
+    :param memory: what the law kept from its last runs; None: it has no memory.
     """
 
     controller: str = USUAL_LAW
@@ -54,29 +54,29 @@ class LawSpec:
         parameters: ParameterSet | None,
         memory: Memory | None = None,
     ) -> LawSpec:
-        """What the options of :func:`railhil.common.command_line.add_law_arguments` say of a law."""
+        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`."""
         return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:
-        """The law, with the digests of its parameters and its memory when they come from files: its name in the
-        handshake."""
+        """Name of the law in the handshake: with the digests of its parameters and its memory if they come from
+        files."""
         label = self.controller if self.parameters is None else self.parameters.controller
         return label if self.memory is None else f"{label}@{self.memory.digest}"
 
     @property
     def over_distance(self) -> bool:
-        """True when the set-points are found by the distance covered."""
+        """True if the set-point is found from the distance covered."""
         return self.indexing == "distance"
 
     @property
     def identity(self) -> dict[str, Any]:
-        """Its part of the handshake."""
+        """The law's part of the handshake."""
         return {"controller": self.label, "arithmetic": self.arithmetic, "indexing": self.indexing}
 
     @property
     def words(self) -> list[str]:
-        """As words of a command line, the task period left out when there is none."""
+        """As words of a command line, without the task period if it is 0."""
         words = ["--controller", self.controller, "--arithmetic", self.arithmetic, "--indexing", self.indexing]
         words += ["--parameters", str(self.parameters.source)] if self.parameters is not None else []
         words += ["--memory-from", str(self.memory.source)] if self.memory is not None else []
@@ -84,21 +84,21 @@ class LawSpec:
 
     @property
     def set_points(self) -> str:
-        """Over what its set-points run, in words."""
+        """The quantity that indexes the set-points, in words."""
         return f"set-points by {self.indexing}"
 
     @property
     def said(self) -> str:
-        """Arithmetic and set-points for the head of a table."""
+        """Arithmetic and indexing, for the heading of a table."""
         return f"{self.arithmetic}, indexed by {self.indexing}"
 
     @property
     def how(self) -> dict[str, str]:
-        """How the law is run, for documents that name it otherwise."""
+        """How the law is run, for documents that name the law elsewhere."""
         return {"arithmetic": self.arithmetic, "indexing": self.indexing}
 
     def as_json(self) -> dict[str, Any]:
-        """All of it, parameters with their values."""
+        """All fields, parameters with their values."""
         return {
             "controller": self.controller,
             "arithmetic": self.arithmetic,
@@ -114,13 +114,14 @@ class RunSpec:
     """One law on one scenario.
 
     :param scenario: shipped name, or path of a TOML file.
-    :param settings: keys set beside its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    :param settings: keys that override those of its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
     :param perturbed: draw the scenario's perturbations with the seed.
-    :param pace: ``lockstep`` or ``realtime``; ``rate``: then simulated seconds per second.
-    :param patience_s: lockstep: wall time for an answer, see :mod:`railhil.common.patience`.
-    :param bus: ``local``: all nodes in one process, without a bus; ``auto``: as :mod:`railhil.bus.select` finds it.
-    :param memory_file: file with the law's memory: the run begins with it, and what the law wants kept goes there when
-        the run was good. A run that is made again keeps nothing: its words and certificate say only what it began with.
+    :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
+    :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
+    :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
+    :param memory_file: file with the law's memory: the run begins with it, and after a good run the memory that the law
+        wants to keep is written to it. A repeated run does not write it: command line and certificate give only the
+        memory with which the run began.
     """
 
     scenario: str = USUAL_SCENARIO
@@ -136,7 +137,7 @@ class RunSpec:
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
-        """What the options of :func:`railhil.common.command_line.add_run_arguments` and ``--set`` say.
+        """A run from the options of :func:`railhil.common.command_line.add_run_arguments` and ``--set``.
 
         :raises InputError: there is no such scenario.
         """
@@ -149,18 +150,18 @@ class RunSpec:
             pace=namespace.pace,
             rate=namespace.rate or RATE,
             patience_s=namespace.patience,
-            # Only the commands that make whole runs have it.
+            # Only the commands that make complete runs have it.
             bus=getattr(namespace, "bus", "auto"),
         )
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any], file: Path) -> RunSpec:
-        """The run of a document with the keys of :meth:`as_json`; other keys are left aside, as in a certificate.
+        """The run of a document with the keys of :meth:`as_json`; other keys are ignored, as in a certificate.
 
-        Keys that are missing, as in one of version 0.1.0, have their defaults.
+        Missing keys, as in a certificate of version 0.1.0, have their defaults.
 
-        :param file: named in a complaint; parameters count as read from it.
-        :raises InputError: a value that no run has.
+        :param file: named in errors; parameters count as read from it.
+        :raises InputError: a value that a run cannot have.
         """
         found = validated(RunDocument, dict(document), lambda keys: file)
         given = found.parameters
@@ -184,10 +185,10 @@ class RunSpec:
 
     @classmethod
     def from_layers(cls, layers: Sequence[Layer], faults: Faults) -> RunSpec:
-        """The run of several sources, the later one above the earlier.
+        """The run of several sources, later ones overriding earlier ones.
 
-        :param faults: what was wrong with the sources as they were read.
-        :raises InputError: all that is wrong, together.
+        :param faults: errors found while the sources were read.
+        :raises InputError: all errors together.
         """
         document, parameters, memory = merged(layers, faults)
         spec = cls.from_json(document, Path("railhil run"))
@@ -195,16 +196,16 @@ class RunSpec:
 
     @classmethod
     def from_file(cls, path: str | Path) -> RunSpec:
-        """The run that a TOML file says with the keys of :meth:`as_json`, or a ``certificate.json``.
+        """The run described by a TOML file with the keys of :meth:`as_json`, or by a ``certificate.json``.
 
-        :raises InputError: the file cannot be read, or says what no run is: all of it together.
+        :raises InputError: the file cannot be read or does not describe a possible run: all errors together.
         """
         faults = Faults()
         return cls.from_layers([file_layer(Path(path), faults)], faults)
 
     @property
     def is_realtime(self) -> bool:
-        """True when the run keeps the pace of the wall clock, or a multiple of it."""
+        """True if the run follows the wall clock, or a multiple of it."""
         return self.pace == "realtime"
 
     @property
@@ -214,17 +215,17 @@ class RunSpec:
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What the handshake says of the run, scenario and wire left out."""
+        """The run as described in the handshake, without scenario and wire."""
         return {"seed": self.seed, "perturbed": self.perturbed, "pace": self.pace, **self.law.identity}
 
     @property
     def scenario_words(self) -> list[str]:
-        """Words of every command line that say which scenario it is."""
+        """The words that select the scenario on any command line."""
         return [self.scenario, *set_words(self.settings)]
 
     @property
     def words(self) -> list[str]:
-        """As words of a command line behind ``railhil run``."""
+        """As words of a command line after ``railhil run``."""
         words = [*self.scenario_words, *self.law.words, "--seed", str(self.seed), "--pace", self.pace]
         words += ["--rate", f"{self.rate:g}"] if self.is_realtime else []
         words += ["--perturbed"] * self.perturbed
@@ -233,13 +234,13 @@ class RunSpec:
 
     @property
     def is_local(self) -> bool:
-        """True when all nodes are in one process."""
+        """True if all nodes are in one process."""
         return self.bus == "local"
 
     def load(self) -> AnyScenario:
-        """The scenario, nominal whatever the seed draws.
+        """The scenario, nominal regardless of the seed.
 
-        :raises InputError: it cannot be loaded, or leaves nothing to draw for a perturbed run.
+        :raises InputError: it cannot be loaded, or a perturbed run is requested and it has no perturbations.
         """
         scenario = load_any(self.scenario, self.settings)
         if self.perturbed:
@@ -247,7 +248,7 @@ class RunSpec:
         return scenario
 
     def as_json(self) -> dict[str, Any]:
-        """All of it, flat: the keys of a certificate. ``rate`` is None in lockstep."""
+        """All fields without nesting: the keys of a certificate. ``rate`` is None in lockstep."""
         return {
             "scenario": self.scenario,
             "settings": list(self.settings),

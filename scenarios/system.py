@@ -31,16 +31,16 @@ class System:
     """One kind of train and task. Every part is a reference, ``module:object``, unless it says otherwise.
 
     ``ports``: port table, ``package:file``. ``scenarios``: reads its scenario files
-    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant, of (scenario, seed, perturbed, rate)
-    (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus, of
+    (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant from (scenario, seed, perturbed, rate)
+    (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus from
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
     entry point group of its laws. ``law``: the default law. ``events``: its own milestones by
     name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
-    figures of its report, of (scenario, recorded runs). ``own``: parts that only some modules use, such as ``task``,
+    makes the figures of its report from (scenario, recorded runs). ``own``: parts used by some modules only: ``task``,
     ``interface``, ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without
-    them campaign and audit go through the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
-    (:class:`railhil.controller_node.export.control.Control`; without one a law is exported by ``interface``) and
-    ``picture``: draws scenario and trace into a file (without one:
+    them campaign and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
+    (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``) and
+    ``picture``: draws scenario and trace into a file (without it:
     :mod:`railhil.supervisor.report.signals_picture`).
     """
 
@@ -58,9 +58,9 @@ class System:
     own: Mapping[str, str] = field(default_factory=dict)
 
     def part(self, name: str) -> Any:
-        """The object that a reference of this system names.
+        """The object that one of this system's references names.
 
-        :param name: of the field, or of an entry in ``own``.
+        :param name: a field, or an entry of ``own``.
         :raises InputError: there is no such part, or it cannot be imported.
         """
         reference = self.own.get(name) or getattr(self, name, None)
@@ -76,9 +76,9 @@ class System:
 
     @property
     def port_table(self) -> Path:
-        """The file of its port table.
+        """File of the port table.
 
-        :raises InputError: the package is not there, or not on a file system.
+        :raises InputError: the package is missing, or is not on a file system.
         """
         package, _, name = self.ports.partition(":")
         try:
@@ -88,16 +88,16 @@ class System:
 
     @property
     def contract(self) -> Contract:
-        """Its wire contract.
+        """The system's wire contract.
 
         :raises ContractError: the port table is unusable.
         """
         return system_contract(self.port_table)
 
     def code_sha256(self) -> str | None:
-        """Hash over the package that its plant comes from (paths and contents, in path order): code and tables.
+        """Hash over the package that contains the plant (paths and contents, in path order): code and tables.
 
-        None when that is railhil itself, of which the certificate has the hash anyway.
+        None if that package is railhil itself, whose hash is in every certificate.
 
         :raises InputError: the package cannot be imported.
         """
@@ -114,13 +114,13 @@ class System:
         return digest.hexdigest()
 
     def law_names(self) -> list[str]:
-        """Names of the installed laws that drive this system, in the order of every table."""
+        """Names of the installed laws for this system, in the order of every table."""
         return in_order(entries(self.laws))
 
     def check_law(self, name: str, source: str | Path, key: str) -> None:
         """Refuse a name that no law of this system has.
 
-        :param source, key: what gave it, for a complaint.
+        :param source, key: where the name comes from, for the error.
         :raises InputError: there is no such law.
         """
         known = self.law_names()
@@ -136,8 +136,8 @@ def names() -> list[str]:
 def system_named(name: str, file: str | Path = "scenario") -> System:
     """The installed system of that name.
 
-    :param file: what names it, for a complaint.
-    :raises InputError: there is none, or its entry point is none that can be used.
+    :param file: the file that names it, for the error.
+    :raises InputError: there is none, or its entry point is not usable.
     """
     found = entries(GROUP)
     if name not in found:

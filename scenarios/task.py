@@ -45,16 +45,16 @@ class ScenarioKind(Protocol):
         """Scenario from a file and its base files. Raises InputError."""
 
     def document(self, scenario: Any) -> dict[str, Any]:
-        """Every field of a scenario, as JSON-compatible values."""
+        """All fields of a scenario, as JSON-compatible values."""
 
     def stored(self, fields: dict[str, Any], file: Path) -> AnyScenario:
-        """The scenario of a document, with its hash computed by this version. Raises InputError."""
+        """The scenario of a document, with its hash computed by the present version. Raises InputError."""
 
     def judged_sha256(self, scenario: Any) -> str:
-        """Hash of what the run uses and what it is judged by."""
+        """Hash of the data used by the run and by its evaluation."""
 
     def usual_keys(self) -> list[Key]:
-        """Keys that a file that builds upon another changes most often, section by section."""
+        """The keys that a file based on another one changes most often, section by section."""
 
 
 class Task(Table):
@@ -106,12 +106,12 @@ class TaskScenario:
 
     @property
     def watch_weakened(self) -> str:
-        """Limits of the watches that are higher than usual: none are known for this system."""
+        """Watch limits that are higher than usual; not known for systems that plug in."""
         return ""
 
     @property
     def described(self) -> Mapping[str, object]:
-        """Its system; the task has no further description."""
+        """Name of its system; the task has no further description."""
         return {"system": self.system}
 
     @property
@@ -121,7 +121,7 @@ class TaskScenario:
 
 
 class TaskScenarios:
-    """See :class:`ScenarioKind`; the system's part ``task`` is its subclass of :class:`Task`."""
+    """See :class:`ScenarioKind`; the system's part ``task`` is a subclass of :class:`Task`."""
 
     def __init__(self, system: System) -> None:
         self._system = system
@@ -187,7 +187,7 @@ class TaskScenarios:
         task_type = self._system.part("task")
         try:
             timing = Timing(**fields["timing"])
-            # Through JSON, so that arrays get the types of the table.
+            # Converted through JSON, so that arrays get the types of the table.
             task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
             rest = tuple(map(PublishedScore.of, fields["published"])), tuple(fields["assumptions"])
             return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, *rest)
@@ -198,6 +198,6 @@ class TaskScenarios:
         return text_sha256(self._used(scenario, judging=True))
 
     def usual_keys(self) -> list[Key]:
-        """All of the task, and the two periods."""
+        """All keys of the task, and the two periods."""
         periods = ("timing.base_tick_ms", "timing.control_period_ms")
         return [key for key in keys(self._file) if key.name.startswith("task.") or key.name in periods]

@@ -1,14 +1,14 @@
 """The hub: a software CAN switch in user space, for machines without a kernel CAN.
 
 ============ ==================================================================================
-module what it holds
+module       content
 ============ ==================================================================================
 ``wire``     the packet format (SocketCAN frame structs in batches, JSON hello)
 ``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
 ``link``     the client's end of a connection: whole packets, deadlines
 ``client``   :class:`~railhil.bus.hub.client.HubBus`, the python-can plugin ``railhil``
 ``ports``    the hub's end of a connection: never blocks, bounded queue
-``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` what waits for it
+``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` frames waiting for it
 ``switch``   the loop that carries packets from one port to all others
 ``bitlength`` length of a frame on the wire, stuff bits counted
 ``model``    optional bit rate and arbitration
@@ -17,5 +17,5 @@ module what it holds
 
 The hub is reliable and gives every client the same total order. It does not model acknowledgement, error
 counters (TEC/REC), bus-off, error frames caused by bit errors, or sampling; bit rate and arbitration only
-when asked for.
+when requested.
 """

@@ -8,7 +8,8 @@ from railhil.common.exit_codes import guarded
 
 
 def main() -> int:
-    """Parse the command line and run the hub; modules are loaded here, so that Ctrl-C while they are ends as later."""
+    """Parse the command line and run the hub; modules are imported here, so that Ctrl-C during the import ends it in
+    the same way as later."""
     from railhil.bus.hub.cli import add_arguments, run
     from railhil.common.command_line import OneLineParser
 

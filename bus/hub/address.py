@@ -95,7 +95,7 @@ def connect(sock: socket.socket, address: Address) -> None:
         sock.connect(address.path)
         return
     sock.connect((address.host, address.port))
-    # Trying a free port of the ephemeral range again and again can end in TCP connecting the socket to
+    # Repeated attempts on a free port of the ephemeral range can end in TCP connecting the socket to
     # itself.
     if sock.getsockname() == sock.getpeername():
         raise ConnectionRefusedError(errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED))

@@ -1,8 +1,8 @@
 """python-can interface ``railhil``: a client of the hub.
 
 ``python -m can.viewer -i railhil -c PATH``, ``can.logger`` and ``cantools monitor`` attach with it
-unchanged; our own nodes use the batch calls :meth:`HubBus.send_frames` and :meth:`HubBus.recv_frames`,
-which spare a :class:`can.Message` per frame.
+unchanged; railhil's own nodes use the batch calls :meth:`HubBus.send_frames` and :meth:`HubBus.recv_frames`,
+which avoid a :class:`can.Message` per frame.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from railhil.bus.hub.connection import (
     StreamConnection,
 )
 
-#: Name in ``Message.channel``: neutral, so that a log does not depend on where the socket lies.
+#: Name in ``Message.channel``: neutral, so that a log does not depend on the path of the socket.
 CHANNEL_NAME = "railhil"
 _ANSWER_TIMEOUT_S = 5.0
 _RETRY_PERIOD_S = 0.01
-#: Errors after which a hub that is only just starting may still come.
+#: Errors on connecting that may also mean that the hub is still starting.
 _RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
 
 
@@ -45,14 +45,14 @@ class HubBus(can.BusABC):
     """A client port of the hub.
 
     Frames are never lost: ``send`` blocks while the hub cannot take more, and a receiver that falls behind
-    by more than the hub's bound (64 MiB unless set otherwise) is cut off with :class:`HubLost`, after it
-    has read what came before. All clients see the same total order. ``send`` and ``send_frames`` may be
+    by more than the hub's limit (64 MiB unless set otherwise) is disconnected with :class:`HubLost`, after it
+    has read the packets received before. All clients see the same total order. ``send`` and ``send_frames`` may be
     mixed, and so may ``recv`` and ``recv_frames``.
 
     Unlike SocketCAN, a bus opened without ``fd=True`` does receive CAN FD frames (it only cannot send them).
     ``Message.timestamp`` is the wall clock at reception by this client.
 
-    :ivar hub_properties: what the hub said of itself: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
+    :ivar hub_properties: properties reported by the hub: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
         ``data_bitrate_bps``, ``queue_limit_bytes``.
     """
 
@@ -74,15 +74,15 @@ class HubBus(can.BusABC):
     ) -> None:
         """Connect to the hub on ``channel``: a socket path or ``tcp://127.0.0.1:PORT``.
 
-        Without ``channel`` it is the user's own default path, see :func:`~railhil.bus.hub.address.default_channel`.
-        ``connect_timeout``: seconds to wait for a hub that is only just starting. ``while_connecting``: called between
-        two attempts; what it raises ends the waiting. ``role``: which node of a bench this client is (of
-        :data:`~railhil.bus.hub.wire.ROLES`); then the hub says which others are here, see :meth:`has_left`. ``name``:
-        shown in the hub's messages. ``coalesce_frames``: take frames in bulk, up to so many at once, and at once when
-        one of the classic frames ``wake_on`` comes (see :mod:`railhil.bus.hub.coalesce`). ``send_buffer_bytes``: how
-        much the kernel may keep for a hub that does not read (SO_SNDBUF; a full packet needs 4096). ``bitrate``:
-        checked against the hub's bit rate model, ignored when it has none; other settings of real interfaces (sample
-        points and the like) have no meaning here and are ignored.
+        Without ``channel`` it is the user's default path, see :func:`~railhil.bus.hub.address.default_channel`.
+        ``connect_timeout``: seconds to wait for a hub that is still starting. ``while_connecting``: called between
+        two attempts; an exception from it ends the wait. ``role``: which node of a bench this client is (one of
+        :data:`~railhil.bus.hub.wire.ROLES`); the hub then reports which others are connected, see :meth:`has_left`.
+        ``name``: shown in the hub's messages. ``coalesce_frames``: receive frames in bulk, at most this many together,
+        and at once when one of the classic frames ``wake_on`` arrives (see :mod:`railhil.bus.hub.coalesce`).
+        ``send_buffer_bytes``: how much the kernel may buffer for a hub that does not read (SO_SNDBUF; a full packet
+        needs 4096). ``bitrate``: checked against the hub's bit rate model, ignored if it has none; other settings of
+        real interfaces (such as sample points) have no meaning here and are ignored.
 
         Raises :class:`HubUnavailable`.
         """
@@ -94,7 +94,7 @@ class HubBus(can.BusABC):
         self._offset = 0
         self._timestamp_s = 0.0
         self._packet_is_own = False
-        #: Nodes of a bench: that were here at any time, and that are here.
+        #: Nodes of a bench: those that were connected at any time, and those connected now.
         self._seen: frozenset[str] = frozenset()
         self._here: frozenset[str] = frozenset()
         try:
@@ -115,13 +115,13 @@ class HubBus(can.BusABC):
             if coalesce_frames:
                 hello["coalesce_frames"] = int(coalesce_frames)
                 hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
-            # A hub that starts slowly answers slowly, too.
+            # A hub that starts slowly also answers slowly.
             self.hub_properties = _exchange_hello(link, hello, max(deadline_s, time.monotonic() + _ANSWER_TIMEOUT_S))
             hub_bitrate = self.hub_properties.get("bitrate_bps")
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
         except BaseException:
-            # Ctrl-C too leaves no connection open.
+            # On Ctrl-C, too, the connection must be closed.
             link.close()
             raise
         self._link = link
@@ -134,7 +134,7 @@ class HubBus(can.BusABC):
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
         """Send one message.
 
-        ``timeout`` in seconds for the hub to take it, None waits for ever, 0 tries once. Raises
+        ``timeout``: seconds to wait until the hub takes it, None waits for ever, 0 tries once. Raises
         :class:`SendTimeout` (a ``can.CanOperationError`` and ``can.CanTimeoutError``), :class:`HubLost`,
         ValueError for an impossible frame.
         """
@@ -156,7 +156,7 @@ class HubBus(can.BusABC):
         return message, False
 
     def fileno(self) -> int:
-        """Descriptor that is readable while :meth:`recv` or :meth:`recv_frames` would not wait."""
+        """Descriptor that is readable while :meth:`recv` or :meth:`recv_frames` would not block."""
         link = self._open_link()
         if self._readiness is None:
             self._readiness = ReadinessFd(link.sock)
@@ -192,14 +192,14 @@ class HubBus(can.BusABC):
         """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
 
         ``timeout_s``: seconds for the whole list, None waits for ever. Raises as :meth:`send`; ValueError
-        comes before anything is sent.
+        is raised before anything is sent.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         for packet in self._packets(frames):
             self._send(packet, deadline_s)
 
     def offer_frames(self, frames: Sequence[Frame]) -> int:
-        """Send as many of the frames, from the first, as the hub takes without waiting; returns how many.
+        """Send as many of the frames, from the first on, as the hub takes without waiting; returns their number.
 
         Raises as :meth:`send_frames`, except :class:`SendTimeout`.
         """
@@ -213,9 +213,9 @@ class HubBus(can.BusABC):
         return taken
 
     def recv_frames(self, timeout_s: float | None) -> list[Frame]:
-        """All frames of the next packet that pass the filters; [] at the timeout (None waits for ever).
+        """All frames of the next packet that pass the filters; [] after the timeout (None waits for ever).
 
-        Frames that ``recv`` has left of a packet come first. Raises :class:`HubLost`.
+        The rest of a packet partly read by ``recv`` comes first. Raises :class:`HubLost`.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while self._packet or self._next_packet(deadline_s):
@@ -229,7 +229,7 @@ class HubBus(can.BusABC):
         return []
 
     def has_left(self, role: str) -> bool:
-        """Whether a node of the bench was on the hub and is not any more; known once all that it sent has been read."""
+        """Whether a node of the bench was on the hub and has left; known once all that it sent has been read."""
         return role in self._seen and role not in self._here
 
     # --- inside -------------------------------------------------------------------------------------------
@@ -286,7 +286,7 @@ def _connect(address: Address, deadline_s: float, while_connecting: Callable[[],
     while True:
         sock = new_socket(address)
         try:
-            # Bounded even on a hub that is stopped and whose backlog is full.
+            # Limited even if the hub is suspended and its backlog is full.
             sock.settimeout(_ANSWER_TIMEOUT_S)
             connect(sock, address)
         except OSError as error:

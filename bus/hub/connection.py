@@ -1,6 +1,6 @@
 """The client's end of a hub connection: whole packets in and out, with deadlines on the monotonic clock.
 
-The sockets stay in blocking mode and every call says ``MSG_DONTWAIT`` where it must not block, so one
+The sockets stay in blocking mode, and every call that must not block uses ``MSG_DONTWAIT``, so one
 thread may wait for packets while another sends (python-can's periodic tasks do that).
 """
 
@@ -22,7 +22,7 @@ from railhil.bus.hub.wire import MAX_PACKET_SIZE, OWN_MARK
 
 _RECEIVE_SIZE = MAX_PACKET_SIZE + len(OWN_MARK)
 _STREAM_CHUNK_SIZE = 65536
-#: ``select`` waits in microseconds but takes low descriptors only; ``poll`` rounds up to whole milliseconds.
+#: ``select`` waits in microseconds but accepts only low descriptors; ``poll`` rounds up to whole milliseconds.
 _SELECT_FD_LIMIT = 1024
 _GOODBYE_TIMEOUT_S = 1.0
 #: Longest wait inside one ``recv`` (SO_RCVTIMEO); reads with a nearer deadline use select first.
@@ -31,7 +31,7 @@ _TIMEVAL = Struct("ll")
 
 
 class HubLost(BusLost, can.CanOperationError):
-    """The hub is gone, or has cut this client off (malformed packet, or too far behind)."""
+    """The hub is gone, or has disconnected this client (malformed packet, or too far behind)."""
 
 
 class SendTimeout(BusError, can.CanOperationError, can.CanTimeoutError):
@@ -39,7 +39,7 @@ class SendTimeout(BusError, can.CanOperationError, can.CanTimeoutError):
 
 
 def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool:
-    """Wait until the socket is ready; False when the deadline came first. Errors and EOF count as ready."""
+    """Wait until the socket is ready; False if the deadline came first. Errors and EOF count as ready."""
     descriptor = sock.fileno()
     timeout_s = None if deadline_s is None else max(deadline_s - time.monotonic(), 0.0)
     if descriptor < _SELECT_FD_LIMIT:
@@ -64,18 +64,18 @@ class HubConnection(ABC):
 
     @abstractmethod
     def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
-        """Send one packet whole. Raises :class:`HubLost`, :class:`SendTimeout`."""
+        """Send one complete packet. Raises :class:`HubLost`, :class:`SendTimeout`."""
 
     @abstractmethod
     def receive_packet(self, deadline_s: float | None) -> bytes | None:
         """Next packet, or None at the deadline. Raises :class:`HubLost`."""
 
     def has_buffered(self) -> bool:
-        """True when a packet waits in this process, where a poll of the socket cannot see it."""
+        """True if a packet waits in this process, where a poll of the socket does not show it."""
         return False
 
     def close(self) -> None:
-        """Close after everything sent has been handed over."""
+        """Close after everything sent has been delivered to the hub."""
         self.sock.close()
 
     def _lost(self, why: str) -> HubLost:
@@ -99,8 +99,8 @@ class HubConnection(ABC):
                     continue
                 return None
             except ConnectionResetError:
-                # The hub closed while packets of ours were unread. What it sent before is still in our queue:
-                # the next read gets it, and finally the end of file.
+                # The hub closed while packets from this client were unread. What it sent before is still in the
+                # receive queue: the next read gets it, and finally the end of file.
                 resets += 1
                 continue
             except OSError as error:
@@ -144,7 +144,7 @@ class StreamConnection(HubConnection):
     def __init__(self, sock: socket.socket, peer: str) -> None:
         super().__init__(sock, peer)
         self._incoming = bytearray()
-        #: Rest of a packet whose first bytes the socket has already taken when a deadline came.
+        #: Rest of a packet whose first bytes the socket had already taken at a deadline.
         self._unsent = b""
         self._send_lock = threading.Lock()
 
@@ -187,10 +187,10 @@ class StreamConnection(HubConnection):
         return len(incoming) >= 2 and len(incoming) >= 2 + int.from_bytes(incoming[:2], "big")
 
     def close(self) -> None:
-        """Half-close, and let the hub read to the end: a close with unread input would discard our output."""
+        """Half-close, and let the hub read to the end: closing with unread input would discard the output."""
         deadline_s = time.monotonic() + _GOODBYE_TIMEOUT_S
         with contextlib.suppress(OSError, HubLost):
-            # A hub that is gone cannot be told goodbye.
+            # The hub may be gone already.
             self._flush_unsent(deadline_s)
             self.sock.shutdown(socket.SHUT_WR)
             while self._receive(_STREAM_CHUNK_SIZE, deadline_s) is not None:
@@ -201,7 +201,7 @@ class StreamConnection(HubConnection):
 class ReadinessFd:
     """A descriptor that is readable while the socket has packets, or this process has frames of one left.
 
-    Selectors and asyncio need it: a packet may hold many frames, of which ``recv`` hands out one at a time.
+    Selectors and asyncio need it: a packet may hold many frames, and ``recv`` returns one at a time.
     """
 
     def __init__(self, sock: socket.socket) -> None:
@@ -216,7 +216,7 @@ class ReadinessFd:
         return self._epoll.fileno()
 
     def set_buffered(self, buffered: bool) -> None:
-        """Say whether frames wait in this process."""
+        """Set whether frames wait in this process."""
         if buffered != self._is_set:
             if buffered:
                 os.eventfd_write(self._event_fd, 1)

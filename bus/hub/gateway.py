@@ -1,8 +1,8 @@
-"""Another python-can bus as a port of the hub: what makes it a gateway.
+"""Another python-can bus as a port of the hub, which makes the hub a gateway.
 
-The bus is a :class:`railhil.bus.link.Link`, which knows how adapters fail and come back. The switch hands frames over
-and takes them without waiting, straight from the adapter's descriptor. What may take long happens in a thread of the
-port's own: waiting for a bus that is down, and reading one through python-can's own driver. The hub is not a node of
+The bus is a :class:`railhil.bus.link.Link`, which handles adapters that fail and come back. The switch passes frames
+to and from it without waiting, directly through the adapter's descriptor. Operations that may take long run in a thread
+of the port: waiting for a bus that is down, and reading a bus through python-can's own driver. The hub is not a node of
 the control path, and nothing else reads the link meanwhile.
 
 ::
@@ -13,7 +13,7 @@ the control path, and nothing else reads the link meanwhile.
                     | arrivals <- thread: Link.receive, open |
                     +---------------------------------------+
 
-Error frames tell of the wire that they come from, and stay there.
+Error frames report on the wire from which they come, and are not forwarded.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ from railhil.bus.hub.portspec import PortSpec, descriptor_of, open_port, open_po
 from railhil.bus.hub.wire import pack_frames, unpack_frames
 from railhil.bus.link.batch import BatchLink
 
-#: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that and so on.
+#: A full bus is tried again after this time (a frame takes 0.25 ms at 500 kbit/s), then after twice that, and so on.
 RETRY_NS = 500_000
 RETRY_MAX_NS = 4_000_000
-#: One that is down, or whose driver may wait each time itself.
+#: For a bus that is down, or whose driver may block on each attempt.
 SLOW_RETRY_NS = 20_000_000
 _OPEN_RETRY_S = 0.2
-#: Long enough for a silent serial adapter to be asked for its state.
+#: Long enough to query the state of a silent serial adapter.
 _THREAD_LOOK_S = 0.1
 _READS_AT_ONCE = 256
 _SHOWN_FIRST = ("received", "sent", "outages")
@@ -52,12 +52,12 @@ class BusPort(SwitchPort):
     """A python-can bus as a port.
 
     ``counters``: ``dropped`` (frames that the bus did not take in time), ``fd_dropped`` (CAN FD frames for a bus
-    without), ``local_error_frames`` (not carried on), ``rx_lost`` (frames of the bus that the switch did not read in
-    time), beside those of the link.
+    without CAN FD), ``local_error_frames`` (not forwarded), ``rx_lost`` (frames of the bus that the switch did not read
+    in time), in addition to those of the link.
 
-    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); else for a
-        moment for a full one and not at all for a missing one, so that nothing old is sent later.
-    :param report: takes one line.
+    :param lossless: for lockstep: frames wait for a full or missing bus (:mod:`railhil.bus.hub.backlog`); otherwise
+        they wait briefly for a full one and not at all for a missing one, so that nothing old is sent later.
+    :param report: called with one line.
     :raises BusUnavailable: the bus cannot be opened.
     """
 
@@ -67,7 +67,7 @@ class BusPort(SwitchPort):
         super().__init__(f"port {spec.transport}")
         self.is_member = True
         self.counters: Counter[str] = Counter()
-        #: Of links that had to be replaced.
+        #: Counters of links that had to be replaced.
         self._earlier: Counter[str] = Counter()
         self._spec, self._lossless, self._report = spec, lossless, report
         self._backlog = Backlog(lossless)
@@ -75,9 +75,9 @@ class BusPort(SwitchPort):
         self._thread: threading.Thread | None = None
         self._thread_is_done = False
         self._closing = threading.Event()
-        #: Of the bus that the epoll descriptor watches; None while the thread has it.
+        #: Descriptor of the bus that the epoll descriptor watches; None while the thread has the bus.
         self._watched_fd: int | None = None
-        #: The link has given up: it is to be opened anew.
+        #: The link has given up and must be opened again.
         self._is_lost = False
         self._lost_s = 0.0
         self._link = open_port(spec, lossless)
@@ -89,7 +89,7 @@ class BusPort(SwitchPort):
         self._retry_ns = self._first_retry_ns
         self._attend()
 
-    # --- what the switch calls ----------------------------------------------------------------------------
+    # --- called by the switch -----------------------------------------------------------------------------
 
     def fileno(self) -> int:
         """See :meth:`SwitchPort.fileno`; stays the same when the bus is opened again."""
@@ -133,17 +133,17 @@ class BusPort(SwitchPort):
         if self._thread is not None:
             self._thread.join(1.0)
             if self._thread.is_alive():
-                # It is opening a port, which nothing can cut short; it ends with the process.
+                # It is opening a port, which cannot be interrupted; it ends with the process.
                 return
         with contextlib.suppress(Exception):
-            # A driver that has lost its device may raise anything at its end.
+            # A driver that has lost its device may raise anything while closing.
             self._link.close()
         self._epoll.close()
         self._arrivals.close()
 
     def statistics(self) -> str:
         """See :meth:`SwitchPort.statistics`."""
-        # Copies in one step each: the thread may be counting.
+        # Each is copied in one step, because the thread may be counting.
         total = self.counters + Counter(dict(self._earlier)) + Counter(dict(self._link.counters))
         line = f"{total['received']} frames in, {total['sent']} out, {total['outages']} outages"
         others = [f"{name} {count}" for name, count in sorted(total.items()) if name not in _SHOWN_FIRST]
@@ -173,11 +173,11 @@ class BusPort(SwitchPort):
         return suitable
 
     def _offer(self, frames: list[Frame]) -> int:
-        """Frames that the bus has taken, from the first."""
+        """Number of frames that the bus has taken, from the first on."""
         try:
             taken = self._link.offer(frames)
         except Exception as error:
-            # Drivers raise anything; what one does is no reason to leave the other buses alone.
+            # Drivers may raise anything; a failure of one must not affect the other buses.
             self._lost(error)
             taken = 0
         if self._link.is_down or self._is_lost:
@@ -192,7 +192,7 @@ class BusPort(SwitchPort):
             self._dropped(self._backlog.add(frames))
         is_new = not self.has_backlog
         if self.due_ns is None:
-            # Frames that come later do not put off the next attempt.
+            # Frames that come later do not postpone the next attempt.
             self._retry_ns = self._first_retry_ns
             self._set_timer()
         return is_new
@@ -213,24 +213,24 @@ class BusPort(SwitchPort):
     # --- from the bus -------------------------------------------------------------------------------------
 
     def _read(self) -> list[Frame]:
-        """What the descriptor has announced."""
+        """The frames announced by the descriptor."""
         frames: list[Frame] = []
         try:
             for _ in range(_READS_AT_ONCE):
                 arrived = self._link.receive(0.0)
                 frames += arrived
-                # The hub gives one packet at a time; the other links read in bulk. What is left is announced again.
+                # The hub gives one packet at a time; the other links read in bulk. The rest is announced again.
                 if not arrived or not isinstance(self._link, BatchLink):
                     break
         except Exception as error:
-            # Drivers raise anything here, too.
+            # Drivers may raise anything here, too.
             self._lost(error)
         if self._link.is_down or self._is_lost:
             self._attend()
         return frames
 
     def _take_over(self) -> list[Frame]:
-        """What the thread has read; the bus itself when the thread is done with it."""
+        """The frames read by the thread; those of the bus itself once the thread has released it."""
         frames = self._arrivals.take()
         if self._thread_is_done and self._thread is not None:
             self._thread.join()
@@ -243,17 +243,17 @@ class BusPort(SwitchPort):
     # --- outages ------------------------------------------------------------------------------------------
 
     def _lost(self, error: Exception) -> None:
-        """The link has given up, or its driver has failed in a way that the link does not know."""
+        """The link has given up, or its driver has failed in a way unknown to the link."""
         if not self._link.is_down:
             self._earlier["outages"] += 1
         self._lost_s = time.monotonic()
         self._is_lost = True
         words = " ".join(str(error).split()) or type(error).__name__
         reason = words if isinstance(error, BusLost) else f"its driver has failed: {words}"
-        self._report(f"{self.name} is down ({reason}); it is opened again when it is there")
+        self._report(f"{self.name} is down ({reason}); it is opened again when it is back")
 
     def _attend(self) -> None:
-        """Let the descriptor, or the thread, look after the bus."""
+        """Let the descriptor or the thread watch the bus."""
         if self._has_descriptor and not self._link.is_down and not self._is_lost:
             self._watched_fd = self._link.bus.fileno()
             self._epoll.register(self._watched_fd, select.EPOLLIN)
@@ -269,10 +269,10 @@ class BusPort(SwitchPort):
             self._thread.start()
 
     def _look_after(self) -> None:
-        """Thread: read the bus, wait for it when it is down; ends when the descriptor can do that again."""
+        """Thread: read the bus, and wait for it while it is down; ends when the descriptor can be used again."""
         while not self._closing.is_set():
             if self._is_lost:
-                # Also before the first attempt: a driver may open well and fail at once, again and again.
+                # Also before the first attempt: a driver may open successfully and fail at once, again and again.
                 if self._closing.wait(_OPEN_RETRY_S) or not self._open_again():
                     continue
                 self._is_lost = False
@@ -282,7 +282,7 @@ class BusPort(SwitchPort):
             try:
                 frames = self._link.receive(_THREAD_LOOK_S)
             except Exception as error:
-                # Drivers raise anything here, too.
+                # Drivers may raise anything here, too.
                 self._lost(error)
                 continue
             if frames:
@@ -294,7 +294,7 @@ class BusPort(SwitchPort):
 
     def _open_again(self) -> bool:
         with contextlib.suppress(Exception):
-            # What is left of a bus that is gone may raise anything.
+            # The remains of a lost bus may raise anything.
             self._link.close()
         link = open_port_again(self._spec, self._lossless)
         if link is None:

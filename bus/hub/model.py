@@ -6,8 +6,8 @@ Both are off by default. Each client is a CAN controller with one first-in-first
 delivered at its end. Time is the monotonic clock of the hub process; a hub that is woken late catches up,
 so rounding does not accumulate.
 
-*Arbitration*: when the wire becomes idle, of the frames at the heads of their queues the one with the lowest
-arbitration key is sent first. Without a bit rate the wire is always idle; then the frames found waiting in one pass of
+*Arbitration*: when the wire becomes idle, the frame with the lowest arbitration key among those at the heads of the
+queues is sent first. Without a bit rate the wire is always idle; then the frames found waiting in one pass of
 the hub's loop arbitrate. In a tie (the same identifier from two clients, an error on a real bus) the earlier arrival
 wins.
 
@@ -65,7 +65,7 @@ class WireModel:
             self._sequence += 1
 
     def is_full(self, source: SwitchPort) -> bool:
-        """True when the source must wait before it offers more."""
+        """True if the source must wait before it offers more."""
         return len(self._queues.get(source, ())) >= PENDING_LIMIT_FRAMES
 
     def due(self, now_ns: int) -> list[tuple[SwitchPort, bytes]]:

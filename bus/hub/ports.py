@@ -1,6 +1,6 @@
-"""The hub's end of a connection. A port never blocks: what its peer cannot take yet waits in a bounded queue.
+"""The hub's end of a connection. A port never blocks: packets that its peer cannot take yet wait in a bounded queue.
 
-:class:`SwitchPort` is all that the switch knows, so that another python-can bus can be a port too
+:class:`SwitchPort` is all that the switch uses, so that another python-can bus can be a port too
 (:mod:`railhil.bus.hub.gateway`).
 """
 
@@ -13,9 +13,9 @@ from collections import deque
 from railhil.bus.hub.coalesce import Coalescer
 from railhil.bus.hub.wire import MAX_PACKET_SIZE
 
-#: What a queued packet costs beyond its bytes: the bytes object and its place in the queue.
+#: Overhead of a queued packet in addition to its bytes: the bytes object and its place in the queue.
 QUEUED_PACKET_OVERHEAD_BYTES = 48
-#: Room asked for in the kernel (which caps it silently), so that a short pause of a reader needs no queue.
+#: Requested kernel buffer (silently limited by the kernel), so that a short pause of a reader needs no queue.
 _KERNEL_BUFFER_BYTES = 4 << 20
 _STREAM_CHUNK_SIZE = 65536
 
@@ -25,61 +25,61 @@ class PortClosed(Exception):
 
 
 class PortFault(Exception):
-    """The peer must be cut off; the text says why, in one line."""
+    """The peer must be disconnected; the text says why, in one line."""
 
 
 class SwitchPort(ABC):
     """One port of the switch.
 
-    ``name`` is shown in messages. ``is_member`` says that packets flow: false until the hello is answered.
-    ``receive_own`` asks for a copy of the port's own packets. ``due_ns`` is when the switch shall call :meth:`flush`
-    without being told that the port is writable (monotonic clock), None for not at all.
+    ``name`` is shown in messages. ``is_member`` is true once the hello has been answered and packets flow.
+    ``receive_own`` requests a copy of the port's own packets. ``due_ns`` is the time at which the switch must call
+    :meth:`flush` even if the port is not reported writable (monotonic clock); None: not at all.
     """
 
-    #: It comes and goes by itself; a bus given on the command line does not.
+    #: A client comes and goes by itself; a bus given on the command line does not.
     is_client = True
 
     def __init__(self, name: str) -> None:
         self.name = name
         self.is_member = False
         self.receive_own = False
-        #: Which node of a bench the client is, and whether it is told which are here.
+        #: Which node of a bench the client is, and whether it is informed about the others.
         self.role: str | None = None
         self.hears_roles = False
         #: Set for a client that reads in bulk.
         self.coalescer: Coalescer | None = None
-        #: Packets wait in the queue: the switch calls :meth:`flush` when the port becomes writable.
+        #: Packets wait in the queue; the switch calls :meth:`flush` when the port becomes writable.
         self.has_backlog = False
         self.due_ns: int | None = None
 
     @abstractmethod
     def fileno(self) -> int:
-        """Descriptor that becomes readable when :meth:`receive` has something."""
+        """Descriptor that becomes readable when :meth:`receive` has packets."""
 
     @abstractmethod
     def receive(self) -> list[bytes]:
-        """Packets that have come, oldest first; may be none.
+        """Packets that have arrived, oldest first; may be empty.
 
         Raises :class:`PortClosed`, :class:`PortFault`.
         """
 
     @abstractmethod
     def send(self, packet: bytes) -> bool:
-        """Hand over or queue one packet; True when ``has_backlog`` has become true.
+        """Deliver or queue one packet; True if ``has_backlog`` has become true.
 
-        Raises :class:`PortFault` when the queue is over its bound.
+        Raises :class:`PortFault` if the queue exceeds its limit.
         """
 
     @abstractmethod
     def flush(self) -> None:
-        """Hand over queued packets as far as the peer takes them; clears ``has_backlog`` after the last."""
+        """Deliver queued packets as far as the peer takes them; clears ``has_backlog`` after the last."""
 
     @abstractmethod
     def close(self) -> None:
-        """Give the descriptor back; what is queued is lost."""
+        """Close the descriptor; queued packets are lost."""
 
     def statistics(self) -> str:
-        """What the port has carried and lost, in one line; empty when it does not count."""
+        """Frames carried and lost by the port, in one line; empty if it does not count them."""
         return ""
 
 
@@ -96,7 +96,7 @@ class SocketPort(SwitchPort):
         self._queue: deque[bytes] = deque()
         self._queued_bytes = 0
         self._queue_limit_bytes = queue_limit_bytes
-        #: The peer takes nothing any more, but what it sent before it left is still to be read.
+        #: The peer takes nothing any more, but packets that it sent before it left are still to be read.
         self._is_deaf = False
 
     def fileno(self) -> int:
@@ -119,7 +119,7 @@ class SocketPort(SwitchPort):
             except BlockingIOError:
                 return self._enqueue(packet)
             except OSError:
-                # Not yet a reason to leave: frames that the peer sent before it closed must still be carried.
+                # Not yet a reason to drop the port: frames that the peer sent before it closed must still be carried.
                 self._is_deaf = True
                 return False
         return self._enqueue(packet)
@@ -133,7 +133,7 @@ class SocketPort(SwitchPort):
         except BlockingIOError:
             return
         except OSError:
-            # As in send: what it sent before is still to be read.
+            # As in send: packets that it sent before are still to be read.
             self._is_deaf = True
             queue.clear()
             self._queued_bytes = 0
@@ -157,14 +157,14 @@ class SocketPort(SwitchPort):
         return is_new
 
     def _receive_bytes(self, size: int) -> bytes | None:
-        """Bytes of one read, None when there are none now."""
+        """Bytes of one read, None if there are none now."""
         for _ in range(2):
             try:
                 chunk = self._recv(size)
             except BlockingIOError:
                 return None
             except ConnectionResetError:
-                # The peer closed with packets unread. What it sent is still in our queue: read on to the
+                # The peer closed with packets unread. What it sent is still in the receive queue: read on to the
                 # end of file.
                 continue
             except OSError as error:
@@ -195,7 +195,7 @@ class StreamPort(SocketPort):
         while len(incoming) - start >= 2:
             end = start + 2 + int.from_bytes(incoming[start : start + 2], "big")
             if end - start - 2 > MAX_PACKET_SIZE:
-                # Never wait for the rest of a foreign protocol: over-long, so that the switch refuses it, and
+                # Never wait for the rest of a foreign protocol: return it over-long, so that the switch refuses it, and
                 # with its first bytes, so that the switch can show them.
                 packets.append(bytes(incoming[start : start + 64]).ljust(MAX_PACKET_SIZE + 1, b"\0"))
                 break

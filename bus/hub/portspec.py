@@ -1,4 +1,4 @@
-"""Other buses as ports of the hub: as the command line names them, ``INTERFACE:CHANNEL[,key=value...]``, and opened."""
+"""Other buses as ports of the hub, named ``INTERFACE:CHANNEL[,key=value...]`` on the command line, and opening them."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from railhil.bus.hub.address import parse_channel
 from railhil.bus.link import Link, open_link
 from railhil.bus.link.kernel import is_up
 
-#: How the hub begins its lines.
+#: Beginning of the hub's messages.
 PROGRAM = "railhil hub"
 _HUB_INTERFACE = "railhil"
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 _SHAPE = "INTERFACE:CHANNEL[,key=value...], e.g. socketcan:can0 or slcan:/dev/ttyACM0,bitrate=500000"
-#: Said before the comma, or would let a port hear its own frames, or cannot be said in one word.
+#: Keys already given before the comma, or that would let a port receive its own frames, or that do not fit one word.
 _REFUSED_KEYS = frozenset(("interface", "channel", "receive_own_messages", "can_filters"))
-#: Of these the interface to a hub makes something, and of no others.
+#: The interface to a hub uses these keys only.
 _HUB_KEYS = ("fd", "name", "connect_timeout", "bitrate")
-#: At its start a gateway waits so long for a hub that is only just starting too.
+#: At its start a gateway waits this long for a hub that may still be starting too.
 _HUB_START_S = 10.0
-#: Unless nothing may be lost, the kernel keeps no more than this for a hub that does not read, some 20 small packets,
-#: so that what waits there is not old. Twice a full packet.
+#: Unless the port is lossless, the kernel buffers no more than this for a hub that does not read (some 20 small
+#: packets), so that waiting frames do not become old. Twice a full packet.
 _HUB_SEND_BUFFER_BYTES = 8192
 
 
 @dataclass(frozen=True, slots=True)
 class PortSpec:
-    """``config``: keyword arguments of ``can.Bus``; ``bus``: what two names of the same bus have in common."""
+    """``config``: keyword arguments of ``can.Bus``; ``bus``: identity of the bus, the same for two names of one bus."""
 
     config: dict[str, Any]
     bus: str
@@ -46,7 +46,7 @@ class PortSpec:
 
 
 def parse_port(text: str) -> PortSpec:
-    """One ``--port``. Values are typed as python-can's ``--bus-kwargs`` are.
+    """One ``--port``. Values are typed like those of python-can's ``--bus-kwargs``.
 
     Raises :class:`BusUnavailable` with one line.
     """
@@ -80,7 +80,7 @@ def parse_port(text: str) -> PortSpec:
 
 
 def _allowed(key: str, value: str | int | float | bool) -> str:
-    """What the value of a key that every interface knows may be; empty when it is that."""
+    """Allowed values of a key that every interface has; empty if the value is one of them."""
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
     if key == "fd" and not isinstance(value, bool):
         return "true, false"
@@ -94,8 +94,8 @@ def _allowed(key: str, value: str | int | float | bool) -> str:
 def parse_ports(texts: Sequence[str], own_channel: str) -> list[PortSpec]:
     """All ports of a hub that listens on ``own_channel``.
 
-    Raises :class:`BusUnavailable` with one line, also for a bus that is named twice and for the hub itself: frames
-    would go round for ever.
+    Raises :class:`BusUnavailable` with one line, also if a bus is named twice or the hub itself is named: frames
+    would circulate for ever.
     """
     specs: list[PortSpec] = []
     for text in texts:
@@ -109,7 +109,8 @@ def parse_ports(texts: Sequence[str], own_channel: str) -> list[PortSpec]:
 
 
 def _identity(interface: str, channel: str) -> str:
-    """The bus behind a channel name: links followed, ``device@baudrate`` of serial adapters without the rate."""
+    """Identity of the bus of a channel name: links resolved, ``device@baudrate`` of serial adapters without the
+    rate."""
     if interface == _HUB_INTERFACE:
         address = parse_channel(channel)
         return f"{interface}:{address if address.path is None else os.path.realpath(address.path)}"
@@ -118,7 +119,7 @@ def _identity(interface: str, channel: str) -> str:
 
 
 def open_port(spec: PortSpec, lossless: bool) -> Link:
-    """Open the bus behind a port at the start; a hub is waited for.
+    """Open the bus of a port at the start; waits for a hub.
 
     Raises :class:`BusUnavailable` with one line.
     """
@@ -126,8 +127,8 @@ def open_port(spec: PortSpec, lossless: bool) -> Link:
 
 
 def open_port_again(spec: PortSpec, lossless: bool) -> Link | None:
-    """Open the bus behind a port after an outage, without waiting; None when it is not there."""
-    # A SocketCAN interface that is not up can be opened, and would tell only at the first read.
+    """Open the bus of a port after an outage, without waiting; None if it is not available."""
+    # A SocketCAN interface that is not up can be opened, and would report this only at the first read.
     if spec.config["interface"] == "socketcan" and not is_up(spec.config["channel"]):
         return None
     try:
@@ -147,12 +148,12 @@ def _opened(spec: PortSpec, lossless: bool, config: dict[str, Any]) -> Link:
 
 
 def descriptor_of(link: Link) -> int | None:
-    """The descriptor that becomes readable when frames have come, where the interface has one that can be trusted."""
+    """The descriptor that becomes readable when frames arrive, if the interface has a reliable one."""
     if not link.has_descriptor:
         return None
     try:
         descriptor = link.bus.fileno()
     except (NotImplementedError, can.CanError, OSError):
-        # An interface without one says so in any of these ways, and one that is going has none any more.
+        # Interfaces without a descriptor report this in different ways, and one that is closing has none any more.
         return None
     return descriptor if descriptor >= 0 else None

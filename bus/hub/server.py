@@ -118,7 +118,7 @@ class _StoppedAtStart(BaseException):
 
 
 class _Signals:
-    """SIGTERM, SIGINT and SIGHUP end the hub, SIGUSR1 lets it report, from the first moment on (main thread only)."""
+    """SIGTERM, SIGINT and SIGHUP end the hub, SIGUSR1 makes it report, from the very start (main thread only)."""
 
     def __init__(self) -> None:
         self._switch: Switch | None = None
@@ -139,7 +139,7 @@ class _Signals:
 
     @contextlib.contextmanager
     def interrupting(self) -> Iterator[None]:
-        """Let a stop end the block at once, by :class:`_StoppedAtStart`."""
+        """Let a stop signal end the block at once, by :class:`_StoppedAtStart`."""
         self._may_interrupt = True
         if self._is_stopped:
             raise _StoppedAtStart

@@ -1,7 +1,7 @@
 """The switch: reads packets from its ports and carries each one to all other ports, in one total order.
 
-One thread, one epoll loop. Without a model the work per packet is one read, one look at its lengths and one
-write per receiver; no frame is taken apart.
+One thread, one epoll loop. Without a model the work per packet is one read, one check of its lengths and one
+write per receiver; frames are not unpacked.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from railhil.bus.hub.ports import PortClosed, PortFault, SocketPort, StreamPort,
 from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, encode_roles, fault_of, role_of
 
 MAX_PORTS = 256
-#: How long a stopped hub goes on handing out what it has already taken.
+#: How long a stopped hub continues to deliver packets that it has already taken.
 DRAIN_TIMEOUT_S = 1.0
 _DRAIN_LOOK_S = 0.005
 _STOP, _TELL = b"s", b"t"
@@ -31,8 +31,8 @@ _READ_EVENTS = select.EPOLLIN | select.EPOLLHUP | select.EPOLLERR
 class Switch:
     """Ports around a listening socket.
 
-    ``properties`` go into the hello answered to each client. ``report`` takes one line about each client
-    that is cut off. With ``once`` the loop ends when the last client has left. ``bus_ports`` are there from the
+    ``properties`` are part of the hello sent to each client. ``report`` is called with one line for each client
+    that is disconnected. With ``once`` the loop ends when the last client has left. ``bus_ports`` exist from the
     beginning to the end.
     """
 
@@ -54,11 +54,11 @@ class Switch:
         self._model = model
         self._once = once
         self._ports: dict[int, SwitchPort] = {}
-        #: Replaced, never changed in place: a port may be dropped while packets are carried.
+        #: Replaced, never changed in place: a port may be dropped while packets are being carried.
         self._members: list[SwitchPort] = list(bus_ports)
         self._bus_ports = tuple(bus_ports)
         self._bulk_readers = False
-        #: Event mask each port is registered with; 0 means that it is not registered.
+        #: Event mask with which each port is registered; 0 means that it is not registered.
         self._watched: dict[SwitchPort, int] = {}
         self._is_accepting = True
         self._had_member = False
@@ -76,11 +76,11 @@ class Switch:
         os.write(self._wake_write, _STOP)
 
     def tell(self) -> None:
-        """Let the loop report what its ports have counted; may be called as :meth:`stop`."""
+        """Let the loop report the counters of its ports; may be called as :meth:`stop`."""
         os.write(self._wake_write, _TELL)
 
     def report_statistics(self) -> None:
-        """One line for each port that counts."""
+        """One line for each port that has counters."""
         for port in self._members:
             line = port.statistics()
             if line:
@@ -110,7 +110,8 @@ class Switch:
         self._drain()
 
     def close(self) -> None:
-        """Close the clients' ports and what the loop needs; listening socket and buses stay with their owner."""
+        """Close the clients' ports and the loop's own descriptors; listening socket and buses remain with their
+        owner."""
         for port in self._ports.values():
             if port.is_client:
                 port.close()
@@ -140,9 +141,10 @@ class Switch:
         return self._epoll.poll()
 
     def _next_due_ns(self) -> int | None:
-        """When the model or a bus has something to do without being told by a descriptor.
+        """Next time at which the model or a bus must be served without an event on a descriptor.
 
-        What is held for clients that read in bulk has its time then too; else the epoll's time-out is enough for it.
+        While packets are held for clients that read in bulk, their due time is included; otherwise the epoll time-out
+        is enough for it.
         """
         times_ns = [port.due_ns for port in self._bus_ports]
         if self._model is not None:
@@ -155,7 +157,7 @@ class Switch:
         return due_ns
 
     def _flush_held(self, until_ns: int | None = None) -> None:
-        """Hand over what is held for the clients that read in bulk: all, or what is due by ``until_ns``."""
+        """Deliver packets held for the clients that read in bulk: all, or those due by ``until_ns``."""
         for port in self._members:
             if port.coalescer is None or port.coalescer.due_ns is None:
                 continue
@@ -222,7 +224,7 @@ class Switch:
             self._update(port)
 
     def _update(self, port: SwitchPort) -> None:
-        """Let epoll watch the port's input unless the model is full, its output while it has a backlog."""
+        """Let epoll watch the port's input unless the model is full, and its output while it has a backlog."""
         before = self._watched.get(port)
         if before is None:
             return
@@ -233,7 +235,7 @@ class Switch:
         self._watched[port] = events
         fd = port.fileno()
         if not events:
-            # Not merely an empty mask: epoll would report a hang-up again and again.
+            # An empty mask is not enough: epoll would report a hang-up again and again.
             self._epoll.unregister(fd)
         elif not before:
             self._epoll.register(fd, events)
@@ -252,7 +254,7 @@ class Switch:
         except BlockingIOError:
             return
         except OSError as error:
-            # Out of descriptors, most likely: deaf until a client leaves, instead of failing in a busy loop.
+            # Probably out of descriptors: stop listening until a client leaves, instead of failing in a busy loop.
             self._report(f"no more clients are accepted until one leaves: {describe(error)}")
             self._epoll.unregister(self._listener.fileno())
             self._is_accepting = False
@@ -271,7 +273,7 @@ class Switch:
         self._epoll.register(port.fileno(), _READ)
 
     def _greet(self, port: SwitchPort, packet: bytes) -> bool:
-        """Answer the hello and let the port in; False when it is cut off instead."""
+        """Answer the hello and admit the port; False if it is disconnected instead."""
         try:
             hello = decode_hello(packet)
             port.coalescer = coalescer_of(hello)
@@ -294,10 +296,10 @@ class Switch:
         return True
 
     def _tell_roles(self) -> None:
-        """Say which nodes of a bench are here now, behind all that has been carried so far."""
+        """Report which nodes of a bench are connected now, after all packets carried so far."""
         for port in self._members:
             if port.hears_roles:
-                # Made anew for each: a port that is dropped here is none of them any more.
+                # Built again for each port: a port that is dropped here is no longer listed.
                 here = encode_roles([member.role for member in self._members if member.role is not None])
                 for packet in (here,) if port.coalescer is None else port.coalescer.take(here):
                     self._hand_over(port, packet)
@@ -325,10 +327,10 @@ class Switch:
             self._stopping = True
 
     def _drain(self) -> None:
-        """Carry what clients had sent before the stop and hand out backlogs, within :data:`DRAIN_TIMEOUT_S`."""
+        """Carry packets that clients sent before the stop and deliver backlogs, within :data:`DRAIN_TIMEOUT_S`."""
         if self._is_accepting:
             self._epoll.unregister(self._listener.fileno())
-        # So that a client that leaves does not let the listener in again.
+        # So that a client that leaves does not enable the listener again.
         self._is_accepting = True
         self._epoll.unregister(self._wake_read)
         deadline_s = time.monotonic() + DRAIN_TIMEOUT_S
@@ -337,7 +339,7 @@ class Switch:
             if not ready:
                 if not any(port.has_backlog for port in self._members):
                     break
-                # A bus that is full does not say when it has room again.
+                # A full bus does not signal when it accepts frames again.
                 for bus_port in self._bus_ports:
                     self._flush(bus_port)
                 longest_s = _DRAIN_LOOK_S if self._bus_ports else DRAIN_TIMEOUT_S

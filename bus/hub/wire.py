@@ -1,7 +1,7 @@
-"""What travels between a client and the hub.
+"""Packets exchanged between a client and the hub.
 
-Every packet is one of these (a packet is one AF_UNIX SEQPACKET record, or on TCP a big-endian u16 length
-and then that many bytes):
+Every packet is one of the following (a packet is one AF_UNIX SEQPACKET record; on TCP it is a big-endian u16 length
+followed by that many bytes):
 
 1. *hello*, JSON in UTF-8, the first packet in each direction::
 
@@ -24,14 +24,14 @@ and then that many bytes):
        |  id   |len|flags|pad |     data                 |     flags: 1 BRS, 2 ESI
        +-------+---+-----+----+--- ... ------------------+
 
-4. *roles*, to clients that asked for it in their hello (``"hears_roles": true``): which nodes of a bench are here, sent
-   whenever that changes, behind all that one who has left had sent. A client says with ``"role"`` that it is one. JSON
-   in UTF-8, with a blank at its end if that is needed for an odd length, which no packet of frames has::
+4. *roles*, to clients that asked for it in their hello (``"hears_roles": true``): which nodes of a bench are connected,
+   sent whenever that changes, after all packets from a client that has left. A client states with ``"role"`` that it is
+   a node. JSON in UTF-8, with a blank at its end if needed for an odd length, which no packet of frames has::
 
        hub -> client   {"roles": ["controller", "plant"]}
 
 A client that asked for its own frames (``receive_own``) gets them at their place in the total order, as the
-packet it sent followed by the four bytes :data:`OWN_MARK`; bit 2 of the packet length tells them apart.
+packet it sent followed by the four bytes :data:`OWN_MARK`; bit 2 of the packet length distinguishes them.
 Source of the structs and flag bits: ``linux/can.h``.
 """
 
@@ -54,7 +54,7 @@ MAX_PACKET_SIZE = MAX_BATCH_FRAMES * CLASSIC_SIZE
 OWN_MARK = b"own\x00"
 OWN_LENGTH_BIT = 4
 ROLES_LENGTH_BIT = 1
-#: Nodes of a bench, as they call themselves.
+#: Node names used in the hello.
 ROLES = ("plant", "controller", "supervisor")
 
 EFF_FLAG = 0x8000_0000
@@ -73,7 +73,7 @@ _FD = Struct("=IBB2x64s")
 
 
 def fault_of(packet: bytes) -> str | None:
-    """What is wrong with a frame packet, or ``None``. Looks at lengths only, all of a batch in one step."""
+    """The fault of a frame packet, or ``None``. Checks only lengths, all of a batch in one step."""
     size = len(packet)
     if size == FD_SIZE:
         if packet[4] in FD_LENGTHS:
@@ -99,7 +99,7 @@ def encode_hello(**properties: object) -> bytes:
 def decode_hello(packet: bytes) -> dict[str, Any]:
     """Properties of a hello packet.
 
-    Raises ValueError with one line when it is not a hello or speaks another protocol version.
+    Raises ValueError with one line if it is not a hello or has another protocol version.
     """
     try:
         hello = json.loads(packet.decode())
@@ -114,7 +114,7 @@ def decode_hello(packet: bytes) -> dict[str, Any]:
 
 
 def role_of(hello: dict[str, Any]) -> str | None:
-    """Which node of a bench a client is, None for none. Raises ValueError with one line."""
+    """Which node of a bench a client is; None: it is not a node. Raises ValueError with one line."""
     role = hello.get("role")
     if role is None or role in ROLES:
         return role
@@ -122,13 +122,13 @@ def role_of(hello: dict[str, Any]) -> str | None:
 
 
 def encode_roles(roles: Sequence[str]) -> bytes:
-    """Packet that says which nodes are here; of odd length."""
+    """Packet that lists the connected nodes; of odd length."""
     packet = json.dumps({"roles": sorted(set(roles))}).encode()
     return packet if len(packet) & ROLES_LENGTH_BIT else packet + b" "
 
 
 def decode_roles(packet: bytes) -> frozenset[str]:
-    """The nodes that are here, of a packet of odd length."""
+    """The connected nodes, from a packet of odd length."""
     return frozenset(json.loads(packet)["roles"])
 
 
@@ -156,7 +156,7 @@ def _pack(wire_id: int, length: int, data: bytes | bytearray, fd_flags: int | No
 
 
 def pack_frame(frame: Frame) -> bytes:
-    """One frame as 16 bytes, or 72 with FD. Raises ValueError for what no CAN frame can hold.
+    """One frame as 16 bytes, or 72 with FD. Raises ValueError for values that no CAN frame can hold.
 
     A remote frame asks for ``len(frame.data)`` bytes; the bytes themselves are not sent.
     """
@@ -205,7 +205,7 @@ def pack_frames(frames: Sequence[Frame]) -> list[bytes]:
 
 
 def pack_message(message: can.Message) -> bytes:
-    """One python-can message as 16 bytes, or 72 with FD. Raises ValueError for what no CAN frame can hold."""
+    """One python-can message as 16 bytes, or 72 with FD. Raises ValueError for values that no CAN frame can hold."""
     remote = message.is_remote_frame
     wire_id = _wire_id(message.arbitration_id, message.is_extended_id, remote, message.is_error_frame)
     if not remote and message.dlc != len(message.data):
@@ -228,8 +228,8 @@ def _frame(wire_id: int, length: int, data: bytes, flags: int) -> Frame:
 
 
 def unpack_frames(packet: bytes, offset: int = 0) -> list[Frame]:
-    """Frames of a packet (own mark already removed) from byte ``offset`` on; a remote frame shows its
-    length as zeros.
+    """Frames of a packet (own mark already removed) from byte ``offset`` on; a remote frame is returned with
+    zeros of its length.
     """
     if len(packet) == FD_SIZE:
         wire_id, length, fd_flags, data = _FD.unpack(packet)

@@ -1,9 +1,9 @@
-"""Control law pi: proportional-integral, with feed-forward of the slope.
+"""Control law pi: proportional-integral, with set-point feed-forward.
 
-    notch = Kf (slope of the set-point) + Kp e + I,   I = I before + Ki Ts e inside the notch range
+    notch = Kf (slope of the set-point) + Kp e + I,   I = previous I + Ki Ts e, limited to the notch range
 
-While a notch other than the law's is sent (hold, traction cut), I is frozen: it would wind up on an error that the law
-cannot influence. Written by ``railhil new law``.
+While a notch other than the law's is sent (hold, traction cut), I is frozen, because it would otherwise wind up on an
+error that the law cannot influence. Written by ``railhil new law``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from railhil.scenarios.model import Scenario
 
 #: Gains, notch per km/h.
 GAIN_Q = 24
-#: Format of gain times speed: that of the notch before clipping.
+#: Format of gain times speed, which is that of the notch before clipping.
 _SPEED_TO_NOTCH = GAIN_Q + SPEED_Q - NOTCH_RAW_Q
 #: Control periods over which the slope of the set-point is computed.
 _AHEAD = 2
@@ -31,16 +31,16 @@ _AHEAD = 2
 class Parameters:
     """Parameters that a file may set, with their ranges; the defaults are chosen by hand."""
 
-    #: Notch per km/h, and per km/h and second.
+    #: Notch per km/h, and notch per km/h and second.
     proportional: Annotated[float, Field(ge=0, le=20)] = 3.0
     integral_per_s: Annotated[float, Field(ge=0, le=5)] = 0.1
-    #: Notch per km/h per s of slope: one notch gives 0.75 km/h per s for the train of lvshun_tieshan.
+    #: Notch per (km/h per s) of slope: one notch gives 0.75 km/h per s for the train of lvshun_tieshan.
     lead_s: Annotated[float, Field(ge=0, le=10)] = 1.15
 
 
 @dataclass(frozen=True)
 class Constants:
-    """All numbers needed in the run, each with its format and its origin."""
+    """All numbers needed in a run, each with its format and its origin."""
 
     proportional: Constant = field(metadata=held(GAIN_Q, "Kp"))
     integral: Constant = field(metadata=held(GAIN_Q, "Ki times the control period"))
@@ -59,7 +59,7 @@ class State(NamedTuple, Generic[T]):
 
 
 class Pi(Law[T, State[T]]):
-    """The law on one arithmetic. Raises ``ValueError`` for gains that do not fit their format."""
+    """The law in one arithmetic. Raises ``ValueError`` for gains that do not fit their format."""
 
     name: ClassVar[str] = "pi"
     parameters_type: ClassVar[type[Any]] = Parameters
@@ -112,7 +112,7 @@ class Pi(Law[T, State[T]]):
         ar = self._ar
         error = ar.note("error", self._limited(ar.sub(inputs.set_point, inputs.speed)), SPEED_Q, "km/h")
         rise = ar.note("rise", self._limited(ar.sub(inputs.preview[-1], inputs.set_point)), SPEED_Q, "km/h")
-        # One factor in Q24, one in Q20, the sum in Q19.
+        # One factor is in Q24, the other in Q20, the sum in Q19.
         grown = ar.add(state.integral, ar.rmpy(error, self._integral, _SPEED_TO_NOTCH))
         integral = ar.note("integral", ar.clip(grown, self._notch_max, self._notch_min), NOTCH_RAW_Q, "notch")
         led = ar.dot(self._gains, (error, rise), _SPEED_TO_NOTCH)
@@ -123,5 +123,5 @@ class Pi(Law[T, State[T]]):
         return State(integral, state.integral, notch), outputs
 
     def _limited(self, speed: T) -> T:
-        """Limited to the range of the format. Whether there are formats is known beforehand: no branch on data."""
+        """The value limited to the range of its format. ``wide`` is fixed before the run: no branch on data."""
         return speed if self._ar.wide else self._ar.sat(speed, self._speed_max, self._speed_min)

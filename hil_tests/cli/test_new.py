@@ -99,15 +99,13 @@ def test_no_file_that_is_there_is_touched(here, tmp_path):
     (tmp_path / "mylaw").mkdir()
     (tmp_path / "mylaw" / "README.md").write_text("mine")
     said = complaint(here("new", "law", "mylaw"))
-    assert said == (
-        "railhil: mylaw/README.md: found a file that is there already, allowed a new one (--out says where)"
-    )
+    assert said == ("railhil: mylaw/README.md: found a file that exists already, allowed a new one (--out says where)")
     assert [path.name for path in (tmp_path / "mylaw").iterdir()] == ["README.md"]
     assert (tmp_path / "mylaw" / "README.md").read_text() == "mine"
     (tmp_path / "mylaw" / "README.md").rename(tmp_path / "mylaw" / "NOTES.md")
     assert here("new", "law", "mylaw").exit_code == 0
     (tmp_path / "myrun.toml").symlink_to("nowhere.toml")
-    assert "myrun.toml: found a file that is there already" in complaint(here("new", "scenario", "myrun"))
+    assert "myrun.toml: found a file that exists already" in complaint(here("new", "scenario", "myrun"))
     assert not (tmp_path / "nowhere.toml").exists()
 
 
@@ -140,9 +138,12 @@ def test_names_of_distributions(here, tmp_path, kind, name, allowed):
     [
         (("law", "ipfc"), "NAME: found 'ipfc', allowed a name that no installed law has (ipfc, "),
         (("system", "ato"), "NAME: found 'ato', allowed a name that no installed system has (ato)"),
-        (("law", "constant"), "NAME: found 'constant', allowed another name: Constant is something else"),
-        (("law", "false"), "NAME: found 'false', allowed another name: False is something else"),
-        (("system", "mine", "--law", "vector_law"), "--law: found 'vector_law', allowed another name: VectorLaw is"),
+        (("law", "constant"), "NAME: found 'constant', allowed another name: Constant has another meaning"),
+        (("law", "false"), "NAME: found 'false', allowed another name: False has another meaning"),
+        (
+            ("system", "mine", "--law", "vector_law"),
+            "--law: found 'vector_law', allowed another name: VectorLaw has another meaning",
+        ),
         (("system", "mine", "--law", "My"), "--law: found 'My', allowed at most 40 small letters"),
         (("scenario", "My run"), "NAME: found 'My run', allowed at most 80 small letters"),
         (("scenario", "lvshun_tieshan"), "NAME: found 'lvshun_tieshan', allowed a name that no shipped scenario has"),
@@ -183,7 +184,7 @@ def test_a_scenario_with_all_its_keys_is_the_one_that_it_builds_upon(here, tmp_p
         assert here("new", "scenario", "myrun", "--extends", base, "--out", path).exit_code == 0
         text = path.read_text(encoding="utf-8")
         found, expected = load(path), load(base)
-        assert (found.name, found.title) == ("myrun", f"myrun, built upon {expected.name}")
+        assert (found.name, found.title) == ("myrun", f"myrun, based on {expected.name}")
         alike = replace(expected, name=found.name, title=found.title, sha256=found.sha256)
         assert found == alike
         path.write_text(uncommented(text), encoding="utf-8")
@@ -333,7 +334,7 @@ def test_a_scenario_may_build_upon_one_of_a_plugged_in_system(made: Path, system
     assert railhil(system_site, "new", "scenario", "far", "--extends", str(base), "--out", str(path)).returncode == 0
     text = path.read_text(encoding="utf-8")
     assert "# mass of the cart (in kg; no default; number above 0 to 1000)\n#mass_kg = 2.0\n" in text
-    assert "# friction, by its speed (in N/(m/s); default 0; number from 0 to 1000)\n" in text
+    assert "# friction, proportional to speed (in N/(m/s); default 0; number from 0 to 1000)\n" in text
     path.write_text(uncommented(text).replace("target_m = 2.0", "target_m = 3.0"), encoding="utf-8")
     done = railhil(system_site, "run", str(path), "--bus", "local", "--quiet", "--no-report", cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

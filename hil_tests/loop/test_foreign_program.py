@@ -70,7 +70,7 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert run.exit_code == 0, run.said
     assert re.search(r"\d+ control periods, run event 4$", run.said.strip()), run.said
     assert json.loads((tmp_path / "c/certificate.json").read_text())["foreign"] is True
-    assert "parameters: not known: the controller was not ours" in run.done.out
+    assert "parameters: not known: the controller was not railhil's" in run.done.out
     (tmp_path / "python").mkdir()
     seed, drawn = int(arguments[1]), "--perturbed" in arguments
     expected = local_run(

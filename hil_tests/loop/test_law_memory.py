@@ -212,7 +212,7 @@ def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> 
     assert not (folder / "memory.json").exists()
     assert (folder / "memory_before.json").is_file()
     assert path.read_bytes() == before
-    assert "nothing kept, the run is INVALID" in done.out
+    assert "nothing kept: the run is INVALID" in done.out
 
 
 @pytest.mark.faults
@@ -230,7 +230,7 @@ def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: P
     assert done.exit_code == INVALID, done.err
     assert path.read_bytes() == before
     assert not (folder / "memory.json").exists()
-    assert "began with none; nothing kept, the run is INVALID" in done.out
+    assert "began with none; nothing kept: the run is INVALID" in done.out
 
 
 def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_path: Path) -> None:
@@ -240,7 +240,7 @@ def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_p
     assert done.exit_code in (PASS, FAIL)
     assert "controller: memory is lost: " in done.err
     assert "law forgetful, memory: found values that cannot be kept, allowed a dict that JSON can hold" in done.err
-    assert "nothing kept, the law has said none" in done.out
+    assert "nothing kept: the law supplied no memory" in done.out
     assert not path.exists()
 
 
@@ -255,7 +255,7 @@ def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monk
         return memory_after(spec, folder, result)
 
     monkeypatch.setattr(bus_run, "memory_after", late)
-    with pytest.raises(Exception, match=r"memory\.json was changed while the run was made") as failed:
+    with pytest.raises(Exception, match=r"memory\.json was changed during the run") as failed:
         library.run(spec, out=tmp_path / "run")
     assert failed.value.exit_code == TOOL_ERROR  # type: ignore[attr-defined]
     assert load_memory(path).key == "x"

@@ -75,7 +75,7 @@ def test_a_run_from_a_file_is_made_again_from_its_certificate(short: Path, tmp_p
     path = tmp_path / "first" / "certificate.json"
     again = railhil("run", "--spec", path, "--out", tmp_path / "again", "--quiet", "--no-report")
     assert again.exit_code == first.exit_code, again.err
-    assert f"frames.log has the bytes that {path} says" in " ".join(again.out.split())
+    assert f"frames.log has the same bytes as in {path}" in " ".join(again.out.split())
     assert documents(tmp_path / "again")[0]["frames_sha256"] == said["frames_sha256"]
     other = railhil("run", "--spec", path, "--seed", "6", "--out", tmp_path / "other", "--quiet", "--no-report")
     assert "frames.log has" not in other.out

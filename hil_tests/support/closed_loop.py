@@ -17,7 +17,7 @@ SCENARIO = load("lvshun_tieshan")
 
 
 def stops_in_fixed_point(law: str, scenario: str, indexing: str, within_m: float) -> None:
-    """The law brings the train to a stand so near to the mark, never too fast, and its arithmetic stays whole."""
+    """The law stops the train within this distance of the stopping point, without overspeed or a wrap."""
     done = direct_run(load(scenario), RunSpec(law=LawSpec(law, indexing=indexing)))
     assert done.score.values["stop_error_m"] is not None
     assert done.score.values["stop_error_m"] < within_m
@@ -30,7 +30,7 @@ def flat(value: Any) -> list[Any]:
 
 
 def closed_loop(seed: int, controllers: list[Controller], ticks: int = 20_500) -> tuple[Plant, list[list[Any]], Any]:
-    """Run the plant under the first controller; the others get the same inputs and are told what was sent."""
+    """Run the plant under the first controller; the others get the same inputs and the notch that was sent."""
     plant = Plant(perturbed(SCENARIO, seed) if seed else SCENARIO, seed)
     answers: list[list[Any]] = []
     code = 0

@@ -198,7 +198,7 @@ def sweep_guard_position(module: ModuleType) -> None:
             # Each telegram was received one tick before it is read.
             subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
             assert subject.level is (SpeedWatchLevel.SERVICE_BRAKE if needed and tick > 100 else SpeedWatchLevel.NORMAL)
-        # From 0 to 1.18 s at the speed in the middle, and one tick on at the last speed; 0.1 mm.
+        # From 0 to 1.18 s the mean speed, then the last speed for one tick; 0.1 mm.
         assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
 
 

@@ -1,4 +1,4 @@
-"""The health of the bus after every test: fixtures that the ``conftest.py`` of a folder of runs imports."""
+"""Checks the health of the bus after every test: fixtures imported by the ``conftest.py`` of a folder of runs."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ import pytest
 
 from railhil.bench import BenchRun
 
-#: Counters of a node that say nothing bad.
+#: Counters of a node that do not indicate a fault.
 _HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox", "send_retries")
 
 
 def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
-    """The counters that are empty on a healthy bus."""
+    """The counters that must be 0 on a healthy bus but are not."""
     return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
 
 
 def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
-    """What the run folders anywhere below say of frames that were lost, refused or out of order, by their place.
+    """Counters of lost, refused or reordered frames in all run folders below a folder, by their path.
 
-    In real time a poll may be missed because the machine is busy, which is what the verdict on its timing is for.
+    In real time a poll may be missed because the machine is busy; the verdict on the timing covers that.
     """
     found = {}
     for file in sorted(folder.rglob("score.json")):
@@ -35,19 +35,19 @@ def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
     return found
 
 
-#: Runs in this process since the last test of such a folder began, by whatever fixture.
+#: Runs in this process since the last test of such a folder began, including those made by fixtures.
 _RUNS: list[BenchRun] = []
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup() -> None:
-    """Runs of tests in other folders are not those of this test."""
+    """Runs of tests in other folders do not count for this test."""
     _RUNS.clear()
 
 
 @pytest.fixture(scope="session", autouse=True)
 def noted_runs() -> Iterator[None]:
-    """Every run in this process is noted when it is made."""
+    """Record every run of this process when it is created."""
     make = BenchRun.__init__
 
     def noted(run: BenchRun, *given: object, **named: object) -> None:
@@ -63,9 +63,9 @@ def noted_runs() -> Iterator[None]:
 def healthy(
     noted_runs: None, request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[None]:
-    """After every test: none of its runs has lost, refused or reordered anything, except in a test of such faults.
+    """After every test: none of its runs has lost, refused or reordered frames, except in tests of such faults.
 
-    Its runs are those in this process and those whose folders are below a folder that the test was given.
+    Its runs are those in this process and those whose folders are below a folder passed to the test.
     """
     yield
     found = [run.refused for run in _RUNS]

@@ -89,7 +89,7 @@ def running_hub(*options: str, channel: str | None = None) -> Iterator[HubProces
 
 @contextlib.contextmanager
 def node(role: str, scenario: str | Path, channel: str, *options: str) -> Iterator[subprocess.Popen[str]]:
-    """A node in a process of its own; killed when the test is through with it."""
+    """A node in its own process; killed when the test is finished with it."""
     words = command("node", role, scenario, "-i", "railhil", "-c", channel, *options)
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:

@@ -16,7 +16,8 @@ from railhil.controller_node.program.tracer import Tracer
 
 
 class Wrapping(Ipfc[Any]):
-    """IPFC with a product that wraps in every period; its recording does not show it, otherwise it would not start."""
+    """IPFC with a product that wraps in every period; its recording hides this, because it would not start
+    otherwise."""
 
     def step(self, state: IpfcState[Any], inputs: LawInputs[Any]) -> tuple[IpfcState[Any], LawOutputs[Any]]:
         """One control period, wrapped."""

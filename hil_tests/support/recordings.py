@@ -19,7 +19,7 @@ from railhil.supervisor.telemetry import read_origin, read_summary
 
 
 def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmetic: str = "iq") -> RecordedRun:
-    """One run in this process, its folder written as the command writes it."""
+    """One run in this process; its folder has the same files as that of the command."""
     folder.mkdir()
     write_inputs(folder, scenario, None)
     spec = RunSpec(scenario.name, law=LawSpec(arithmetic=arithmetic), seed=seed)

@@ -1,4 +1,4 @@
-"""Laws that keep something from run to run."""
+"""Laws with a memory from run to run."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOu
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.scenarios.model import Scenario
 
-#: Notches that the next run adds for each km/h that was missing at the end of the last.
+#: Notches added in the next run for each km/h of deviation at the end of the last run.
 _GAIN = 0.25
 
 
@@ -22,7 +22,7 @@ class _State(NamedTuple):
 
 
 class Learning(Ipfc[Any]):
-    """IPFC that counts its runs and adds to its notch an offset, learned from the deviation at the end of each."""
+    """IPFC that counts its runs and adds an offset to its notch, learned from the deviation at the end of each run."""
 
     name = "learning"
 

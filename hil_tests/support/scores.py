@@ -29,6 +29,6 @@ def made_score(
 
 
 def with_values(score: Score, **changes: float | None) -> Score:
-    """The score with other values; a signed one also gets its sign from the change."""
+    """The score with other values; a signed value is changed together with its signed form."""
     signed = {one.signed: changes[one.key] for one in limited() if one.signed and one.key in changes}
     return replace(score, values={**score.values, **changes}, signed={**score.signed, **signed})

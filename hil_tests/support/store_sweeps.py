@@ -1,4 +1,4 @@
-"""Dense sweeps of the stages before the gates, life sign and traffic store, against the layout diagrams of the mapping.
+"""Dense sweeps of the stages before the gates (life sign, traffic store), compared with the mapping's layout diagrams.
 
 As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under test.
 """
@@ -174,8 +174,8 @@ def sweep_store_assembly(module: ModuleType) -> None:
                 result = traffic.feed(trailer, 1000 + allowed_ns + over_ns)
                 assert result == (None if over_ns else port.name)
                 assert traffic.counters == ({"assembly_timeout": 1} if over_ns else {})
-        # Frames that waited in mailboxes come in block order, whatever the order in which they had arrived; the first
-        # frame of all decides nothing about those of the next telegram.
+        # Frames that waited in mailboxes are read in block order, whatever the order in which they arrived; the first
+        # frame of all has no effect on those of the next telegram.
         for times_ns in product((0, 5 * MS, 5 * MS + 1), repeat=len(frames)):
             traffic = module.TrafficStore([port])
             assert fed(traffic, frames, 20 * MS) == port.name

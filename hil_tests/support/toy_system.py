@@ -1,4 +1,4 @@
-"""Distributions of laws and systems, among them the toy system, each installed into a separate folder."""
+"""Distributions of laws and systems, including the toy system, each installed into a separate folder."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ def install(source: Path, folder: Path) -> Path:
 
 
 def railhil(site: Path, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """A railhil command of an environment in which the toy system is installed."""
+    """Run a railhil command in an environment in which the toy system is installed."""
     environment = {**os.environ, "PYTHONPATH": str(site)}
     command = [sys.executable, "-m", "railhil.cli", *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=cwd)
 
 
 def python(site: Path, program: str, *words: str) -> list[Any]:
-    """What a program prints in such an environment, a JSON document a line."""
+    """Output of a program in such an environment, one JSON document per line."""
     environment = {**os.environ, "PYTHONPATH": str(site)}
     command = [sys.executable, "-c", program, *words]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)

@@ -19,7 +19,7 @@ from railhil.machines.debian import cache_dir, cache_lock
 #: Versions that the project supports.
 VERSIONS = ("3.11", "3.12", "3.13")
 RUNNING = f"{sys.version_info.major}.{sys.version_info.minor}"
-#: An interpreter of the distribution may be of any version.
+#: The distribution's interpreter may have any version.
 DEBIAN = "/usr/bin/python3"
 _TIMEOUT_S = 600.0
 
@@ -39,7 +39,7 @@ def _version_of(python: str | Path) -> str | None:
     try:
         done = subprocess.run(words, capture_output=True, text=True, timeout=60, check=False)
     except OSError:
-        # Not there, or no program of this machine.
+        # It does not exist, or is not a program for this machine.
         return None
     return done.stdout.strip() if done.returncode == 0 else None
 
@@ -85,10 +85,10 @@ def libraries_of(python: str, version: str) -> Path:
     own.
 
     Raises:
-        MissingCapabilityError: no package index is in reach.
+        MissingCapabilityError: no package index can be reached.
     """
     if version == RUNNING:
-        import pydantic  # any dependency: where it is, the others are
+        import pydantic  # any dependency: the others are in the same folder
 
         return Path(pydantic.__file__).parents[1]
     wanted = project()["dependencies"]
@@ -107,7 +107,7 @@ def downloaded(*requirements: str) -> list[Path]:
     """Wheels of other distributions from the package index, kept in the cache.
 
     Raises:
-        MissingCapabilityError: no package index is in reach.
+        MissingCapabilityError: no package index can be reached.
     """
     found = []
     with cache_lock("wheels"):

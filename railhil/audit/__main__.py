@@ -46,7 +46,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     add_set_argument(parser)
     parser.add_argument(
-        "--controller", metavar="LAW", help=f"one of {', '.join(laws())}; of another system: one of its own"
+        "--controller", metavar="LAW", help=f"one of {', '.join(laws())}; for another system, one of its laws"
     )
     parser.add_argument(
         "--arithmetic", choices=[name for name in arithmetics() if name != "float64"], default="iq", help="(default iq)"

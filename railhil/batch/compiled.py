@@ -112,7 +112,7 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
         folder.mkdir(parents=True, exist_ok=True)
         kept = os.access(folder, os.W_OK)
     except OSError:
-        # In that case each process compiles anew: numba's default folder would not detect a change of the plant.
+        # Otherwise each process compiles anew: numba's default folder would not detect a change of the plant.
         kept = False
 
     def made(function: Callable[..., Any], kept: bool) -> Any:

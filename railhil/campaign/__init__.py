@@ -2,10 +2,10 @@
 
 ::
 
-    plan.py     what is run: laws, seeds, chunks; its identity stands in campaign.json
+    plan.py     what is run: laws, seeds, chunks; its identity is recorded in campaign.json
     work.py     one chunk -> the bytes of its part (any process, any machine)
     engines.py  chunks -> parts, in this process or over the cores; dask_engine.py: over machines
-    folder.py   parts/, results.parquet, summary.json; manifest.py: campaign.json, the lock too
+    folder.py   parts/, results.parquet, summary.json; manifest.py: campaign.json, which is also the lock
     summary.py  results -> statistics.py's figures and worst.py's runs; show.py prints them
     verify.py   repeats some of the runs on the real bench
 """

@@ -26,7 +26,7 @@ def _verify(namespace: argparse.Namespace) -> int:
     folder, runs = Path(namespace.verify), namespace.runs or _VERIFIED_RUNS
     console = Output()
     if code_changed(folder):
-        console.say("the code is not the campaign's any more: a difference may come from that", style="bold yellow")
+        console.say("the code has changed since the campaign: a difference may come from that", style="bold yellow")
     found = verify(folder, runs, namespace.draw)
     for one in found:
         if not one.differences:

@@ -21,12 +21,12 @@ _JOBS_MAX = 1024
 ENGINES = ("batch", "joblib", "dask")
 _EXIT_CODES = """\
 exit codes:
-  0    every run was made (whatever its verdict); --verify: the bench gives the same
-  1    --verify: the bench gives something else
+  0    every run was made (whatever its verdict); --verify: the bench gives the same results
+  1    --verify: the bench gives other results
   2    usage or bad input; one line says what was found and what is allowed
   3    workers or scheduler were lost too often, or the bench gave no valid run; what is done is kept
   4    TOOL ERROR: a defect of the campaign, or its record could not be written (what is done is kept)
-  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume goes on)"""
+  130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 #: Options that define the campaign: None when not given, so that --resume takes them from the campaign.
 _REQUEST = ("scenario", "runs", "first_seed", "laws", "arithmetic", "indexing", "parameters", "chunk")
 
@@ -79,8 +79,8 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"runs per part (default {usual.chunk})"
     )
-    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); goes on there")
-    parser.add_argument("--resume", metavar="DIR", help="go on with the campaign of this folder")
+    parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-campaign); resumes there")
+    parser.add_argument("--resume", metavar="DIR", help="resume the campaign of this folder")
     add_json_argument(parser)
     parser.add_argument("--verify", metavar="DIR", help="run some runs of a finished campaign again on the bench")
     parser.add_argument(

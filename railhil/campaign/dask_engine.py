@@ -72,7 +72,7 @@ def connected(
 
 
 async def _knock(address: str, connect_s: float) -> None:
-    """Connect and hang up.
+    """Connect and disconnect.
 
     :raises OSError: there is no answer, or the TLS files of dask's configuration cannot be read.
     :raises TypeError, ValueError, RuntimeError: the address does not match dask's TLS configuration.
@@ -84,8 +84,8 @@ async def _knock(address: str, connect_s: float) -> None:
 class DaskEngine:
     """Called with tasks, it yields their parts as they arrive.
 
-    A chunk whose worker dies goes to another one, as often as the scheduler allows (its setting
-    ``distributed.scheduler.allowed-failures``, 3 unless it says otherwise).
+    A chunk whose worker dies goes to another worker, as often as the scheduler allows (its setting
+    ``distributed.scheduler.allowed-failures``, 3 by default).
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class DaskEngine:
         self._seen_s = time.monotonic()
 
     def __call__(self, tasks: Sequence[Task]) -> Generator[tuple[str, bytes], None, None]:
-        """Parts of the tasks. Raises :class:`ClusterLost`, and what a task raises."""
+        """Parts of the tasks. Raises :class:`ClusterLost`, and any exception of a task."""
         waiting = list(reversed(tasks))
         ready: Any = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)
         while waiting or not ready.is_empty():

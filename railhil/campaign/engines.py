@@ -38,10 +38,10 @@ def _batch(tasks: Sequence[Task], work: Work) -> Parts:
 
 
 def _worker() -> None:
-    """A worker process ends with its parent, and not before it.
+    """Make a worker process end with its parent, but not before.
 
-    Ctrl-C reaches the whole process group: workers ignore it, because the parent ends them. A killed parent cannot end
-    its workers, which would wait for it for ever.
+    Ctrl-C reaches the whole process group: workers ignore it, because the parent ends them. If the parent is killed, it
+    cannot end its workers, which would wait for it for ever.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     prctl = getattr(ctypes.CDLL(None), "prctl", None)
@@ -82,7 +82,7 @@ def running(
 
     :param jobs: processes of joblib, -1 one per core.
     :param scheduler: address of dask's scheduler.
-    :param say: called for a lost worker.
+    :param say: called when a worker is lost.
     :param work: what a worker does with a task.
     :param compiled: whether the system has a batch, which is compiled.
     :raises scenarios.errors.InputError: a library is missing, or there is no answer from the address.

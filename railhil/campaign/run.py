@@ -83,7 +83,7 @@ def execute(
         except InputError:
             raise
         except Exception as error:
-            # A worker, a law or a driver may fail in any way: what is kept is said with the reason.
+            # A worker, a law or a driver may fail in any way: the message gives the reason and what is kept.
             text = " ".join(str(error).split()) or type(error).__name__
             code = exit_code_of(error)
             kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""

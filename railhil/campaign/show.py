@@ -85,7 +85,7 @@ def _inside(summary: Mapping[str, Any], judging: Judging) -> Table:
 
 
 def _stops(summary: Mapping[str, Any]) -> Table:
-    """Independent of the scenario's limit, so that the stricter figures are shown too."""
+    """Shares at fixed distances, independent of the scenario's limit, so that the stricter figures are shown too."""
     heads = [f"{limit:g} m" for limit in STOP_WITHIN_M]
     made = _columns("Runs that stopped within", ("law",), heads)
     for label, law in summary["laws"].items():

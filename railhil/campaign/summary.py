@@ -151,7 +151,7 @@ def summary(plan: Plan, results: pa.Table) -> dict[str, Any]:
         "first_seed": plan.seeds.start,
         "last_seed": plan.seeds.stop - 1,
         "confidence": CONFIDENCE,
-        # Every table says them.
+        # Shown in every table.
         "warnings": warnings,
         "watch_weakened": plan.scenario.watch_weakened,
         "notes": _NOTES if STOP_ERROR in plan.criteria else _NOTES[1:],

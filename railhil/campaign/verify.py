@@ -34,7 +34,7 @@ class BenchInvalid(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """One run: what differs between campaign and bench (column: campaign's value, bench's value)."""
+    """One run: the differences between campaign and bench (column: campaign's value, bench's value)."""
 
     law: str
     seed: int

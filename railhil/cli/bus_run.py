@@ -161,7 +161,7 @@ def recorded(
             discard_folder(folder, made)
             raise record_failed(folder, error) from error
         except BaseException:
-            # Ctrl-C too leaves no folder without a run.
+            # On Ctrl-C, too, no folder without a run may remain.
             discard_folder(folder, made)
             raise
         result = _executed(run, folder, made)

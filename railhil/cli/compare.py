@@ -50,9 +50,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--parameters", type=Path, action="append", default=[], metavar="FILE", help="parameters of the law it names"
     )
-    parser.add_argument("--both", action="store_true", help="run laws of such a file with their own parameters too")
+    parser.add_argument("--both", action="store_true", help="laws with a parameter file also with their own parameters")
     parser.add_argument(
-        "--allow-training-seeds", action="store_true", help="judge parameters by runs that they were tuned on"
+        "--allow-training-seeds", action="store_true", help="judge parameters on runs on which they were tuned"
     )
     add_json_argument(parser)
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-compare)")
@@ -102,7 +102,7 @@ def _checked(
 ) -> tuple[list[RunSpec], list[str]]:
     """The runs to be made, and sentences on those that are left out.
 
-    :raises InputError, NeverBegan: one of them cannot be made, or must not be judged by this seed.
+    :raises InputError, NeverBegan: one of them cannot be made, or must not be judged on this seed.
     """
     if not namespace.allow_training_seeds:
         for spec in wanted:
@@ -159,7 +159,7 @@ def work(namespace: argparse.Namespace) -> int:
                 print_verdict(console, "INVALID", f"{result.line or 'stopped'}; {_so_far(runs, plan, folder)}")
                 return done.stopped_exit_code
     except BaseException:
-        # Ctrl-C too: what is recorded stays, and is said.
+        # After Ctrl-C, too: recorded runs are kept, and the message says so.
         if runs and folder is not None:
             console.say(_so_far(runs, plan, folder))
         raise

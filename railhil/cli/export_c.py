@@ -30,7 +30,7 @@ _FILE_COLUMNS = 100
 def arguments() -> argparse.ArgumentParser:
     """Command line of the export."""
     parser = OneLineParser(prog="railhil export-c", description="Write a control law as C99 for the target.")
-    own = f"control law: {', '.join(names())}; of another system, one of its own"
+    own = f"control law: {', '.join(names())}; for another system, one of its laws"
     parser.add_argument("law", metavar="LAW", help=own)
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file: set-points")
     add_set_argument(parser)
@@ -42,13 +42,13 @@ def arguments() -> argparse.ArgumentParser:
 
 
 def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
-    """A run of the bench in this process, for its control periods alone."""
-    # Only a log that holds such a run needs plant and supervisor.
+    """A run of the bench in this process, of which only the control periods are used."""
+    # Plant and supervisor are needed only for a log that contains such a run.
     from railhil.bench import local_run
     from railhil.bus.errors import BusError
     from railhil.plant_sim.any_plant import PlantError
 
-    # What the law was given up to there is a log as well.
+    # The inputs that the law received before an error are a log too.
     with TemporaryDirectory() as folder, contextlib.suppress(BusError, PlantError):
         local_run(scenario, Path(folder), RunSpec(law=law), controller=controller)
 
@@ -60,7 +60,7 @@ def main() -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
-    # What may wrap does not start here, and is not for a chip either.
+    # A law that may wrap is refused here, and must not run on a chip either.
     system_named(scenario.system).part("controller")(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
     console = Console(markup=False, emoji=False, highlight=False)

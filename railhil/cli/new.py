@@ -1,4 +1,4 @@
-"""``railhil new law|scenario|system NAME``: files to begin with, which run at once."""
+"""``railhil new law|scenario|system NAME``: writes starting files that run at once."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from railhil.scenarios.system import DEFAULT, system_named
 from railhil.scenarios.system import names as system_names
 
 _TEMPLATES = Path(__file__).with_name("templates")
-#: Files of each distribution: path and template. The code is in ``src``: else Python would take the folder of the
-#: distribution, which has the same name, for the module when a command is run beside it.
+#: Files of each distribution: path and template. The code is in ``src``; otherwise a command run next to the
+#: distribution's folder, which has the same name, would import the folder instead of the module.
 _FILES = {
     "law": {
         "pyproject.toml": "pyproject.toml",
@@ -44,23 +44,23 @@ _FILES = {
     },
 }
 _NAME = re.compile(r"[a-z](?:[a-z0-9_]{0,38}[a-z0-9])?", re.ASCII)
-#: Modules that setuptools and pytest run when they lie beside pyproject.toml.
+#: Modules that setuptools and pytest run if they are next to pyproject.toml.
 _RUN_BY_OTHERS = ("setup", "conftest")
 _COMMANDS = re.compile(r"^```\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     """Register the subcommand."""
-    parser = commands.add_parser("new", help="write a law, a scenario or a system to begin with")
+    parser = commands.add_parser("new", help="write a law, a scenario or a system to start from")
     kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND")
     law = kinds.add_parser("law", help="a control law, as a small distribution")
     _add(law, "the new law", "DIR", "folder for its files (default: NAME)", _new_law)
-    scenario = kinds.add_parser("scenario", help="a scenario file that builds upon another, with the usual keys")
+    scenario = kinds.add_parser("scenario", help="a scenario file based on another one, with the usual keys")
     _add(scenario, "the new scenario", "FILE", "the new file, .toml (default: NAME.toml)", _new_scenario)
     scenario.add_argument(
         "--extends", metavar="SCENARIO", default="lvshun_tieshan", help="shipped name or TOML file that it changes"
     )
-    system = kinds.add_parser("system", help="a kind of train and task of its own, as a small distribution")
+    system = kinds.add_parser("system", help="another kind of train and task, as a small distribution")
     _add(system, "the new system", "DIR", "folder for its files (default: NAME)", _new_system)
     system.add_argument("--law", dest="its_law", metavar="NAME", default="hold", help="its law (default hold)")
 
@@ -98,7 +98,7 @@ def _new_scenario(namespace: argparse.Namespace) -> int:
 
 
 def _check_name(key: str, name: str) -> None:
-    """Refuse what cannot be the name of a module and of an entry point."""
+    """Refuse a name that cannot be the name of a module and of an entry point."""
     if not _NAME.fullmatch(name) or keyword.iskeyword(name) or name in _RUN_BY_OTHERS:
         allowed = (
             "at most 40 small letters, digits and underscores between a letter and a letter or digit, "
@@ -108,11 +108,11 @@ def _check_name(key: str, name: str) -> None:
 
 
 def _check_not_taken(key: str, name: str, what: str, taken: list[str]) -> None:
-    """Refuse the name of what is installed, or of a module that would hide the new one."""
+    """Refuse a name that is already installed, or that of a module that would hide the new one."""
     if name in taken:
         raise InputError("command line", key, name, f"a name that no installed {what} has ({', '.join(taken)})")
     spec = find_spec(name)
-    # A folder of that name is found too, as a namespace package without a file: it hides nothing.
+    # A folder of that name is found too, as a namespace package without a file, but it hides nothing.
     if spec is not None and spec.origin is not None:
         raise InputError("command line", key, name, "a name that no installed module has", f"{spec.origin} has it")
 
@@ -121,7 +121,7 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
     """Write the files of a law or a system.
 
     :param law: name of the law in it.
-    :raises InputError: the name is one that the law's text needs for something else, or a file cannot be written.
+    :raises InputError: the name is already used in the text of the law, or a file cannot be written.
     """
     folder = namespace.out or Path(namespace.name)
     class_name = "".join(word.capitalize() for word in law.split("_"))
@@ -129,7 +129,7 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
     texts = [text for path, text in templates.items() if path.endswith(".py")]
     if keyword.iskeyword(class_name) or any(re.search(rf"\b{class_name}\b", text) for text in texts):
         key = "NAME" if law == namespace.name else "--law"
-        raise InputError("command line", key, law, f"another name: {class_name} is something else in the new files")
+        raise InputError("command line", key, law, f"another name: {class_name} has another meaning in the new files")
     words = {"name": namespace.name, "law": law, "class_name": class_name, "house": house_table().rstrip()}
     files = {Template(path).substitute(words): Template(text).substitute(words) for path, text in templates.items()}
     paths = {folder / path: text for path, text in files.items()}
@@ -142,13 +142,13 @@ def _distribution(namespace: argparse.Namespace, kind: str, law: str) -> int:
 def _write(files: Mapping[Path, str]) -> None:
     """Write new files, all of them or none.
 
-    :raises InputError: one is there already, or cannot be written.
+    :raises InputError: one exists already, or cannot be written.
     """
     made: list[Path] = []
     try:
         for path in files:
             if path.is_symlink() or path.exists():
-                raise InputError(path, "", Words("a file that is there already"), "a new one (--out says where)")
+                raise InputError(path, "", Words("a file that exists already"), "a new one (--out says where)")
             above = next(folder for folder in path.parents if folder.exists())
             if not above.is_dir():
                 raise InputError(above, "", Words("a file"), "a folder for the new files")

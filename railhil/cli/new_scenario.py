@@ -1,4 +1,4 @@
-"""The text of ``railhil new scenario``: a file that builds upon another, with the usual keys as comments."""
+"""The text of ``railhil new scenario``: a file based on another one, with the usual keys as comments."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from railhil.scenarios.schema import Name
 from railhil.scenarios.system import system_named
 
 _TEMPLATE = Path(__file__).with_name("templates") / "scenario.toml.in"
-#: What is longer (a table of rows) is looked up in the file that has it.
+#: Longer values (tables of rows) are left out; they can be found in the base scenario.
 _LETTERS_MAX = 80
 
 
 def scenario_file(name: str, base: str, folder: Path) -> str:
     """The text of a new scenario file.
 
-    :param base: scenario that it builds upon, shipped name or file.
-    :param folder: where the new file will be: it names the other one from there.
-    :raises InputError: the name is none or taken, or the other scenario cannot be loaded.
+    :param base: the scenario on which it is based, shipped name or file.
+    :param folder: folder of the new file; a path to the base is relative to it.
+    :raises InputError: the name is invalid or taken, or the base scenario cannot be loaded.
     """
     try:
         TypeAdapter(Name).validate_python(name)
@@ -57,7 +57,7 @@ def _keys(usual: list[Key], given: dict[str, Any]) -> str:
 
 
 def _value(given: dict[str, Any], key: Key) -> str:
-    """What the other scenario says of a key, or its default, as TOML; empty for neither, and for a table."""
+    """The value of a key in the base scenario, or its default, as TOML; empty if there is neither, and for a table."""
     found: Any = given
     for word in key.name.split("."):
         found = found.get(word) if isinstance(found, dict) else None
@@ -69,7 +69,7 @@ def _value(given: dict[str, Any], key: Key) -> str:
 
 
 def _explained(key: Key) -> str:
-    """What a key means, with unit, default and what is allowed."""
+    """The meaning of a key, with unit, default and allowed values."""
     unit = "" if key.unit == "-" else f"in {key.unit}; "
     default = "no default" if key.default in ("-", "required") else f"default {key.default}"
     return f"{key.meaning or key.name} ({unit}{default}; {key.allowed})"

@@ -22,7 +22,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("folder", nargs="+", help="run folder, or the folder of a comparison")
     parser.add_argument("--scenario", help="shipped name or TOML file (default: what certificate.json says)")
     parser.add_argument(
-        "--out", metavar="FILE", help="the report (default: report.html in the folder; of several folders: here)"
+        "--out", metavar="FILE", help="the report (default: report.html in the folder; for several folders: here)"
     )
     parser.set_defaults(work=work)
 

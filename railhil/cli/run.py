@@ -31,7 +31,7 @@ from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
 
-#: Key of a run -> where the parsed command line has it.
+#: Key of a run -> name in the parsed command line.
 _DESTINATIONS: Mapping[str, str] = {key: option.lstrip("-").replace("-", "_") for key, option in OPTIONS.items()}
 
 
@@ -40,11 +40,11 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser = commands.add_parser("run", help="run a scenario over the bus, record it, score it")
     add_arguments(parser)
     parser.add_argument(
-        "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; of another system: one of its own"
+        "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; for another system, one of its laws"
     )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
-    parser.add_argument("--memory", metavar="FILE", help="the law's memory from run to run: begun with and kept there")
-    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, keep nothing there")
+    parser.add_argument("--memory", metavar="FILE", help="the law's memory: read before and updated after the run")
+    parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, do not update it")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
         "--no-perturbed", dest="perturbed", action="store_false", help="a nominal run, whatever --spec says"
@@ -52,22 +52,25 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--out", metavar="DIR", help="run folder (default runs/<utc>-<scenario>-<controller>)")
     parser.add_argument("--attach", action="store_true", help="plant and controller are running already")
     parser.add_argument(
-        "--rerun-command", default="", metavar="TEXT", help="--attach: what certificate.json says makes this run again"
+        "--rerun-command",
+        default="",
+        metavar="TEXT",
+        help="--attach: command in certificate.json to repeat the run",
     )
-    parser.add_argument("--no-controller", action="store_true", help="it is somebody else: a board, another program")
+    parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
     add_json_argument(parser)
     for action in parser._actions:
-        # Only what is said here stands above environment and file.
+        # Only options given here override environment and file.
         if action.dest in _DESTINATIONS.values():
             action.default = argparse.SUPPRESS
     parser.set_defaults(work=work)
 
 
 def spec_of(namespace: argparse.Namespace, environment: Mapping[str, str]) -> RunSpec:
-    """The run: the command line over the environment over ``--spec``.
+    """The run: the command line overrides the environment, which overrides ``--spec``.
 
-    :raises InputError: all that is wrong with it, together.
+    :raises InputError: all errors together.
     """
     faults = Faults()
     layers = [] if namespace.spec is None else [file_layer(namespace.spec, faults)]
@@ -102,17 +105,17 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
 
 
 def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
-    """Whether a run of a certificate has its bytes; empty for another file, a run in real time or one that was
-    changed."""
+    """Whether a run repeated from a certificate has the same bytes; empty for another file, a run in real time and a
+    changed run."""
     if path.suffix != ".json" or spec.is_realtime or spec != RunSpec.from_file(path):
         return ""
     document = json.loads(path.read_text(encoding="utf-8"))
     then = document.get("frames_sha256")
     if then == result.frames_sha256:
-        return f"frames.log has the bytes that {path} says"
+        return f"frames.log has the same bytes as in {path}"
     if document.get("scenario_sha256") != spec.load().sha256:
-        return f"frames.log has other bytes than {path} says: the scenario is not what it was"
-    return f"frames.log has other bytes than {path} says: {then}, with railhil {document.get('railhil')}"
+        return f"frames.log has other bytes than in {path}: the scenario has changed"
+    return f"frames.log has other bytes than in {path}: {then}, with railhil {document.get('railhil')}"
 
 
 def work(namespace: argparse.Namespace) -> int:

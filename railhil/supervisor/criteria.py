@@ -1,7 +1,8 @@
-"""What a run is judged by: every criterion stated once.
+"""The criteria by which a run is judged, each defined once.
 
-Score, tables, JUnit cases, campaign, tuning, audit and report walk such a tuple and know no criterion by name. A
-criterion more is an entry here; the batch, which measures in its compiled loop, has to give it as well.
+Score, tables, JUnit cases, campaign, tuning, audit and report iterate over such a tuple and know no criterion by name.
+A further criterion is a further entry here; the batch, which computes the scores in its compiled loop, must compute it
+too.
 """
 
 from __future__ import annotations
@@ -16,13 +17,14 @@ from numpy.typing import NDArray
 
 from railhil.supervisor import journey
 
-#: Stop errors, in m, by which runs are counted beside the scenario's own limit: the stricter figures stay visible.
+#: Stop errors, in m, for which runs are counted in addition to the scenario's own limit: the stricter figures stay
+#: visible.
 STOP_WITHIN_M = (0.1, 0.2, 0.3)
 
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """What a scenario allows: ``of`` reads it, ``place`` is its place among the limits where they are named in turn."""
+    """A limit of a scenario: ``of`` reads it, ``place`` is its position where the limits are listed."""
 
     of: Callable[[Any], float]
     place: int
@@ -32,13 +34,13 @@ class Limit:
 class Criterion:
     """One score of a run.
 
-    ``key`` names it in ``score.json`` and in columns, ``title`` for readers; ``unit`` in plain letters. ``measure``
-    gives its value, with the sign if it has one; None: the run never got there. ``digits`` are those of one run in a
-    table; those of published rows, of statistics over runs and of a tuning's table are the same unless given.
+    ``key`` names it in ``score.json`` and in columns, ``title`` for readers; ``unit`` in ASCII. ``measure``
+    gives its value, with the sign if it has one; None: the run did not get that far. ``digits`` are the decimals for
+    one run in a table; published rows, statistics over runs and a tuning's table have the same unless specified.
 
-    ``signed``: key of the same value with its sign; the score itself is then without it. ``limit``: None where the
-    scenario has none. ``audit_allowed``: how far a median in fixed point may be from that of float64, in ``unit``;
-    None: by a share of it.
+    ``signed``: key of the same value with its sign; the score itself then has no sign. ``limit``: None if the
+    scenario has none. ``audit_allowed``: allowed difference of a median in fixed point from that of float64, in
+    ``unit``; None: a share of the value is allowed.
     """
 
     key: str
@@ -56,17 +58,17 @@ class Criterion:
 
     @property
     def unit_typeset(self) -> str:
-        """The unit for a page: m/s²."""
+        """The unit with superscripts, for a page: m/s²."""
         return re.sub(r"(?<=[a-z])[23]", lambda power: {"2": "²", "3": "³"}[power[0]], self.unit)
 
     @property
     def heading(self) -> str:
-        """Title and unit in two lines for a terminal."""
+        """Title and unit on two lines, for a terminal."""
         return f"{self.title} {self.unit}".replace(" ", "\n", 1)
 
     @property
     def brief(self) -> str:
-        """The title without the word that an error has."""
+        """The title without the word ``error`` at its end."""
         return self.title.removesuffix(" error")
 
     @property
@@ -83,17 +85,17 @@ class Criterion:
         return min(values) if self.better == "low" else max(values)
 
     def badness(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values turned so that less is better, NaN as it is."""
+        """Values with their sign changed if necessary, so that less is better; NaN is kept."""
         return values if self.better == "low" else -values
 
     def inside(self, scenario: Any, values: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Which values (without sign) the scenario allows; NaN, a run that never got there, is not allowed."""
+        """Which values (without sign) the scenario allows; NaN (a run that did not get that far) is not allowed."""
         assert self.limit is not None
         limit = self.limit.of(scenario)
         return np.asarray(values <= limit if self.better == "low" else values >= limit, dtype=np.bool_)
 
     def missed(self, scenario: Any, value: float | None) -> str:
-        """What of the limit a value (with its sign) misses, in words; empty when nothing, or when there is none."""
+        """How a value (with its sign) misses the limit, in words; empty if it does not, or if there is no limit."""
         if value is None or self.limit is None:
             return ""
         limit = self.limit.of(scenario)
@@ -107,10 +109,10 @@ class Criterion:
 
 @dataclass(frozen=True, slots=True)
 class Extra:
-    """A figure of a run that is no score: 0 in a good one, above it by how much something happened that must not.
+    """A figure of a run that is not a score: 0 in a good run, otherwise the size of something that must not happen.
 
-    ``key`` names it in ``score.json`` and in columns, ``name`` for readers; ``counted`` is the key of the number of
-    runs with it in ``summary.json``, ``heading`` stands above that number on a terminal.
+    ``key`` names it in ``score.json`` and in columns, ``name`` for readers; ``counted`` is the key in ``summary.json``
+    for the number of runs in which it is not 0, ``heading`` the heading of that number on a terminal.
     """
 
     key: str
@@ -119,21 +121,21 @@ class Extra:
     heading: str
 
 
-#: How far, in m/s, the train was above the speed limit.
+#: Largest excess over the speed limit, in m/s.
 OVERSPEED = Extra("overspeed_mps", "overspeed", "overspeeds", "over-\nspeed")
-#: Eq. (8): how far from its point the train stands.
+#: Eq. (8): distance of the standstill from the stopping point.
 STOP_ERROR = Criterion(
     "stop_error_m", "stop error", "m", 4, lambda run: run.stop.error_m,
     limit=Limit(lambda scenario: scenario.plan.stop_error_max_m, 0), signed="stop_error_m", tuning_digits=3,
     audit_allowed=0.01,
 )  # fmt: skip
-#: Eq. (7): how far from the timetable it comes to its stand.
+#: Eq. (7): difference of the arrival time from the timetable.
 TIME_ERROR = Criterion(
     "punctuality_s", "time error", "s", 4, lambda run: run.stop.late_s,
     limit=Limit(lambda scenario: scenario.plan.time_error_max_s, 1), signed="time_error_s", tuning_digits=3,
     audit_allowed=0.01,
 )  # fmt: skip
-#: The five of the paper, for a train that drives itself from one stop to the next, in the order of their columns.
+#: The five criteria of the paper, for a train that drives automatically from one stop to the next, in column order.
 ATO_CRITERIA = (
     Criterion("itae", "ITAE", "km/h s2", 1, journey.itae_kmh_s2, published_digits=0, tuning_digits=0),
     Criterion("energy_kj", "energy", "kJ", 0, journey.energy_kj),
@@ -144,25 +146,25 @@ ATO_CRITERIA = (
 
 
 def limited(criteria: Sequence[Criterion] = ATO_CRITERIA) -> list[Criterion]:
-    """Those with a limit, in the order in which limits are named."""
+    """The criteria with a limit, in the order in which limits are listed."""
     placed = [(criterion.limit.place, criterion) for criterion in criteria if criterion.limit is not None]
     return [criterion for _, criterion in sorted(placed, key=lambda pair: pair[0])]
 
 
 def limit_key(criterion: Criterion) -> str:
-    """Key under which a limit stands in documents: that of the value it is on, with its sign if it has one."""
+    """Key of a limit in documents: that of the limited value, with sign if it has one."""
     return criterion.signed or criterion.key
 
 
 def with_sign(criteria: Sequence[Criterion] = ATO_CRITERIA) -> dict[str, Criterion]:
-    """Those that have a sign, by the key of the value with it."""
+    """The criteria that have a sign, by the key of the signed value."""
     return {criterion.signed: criterion for criterion in criteria if criterion.signed is not None}
 
 
 def scores(
     measured: Mapping[str, float | None], criteria: Sequence[Criterion] = ATO_CRITERIA
 ) -> tuple[dict[str, float | None], dict[str, float | None]]:
-    """Scores by key, and those that have a sign by its key, from what was measured (by key, with sign)."""
+    """Scores by key, and the signed values by their keys, from the measurements (by key, with sign)."""
     values: dict[str, float | None] = {}
     signed: dict[str, float | None] = {}
     for criterion in criteria:
@@ -174,5 +176,5 @@ def scores(
 
 
 def unscored(criteria: Sequence[Criterion] = ATO_CRITERIA) -> tuple[dict[str, float | None], dict[str, float | None]]:
-    """As :func:`scores`, of a run that was none."""
+    """As :func:`scores`, for a record without a complete run."""
     return scores(dict.fromkeys(criterion.key for criterion in criteria), criteria)

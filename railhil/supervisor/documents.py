@@ -1,4 +1,4 @@
-"""``certificate.json``, ``score.json`` and ``compare.json`` as they are read again: checked here and nowhere else."""
+"""Reads ``certificate.json``, ``score.json`` and ``compare.json``; they are checked only here."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _WRITTEN = "what railhil run has written"
 
 
 class _Part(BaseModel):
-    """Part of a document: keys that nobody reads here may hold anything."""
+    """Part of a document; keys that are not read here may hold anything."""
 
     model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
 
@@ -222,15 +222,15 @@ def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None
 
 
 def read_certificate(folder: Path, allowed: str = _WRITTEN) -> dict[str, Any] | None:
-    """``certificate.json`` of a run folder; None when there is none.
+    """``certificate.json`` of a run folder; None if there is none.
 
-    :raises InputError: it cannot be read, or a key of it holds what no certificate does.
+    :raises InputError: it cannot be read, or one of its keys has a value that no certificate has.
     """
     return _read(folder / CERTIFICATE, _Certificate, allowed)
 
 
 def read_score(folder: Path) -> dict[str, Any] | None:
-    """``score.json`` of a run folder; None when there is none.
+    """``score.json`` of a run folder; None if there is none.
 
     :raises InputError: as :func:`read_certificate`.
     """
@@ -238,7 +238,7 @@ def read_score(folder: Path) -> dict[str, Any] | None:
 
 
 def read_comparison(folder: Path) -> dict[str, Any] | None:
-    """``compare.json`` in the folder of a comparison; None when there is none.
+    """``compare.json`` in the folder of a comparison; None if there is none.
 
     :raises InputError: as :func:`read_certificate`.
     """

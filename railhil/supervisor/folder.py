@@ -1,4 +1,4 @@
-"""What a run leaves behind: score, certificate, table of signals, JUnit report."""
+"""The results of a run in its folder: score, certificate, table of signals, JUnit report."""
 
 from __future__ import annotations
 
@@ -41,19 +41,20 @@ _CODE = (
     "common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "bench.py", "local_run.py"
 )  # fmt: skip
 
-#: Room without which no run begins: what the nodes say, and the first of the log. A run of 3 min takes 6 MB.
+#: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min
+#: takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
-#: What is computed from ``frames.log`` when the run is over; removed again unless all of it could be written.
+#: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.
 _DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
     """Make the folder of a new run.
 
-    :param out: the folder itself when the user names one; it must be empty or not exist.
-    :returns: the folder, and whether it was made here.
-    :raises InputError: the named folder holds something, cannot be made or cannot be written.
-    :raises RecordFailed: there is no room for it.
+    :param out: the folder itself if the user names one; it must be empty or not exist.
+    :returns: the folder, and whether it was created here.
+    :raises InputError: the named folder is not empty, cannot be created or cannot be written.
+    :raises RecordFailed: there is not enough disk space.
     """
     if out is not None and not out.strip():
         raise InputError("command line", "--out", out, "name of an empty or new folder")
@@ -67,7 +68,7 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
         else:
             folder.mkdir(parents=True, exist_ok=True)
         occupied = any(folder.iterdir())
-        # Leaves nothing behind; asking for permissions would not notice a read-only or a full file system.
+        # Leaves nothing behind; a check of permissions would not detect a read-only or full file system.
         with tempfile.TemporaryFile(dir=folder) as probe:
             probe.write(bytes(ROOM_MIN_BYTES))
             probe.flush()
@@ -81,7 +82,8 @@ def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, b
 
 
 def _new_folder(wanted: Path) -> Path:
-    """Make a folder of this name, or with a number behind it: runs that start in the same second never share one."""
+    """Create a folder of this name, with a number appended if it exists: runs started in the same second never share
+    one."""
     wanted.parent.mkdir(parents=True, exist_ok=True)
     folder, serial = wanted, 1
     while True:
@@ -95,7 +97,7 @@ def _new_folder(wanted: Path) -> Path:
 
 
 def discard_folder(folder: Path, made: bool) -> None:
-    """Remove what a run that never began has left: the files, and the folder itself when it was made for the run."""
+    """Remove what a run that never began has left: the files, and the folder itself if it was created for the run."""
     for path in folder.iterdir():
         path.unlink()
     if made:
@@ -103,7 +105,7 @@ def discard_folder(folder: Path, made: bool) -> None:
 
 
 def code_files() -> Iterator[tuple[str, Path]]:
-    """Source of the bench and its tables: names below the package, and the files."""
+    """Source files of the bench and its tables: names below the package, and the files."""
     root = Path(railhil.__file__).parent
     for name in _CODE:
         place = root / name
@@ -121,10 +123,10 @@ def code_sha256() -> str:
 
 
 def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> str:
-    """The command line that makes the same run again.
+    """The command line that repeats the run.
 
-    Nobody can attach to nodes that have ended: for an attached run it is what has started them all, when that is known,
-    else a run that starts its own, on a bus of its own; in lockstep that gives the same bytes.
+    Nobody can attach to nodes that have ended. For an attached run it is therefore the command that started all nodes,
+    if known, else a run that starts its own nodes on its own bus; in lockstep that gives the same bytes.
     """
     if start_up.rerun_command:
         return start_up.rerun_command
@@ -135,7 +137,7 @@ def run_command(spec: RunSpec, start_up: StartUp, bus_arguments: list[str]) -> s
 
 
 def rerun_needs(start_up: StartUp) -> str | None:
-    """What :func:`run_command` relies on that does not stand in it; None: nothing."""
+    """Requirements of :func:`run_command` that the command does not contain; None: there are none."""
     if start_up.foreign:
         return "the controller that answered, on the same bus: a board or another program"
     if start_up.attach and not start_up.rerun_command:
@@ -144,13 +146,13 @@ def rerun_needs(start_up: StartUp) -> str | None:
 
 
 def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[str, Any]:
-    """Content of ``score.json``: what the log gives, and how the run went."""
+    """Content of ``score.json``: results from the log, and data on the course of the run."""
     document = result.score.as_json()
     document["verdict"] = result.verdict
     document["line"] = result.line
     parameters = spec.law.parameters
     document["run"] = spec.as_json() | {
-        # Their values stand in the certificate.
+        # Their values are in the certificate.
         "parameters": None if parameters is None else parameters.digest,
         "memory": None if spec.law.memory is None else spec.law.memory.digest,
         "sim_time_s": result.sim_time_s,
@@ -172,27 +174,27 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
 def certificate(
     scenario: AnyScenario, spec: RunSpec, start_up: StartUp, result: RunResult, bus_arguments: list[str]
 ) -> dict[str, Any]:
-    """Content of ``certificate.json``: enough to make the same bytes again, and to notice when they differ."""
+    """Content of ``certificate.json``: enough to reproduce the same bytes, and to notice if they differ."""
     return {
         "railhil": version("railhil"),
         **spec.as_json(),
-        # Of memory.json beside it; what the run began with is memory_before.json.
+        # Of memory.json in the same folder; the initial memory is memory_before.json.
         "memory_after_sha256": None if result.memory is None else result.memory.sha256,
         "scenario_sha256": scenario.sha256,
-        # With the limits and factors that the record is judged by.
+        # Includes the limits and factors by which the record is judged.
         "judged_sha256": any_judged_sha256(scenario),
         "system": scenario.system,
-        # Of the package that it comes from, which need not be ours.
+        # Of the package that provides the system, which need not be railhil.
         "system_sha256": system_named(scenario.system).code_sha256(),
         "dbc_sha256": system_named(scenario.system).contract.sha256,
         "code_sha256": code_sha256(),
         "own_parameters": None if result.origin is None else {"origin": result.origin.text},
-        # What the law has told of itself in CTL_STAT; None: the controller has not said.
+        # What the law has declared about its notes in CTL_STAT; None: the controller has not reported it.
         "notes": _notes(result),
         "seed_was_trained": seed_was_trained(scenario, spec, result.origin),
         "arithmetic_profile": PROFILES[spec.law.arithmetic],
         "attached": start_up.attach,
-        # Then the controller was not ours: law, parameters and arithmetic are what it said in the handshake.
+        # If true, the controller was not railhil's: law, parameters and arithmetic are those of the handshake.
         "foreign": start_up.foreign,
         "transport": result.transport,
         "frames": result.frames,
@@ -204,7 +206,7 @@ def certificate(
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
-        # Limits of the watches above the usual ones; empty: none.
+        # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
     }
 
@@ -214,10 +216,10 @@ def _notes(result: RunResult) -> list[dict[str, Any]] | None:
 
 
 def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.ElementTree[ET.Element]:
-    """JUnit report with one case per limit of the scenario, and one per stop of a run with several.
+    """JUnit report with one case per limit of the scenario, and one per stop if the run has several.
 
-    A limit that is missed is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
-    ``time`` is wall time in s: the run's own in ``bench_valid``, 0 for the limits, which are judged from its record.
+    A missed limit is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
+    ``time`` is wall time in s: that of the run in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
     found, judging = result.score, judging_of(scenario)
     cases: list[tuple[str, str]] = []
@@ -258,14 +260,15 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
 
 
 def _xml(text: str) -> str:
-    """Text as XML can hold it, which has no way to write a control character."""
+    """Text without the control characters that XML cannot represent."""
     return plain(" ".join(text.split()))
 
 
 def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals, one row per telegram of the truth, last known values.
+    """Header and rows ``(n, columns)`` of the signals: one row per telegram of the truth port, with the last known
+    values.
 
-    :param notes: what the law has declared of its notes, as the certificate has it; None: not known.
+    :param notes: the law's declaration of its notes, as in the certificate; None: not known.
     """
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
@@ -299,7 +302,8 @@ def signal_units(judging: Judging, trace: Trace, notes: Any = None) -> dict[str,
 
 
 def write_signals(judging: Judging, trace: Trace, path: Path, notes: Any = None) -> None:
-    """Write ``signals.csv``: header with units, then one row per telegram of the truth; unknown values are ``nan``."""
+    """Write ``signals.csv``: header with units, then one row per telegram of the truth port; unknown values are
+    ``nan``."""
     header, rows = signal_table(judging, trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
@@ -313,10 +317,10 @@ def write_folder(
     trace: Trace,
     bus_arguments: list[str],
 ) -> None:
-    """Write everything that a finished record gives; the certificate comes last and marks the folder as whole.
+    """Write all results of a finished record; the certificate comes last and marks the folder as complete.
 
-    :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, what the nodes have
-        said and measured) and nothing that looks like a result.
+    :raises RecordFailed: the folder cannot be written; it then holds what was recorded (the log, and the output and
+        measurements of the nodes) and nothing that looks like a result.
     """
     try:
         judging = judging_of(scenario)
@@ -332,7 +336,7 @@ def write_folder(
             write_memory(result.memory, folder / MEMORY_AFTER)
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
     except BaseException as error:
-        # Ctrl-C too leaves nothing that looks like a result.
+        # On Ctrl-C, too, nothing may remain that looks like a result.
         if isinstance(error, OSError):
             raise record_failed(folder, error) from error
         _discard_results(folder)
@@ -345,7 +349,7 @@ def _discard_results(folder: Path) -> None:
 
 
 def record_failed(folder: Path, error: OSError) -> RecordFailed:
-    """The one line for a folder that cannot be written; what looks like a result goes."""
+    """The error for a folder that cannot be written; files that look like results are removed."""
     _discard_results(folder)
     reason = (error.strerror or str(error)).lower()
     return RecordFailed(f"run folder {folder} cannot be written: {reason}; frames.log is kept as far as it got")

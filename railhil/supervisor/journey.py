@@ -1,7 +1,7 @@
-"""A whole recorded run as arrays, and what is measured of it: each measure a pure function of the journey.
+"""A complete recorded run as arrays, and its measurements, each a pure function of the journey.
 
 Definitions: eqs. (4) to (8) of Wang et al., "An improved predictive function control algorithm for velocity curve of
-urban rail vehicle", with the readings of the bench's notes (ITAE in km/h, comfort with the last drop to zero).
+urban rail vehicle", as interpreted in the bench's notes (ITAE in km/h, comfort with the last drop to zero).
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from railhil.supervisor import measures
 from railhil.supervisor.stops import PlannedStop, ScoredStop, scored_stops, standstills_of
 from railhil.supervisor.trace import FloatArray
 
-#: What the one stop of this train is called where stops are listed.
+#: Name of the single stop of this train where stops are listed.
 STOP_NAME = "stopping point"
 
 
 def stop_of(plan: RunPlan, reached: Sequence[tuple[float, float]]) -> ScoredStop:
-    """The one stop of a plan, from the milestones ``(instant s, position m)``: a train that stood on its way, too, is
-    scored where it stood nearest to its stopping point."""
+    """The single stop of a plan, from the milestones ``(instant s, position m)``; a train that also stopped on the way
+    is scored at the standstill nearest to its stopping point."""
     wanted = PlannedStop(STOP_NAME, plan.distance_m, plan.stop_error_max_m, plan.running_time_s, plan.time_error_max_s)
     (stop,) = scored_stops([wanted], standstills_of(reached))
     return stop
@@ -35,9 +35,9 @@ def stop_of(plan: RunPlan, reached: Sequence[tuple[float, float]]) -> ScoredStop
 
 @dataclass(frozen=True, slots=True)
 class Journey:
-    """What SIM_TRUTH and the milestones show of a whole run.
+    """The data of SIM_TRUTH and the milestones of a complete run.
 
-    ``indexing``: ``time`` or ``distance``, over what the law took its set-point. Arrays of shape (n,): ``time_s``
+    ``indexing``: ``time`` or ``distance``, by which the law found its set-point. Arrays of shape (n,): ``time_s``
     (increasing), ``position_m``, ``speed_mps``, ``accel_mps2``, ``traction_n``, ``brake_n``.
     """
 
@@ -61,10 +61,10 @@ def _samples(scenario: Scenario) -> float:
 
 @dataclass(frozen=True, slots=True)
 class ErrorGrid:
-    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the timetable's end.
+    """Where the ITAE compares speed and set-point: at every SIM_TRUTH until the end of the timetable.
 
-    ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,), ``counts`` (cycles,) says how many
-    there are in each cycle.
+    ``time_s`` and ``cycle`` (control period of each, from 0) have the shape (n,); ``counts`` (cycles,) is their number
+    in each cycle.
     """
 
     step_s: float
@@ -87,7 +87,7 @@ class ErrorGrid:
 
 
 def itae_kmh_s2(run: Journey) -> float:
-    """Eq. (4), e in km/h; standstill counts to the timetable's end."""
+    """Eq. (4), e in km/h; standstill counts until the end of the timetable."""
     grid, target = ErrorGrid.of(run.scenario), Target(run.scenario.target)
     index = np.minimum(np.searchsorted(run.time_s, grid.time_s - grid.step_s / 2), len(run.time_s) - 1)
     speed = np.where(grid.time_s > run.time_s[-1] + grid.step_s / 2, 0.0, run.speed_mps[index])
@@ -100,7 +100,7 @@ def itae_kmh_s2(run: Journey) -> float:
 
 
 def energy_kj(run: Journey) -> float:
-    """Eq. (5) up to the stop, or to the end of a run without one."""
+    """Eq. (5) until the stop, or until the end of a run without one."""
     stood = run.stop.standstill
     end_s = float(run.time_s[-1]) if stood is None else stood.instant_s
     moving = run.time_s <= end_s
@@ -115,7 +115,7 @@ def energy_kj(run: Journey) -> float:
 
 
 def comfort_mps2_per_km(run: Journey) -> float:
-    """Eq. (6), from the first SIM_TRUTH of each control period on."""
+    """Eq. (6), from the first SIM_TRUTH of each control period."""
     period_s = run.scenario.timing.control_period_ns / 1e9
     ticks_s = np.arange(0, int(run.time_s[-1] / period_s) + 1) * period_s
     samples = run.accel_mps2[np.minimum(np.searchsorted(run.time_s, ticks_s - 1e-9), len(run.time_s) - 1)]

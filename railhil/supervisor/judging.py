@@ -1,4 +1,4 @@
-"""How records of a system are judged and shown: what score, tables, report and folder ask of it."""
+"""How records of a system are judged and shown: what score, tables, report and run folder take from the system."""
 
 from __future__ import annotations
 
@@ -35,15 +35,16 @@ class Judging:
     """The part ``judging`` of a system.
 
     ``criteria``: its scores, in the order of their columns. ``score``: (scenario, trace) -> score, a pure function of
-    both. ``truth``: port of which each telegram is a row of ``signals.csv``; ``columns``: its columns behind the time,
-    header with unit, port and signal; ``told``: (trace, notes as the certificate has them) -> more columns, header,
-    port and values. ``asked``: one sentence for the head of the report, what the scenario asks for. ``checks``:
-    (scenario, score) -> JUnit cases besides the limits of the criteria, name and failure (empty: none). ``facts``:
-    (recorded run) -> rows of the report's facts, name and text. ``counted``: (scores) -> figures over several runs for
-    ``compare.json``; ``remark``: the same in words. ``status``: where the controller says what its arithmetic and its
-    laws do; None: where the system's part ``interface`` says, if it has one. ``published``: what the published rows
-    are; ``deviations``: their source and how it is read here. ``advice``: (recorded run, report folder) -> what to try
-    after a FAIL. ``extras``: figures of every score that are 0 in a good run.
+    both. ``truth``: the port whose telegrams are the rows of ``signals.csv``; ``columns``: the columns after the time:
+    header with unit, port and signal; ``told``: (trace, notes as in the certificate) -> further columns: header,
+    port and values. ``asked``: one sentence at the top of the report on the task of the scenario. ``checks``:
+    (scenario, score) -> JUnit cases in addition to the limits of the criteria: name and failure (empty: none).
+    ``facts``: (recorded run) -> further facts for the report: name and text. ``counted``: (scores) -> figures over
+    several runs for ``compare.json``; ``remark``: the same in words. ``status``: the telegram in which the controller
+    reports on its arithmetic and its laws; None: the one named in the system's part ``interface``, if it has one.
+    ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
+    ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
+    in a good run.
     """
 
     criteria: tuple[Criterion, ...]
@@ -66,7 +67,7 @@ class Judging:
 def judging_of(scenario: AnyScenario) -> Judging:
     """How records of a scenario's system are judged.
 
-    :raises InputError: the system has no such part.
+    :raises InputError: the system has no part ``judging``.
     """
     system = system_named(scenario.system)
     judging: Judging = system.part("judging")

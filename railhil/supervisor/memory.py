@@ -1,7 +1,7 @@
-"""The law's memory around a run: read before it, put into its folder, kept after a good one.
+"""A law's memory around a run: read before the run, copied into its folder, updated after a good run.
 
-The controller writes what its law wants kept into ``telemetry.json`` at its end, in its own process or in this one;
-from there it goes into ``memory.json`` of the run folder, and into the file that the run was asked to keep it in.
+At its end the controller, which may run in its own process or in this one, writes what its law wants to keep into
+``telemetry.json``; from there it is copied into ``memory.json`` of the run folder and into the memory file of the run.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ from railhil.supervisor.telemetry import read_kept
 
 
 def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
-    """The run with the memory that it begins with, which is then in its folder; the same run when it has none.
+    """The run with its initial memory, copied into its folder; the same run if it has none.
 
-    :raises InputError: the file is damaged, or could not be written after the run.
+    :raises InputError: the file is damaged, or it could not be written after the run.
     :raises OSError: the folder cannot be written.
     """
     memory = spec.law.memory
@@ -50,14 +50,14 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
 
 
 def _now(spec: RunSpec, path: Path) -> Memory:
-    """What the file holds; a file that is not there is a memory of no run."""
+    """The content of the file; without a file, an empty memory of no runs."""
     return load_memory(path) if path.exists() else no_memory(spec.law.controller, path)
 
 
 def memory_after(spec: RunSpec, folder: Path, result: RunResult) -> Memory | None:
-    """What the law wants kept of a run; None when the run cannot be trusted, or the law has said nothing.
+    """The memory after a run; None if the run cannot be trusted, or the law keeps nothing.
 
-    :param spec: as :func:`with_memory` made it.
+    :param spec: the result of :func:`with_memory`.
     """
     kept = read_kept(folder) if result.trusted else None
     if kept is None:
@@ -67,36 +67,36 @@ def memory_after(spec: RunSpec, folder: Path, result: RunResult) -> Memory | Non
 
 
 def keep_memory(spec: RunSpec, after: Memory) -> None:
-    """Put the memory after a run into the file of the run, whole or not at all.
+    """Write the memory after a run into the memory file of the run, completely or not at all.
 
-    :param spec: as :func:`with_memory` made it.
-    :raises RecordFailed: the file cannot be written, or is no longer what the run began with; it stays as it is.
+    :param spec: the result of :func:`with_memory`.
+    :raises RecordFailed: the file cannot be written, or has changed since the run began; it is left as it is.
     """
     assert spec.memory_file is not None
     assert spec.law.memory is not None
     path = Path(spec.memory_file)
     try:
         if _now(spec, path).sha256 != spec.law.memory.sha256:
-            raise RecordFailed(f"memory {path} was changed while the run was made, and stays so; {after.source} is new")
+            raise RecordFailed(f"memory {path} was changed during the run and is kept; {after.source} is new")
         write_memory(after, path)
     except InputError:
-        raise RecordFailed(f"memory {path} was damaged while the run was made; {after.source} is new") from None
+        raise RecordFailed(f"memory {path} was damaged during the run; {after.source} is new") from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise RecordFailed(f"memory {path} cannot be written: {reason}; {after.source} holds it") from None
 
 
 def memory_line(spec: RunSpec, result: RunResult) -> str:
-    """One line on what has become of the memory; empty for a law that keeps none.
+    """One line on what happened to the memory; empty for a law that keeps none.
 
-    :param spec: as :func:`with_memory` made it.
+    :param spec: the result of :func:`with_memory`.
     """
     before, after = spec.law.memory, result.memory
     if before is None and after is None:
         return ""
     began = "none" if before is None or not before.runs else f"that of {runs_said(before.runs)} ({before.digest})"
     if after is None:
-        why = "the law has said none" if result.trusted else "the run is INVALID"
-        return f"memory: began with {began}; nothing kept, {why}"
+        why = "the law supplied no memory" if result.trusted else "the run is INVALID"
+        return f"memory: began with {began}; nothing kept: {why}"
     where = "the run folder only" if spec.memory_file is None else spec.memory_file
     return f"memory: began with {began}; kept that of {runs_said(after.runs)} ({after.digest}) in {where}"

@@ -40,13 +40,13 @@ from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Trace, trace_of
 
-#: Real time: wall time without a tick after which a started run counts as dead, not counting outages of the interface.
+#: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
 #: In lockstep the limit is slightly longer than the plant's patience.
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost.
 AFTER_LOSS_S = 4.0
 _LOOK_S = 0.05
-#: Wall time after which the log is flushed to the kernel: about the amount that a killed recorder can lose.
+#: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
 FLUSH_S = 0.2
 _REAP_S = 1.0
 
@@ -89,7 +89,7 @@ class Run:
         self.trace = Trace(contract)
         #: Exit code of a run ended by a signal (128 + its number), else 0.
         self.stopped_exit_code = 0
-        #: Also to be entered by code that writes results after :meth:`execute`, so that no signal interrupts it.
+        #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
         self._lost = ""
         self._scheduling = Scheduling()
@@ -145,7 +145,7 @@ class Run:
                 refuse_occupied(link, self.choice)
                 self._start(nodes)
             except BaseException:
-                # Ctrl-C too leaves no interface open.
+                # On Ctrl-C, too, the interface must be closed.
                 link.close()
                 raise
             return link
@@ -163,7 +163,7 @@ class Run:
             try:
                 self._record(link, nodes, self.stop)
             except BusLost:
-                # Ctrl-C also ends the other nodes, and they may be quicker.
+                # Ctrl-C also ends the other nodes, which may end sooner.
                 self.stop.check()
                 raise
             self.stop.check()
@@ -175,7 +175,8 @@ class Run:
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
         silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
-        # Of nodes that it has started itself the supervisor knows more; in realtime the reaction ladder has its time.
+        # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
+        # time.
         told = self.start_up.attach and not self.spec.is_realtime
         apart = not self.spec.is_realtime and bool(nodes.nodes)
         while session.ended is None:
@@ -185,7 +186,7 @@ class Run:
                 return
             now_s = time.monotonic()
             if link.is_down:
-                # The link gives up by itself.
+                # The link gives up by itself after a time.
                 open_s = now_s
             if apart and session.recording:
                 nodes.keep_together()
@@ -199,7 +200,7 @@ class Run:
             if give_up_s is None:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)
-                # A node may end regularly just before its last frames are read here.
+                # A node may end normally just before its last frames are read here.
                 if failed or (ended and not self._drain(link, stop)):
                     self._lost = self._who_died(nodes)
                     give_up_s = now_s + self._after_loss_s
@@ -216,7 +217,7 @@ class Run:
                 return
 
     def _has_left(self, link: Link, heard: bool) -> bool:
-        """Note who was the first to leave a run that had not ended; True when nothing can come any more."""
+        """Record which node was the first to leave an unfinished run; True if nothing more can come."""
         gone = [node for node in ("controller", "plant") if link.has_ended(node)] if self.session.recording else []
         over = "plant" in gone and not heard
         if gone and not self._lost and (over or self.session.ending is None):
@@ -224,7 +225,7 @@ class Run:
         return over
 
     def _drain(self, link: Link, stop: StopSignals) -> bool:
-        """Read the frames still queued after a node has ended; True if the run ended regularly with them.
+        """Read the frames still queued after a node has ended; True if the run ended normally with them.
 
         Frames of other nodes may keep arriving.
         """
@@ -251,7 +252,7 @@ class Run:
         if dead is None:
             return ""
         at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
-        # A node that ends by itself names the node that it waited for: it is not the missing one.
+        # A node that ends by itself names the node that it waited for, so it is not itself the missing one.
         how = "gave up" if dead.exit_code() == INVALID else "lost"
         return f"{dead.role} {how} {at}: {dead.last_words()}"
 

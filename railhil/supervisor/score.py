@@ -1,7 +1,7 @@
 """The score: a pure function of the scenario and the recorded telegrams.
 
-What is measured stands in :mod:`railhil.supervisor.criteria`; here is whether the record holds a whole run, and the
-verdict.
+The criteria are defined in :mod:`railhil.supervisor.criteria`; this module decides whether the record holds a complete
+run, and the verdict.
 """
 
 from __future__ import annotations
@@ -23,21 +23,21 @@ from railhil.supervisor.stops import ScoredStop
 from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
 
-#: A record without SIM_TRUTH for longer than this shows no run: what the train did meanwhile is not in it. A bus that
-#: fails for moments leaves shorter gaps.
+#: A record without SIM_TRUTH for longer than this is not accepted as a run, because the motion in the gap is unknown.
+#: A short bus failure leaves shorter gaps.
 HOLE_MAX_S = 1.0
-#: Where the controller of ``ato`` says what its arithmetic does; its notes are the law's own.
+#: Where the controller of ``ato`` reports on its arithmetic; the notes are defined by the law.
 STATUS = Status(CtlStat.PORT, "OverflowFlags")
 
 
 @dataclass(frozen=True, slots=True)
 class Score:
-    """Scores of one run by the keys of its criteria; ``None`` where the run never got there (a train that did not stop
-    has no stop error).
+    """Scores of one run by the keys of its criteria; ``None`` if the run did not get that far (a train that did not
+    stop has no stop error).
 
-    ``signed``: those that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
-    stopping point. ``extras``: figures of the system's own by the keys of :attr:`Judging.extras`. ``stops``: those that
-    the scenario asks for, in its order, and what became of them; none in a record that does not show a whole run.
+    ``signed``: the scores that have a sign; positive ``time_error_s`` is late, positive ``stop_error_m`` is past the
+    stopping point. ``extras``: the system's own figures by the keys of :attr:`Judging.extras`. ``stops``: the stops
+    that the scenario requires, in its order, with their results; empty for a record that does not show a complete run.
     """
 
     verdict: str
@@ -50,7 +50,7 @@ class Score:
 
     @property
     def listed_stops(self) -> tuple[ScoredStop, ...]:
-        """The stops of a run with several; of one alone the criteria say all."""
+        """The stops of a run with several; a single stop is fully covered by the criteria."""
         return self.stops if len(self.stops) > 1 else ()
 
     def with_sign(self, criterion: Criterion) -> float | None:
@@ -71,7 +71,7 @@ class Score:
 
 
 def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
-    """``(instant s, true position m)`` of each event, by its kind, as often as it was told."""
+    """``(instant s, true position m)`` of each event, by kind, as often as it was reported."""
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     instants = trace.values(RunEvent.PORT, "EventTime")
     positions = trace.values(RunEvent.PORT, "EventPos")
@@ -84,10 +84,10 @@ def _events(trace: Trace) -> dict[Event, list[tuple[float, float]]]:
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """What a whole run has been measured to be.
+    """Measurements of a complete run.
 
-    ``values``: by criterion, with the sign where there is one. ``stop``: its one stop; ``emergency_s``: instant of the
-    first emergency brake; ``wrap``: the failure of a controller whose arithmetic has wrapped.
+    ``values``: by criterion, with their sign if they have one. ``stop``: its one stop; ``emergency_s``: instant of the
+    first emergency brake; ``wrap``: the failure text if the controller's arithmetic has wrapped.
     """
 
     ended: Event
@@ -99,7 +99,7 @@ class Measured:
 
 
 def judged(scenario: Scenario, run: Measured) -> Score:
-    """Score of a whole run with its verdict: what of the limits in the plan it misses."""
+    """Score of a complete run with its verdict: which limits of the plan it misses."""
     failures = []
     if run.stop.standstill is None:
         failures.append(f"not stopped {scenario.plan.overtime_max_s:g} s after the timetable")
@@ -125,7 +125,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
 
 
 def _unscored(reason: str, ended: str) -> Score:
-    """What is said of a record that does not show a whole run."""
+    """The score of a record that does not show a complete run."""
     return Score("INVALID", *unscored(), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
@@ -133,7 +133,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
     :param scenario: the *nominal* scenario of the run (its plan, target curve and limits).
-    :returns: verdict PASS or FAIL; INVALID when the record does not hold a whole run.
+    :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run.
     """
     events = _events(trace)
     ended = next((event for event in sorted(events, reverse=True) if event.ends_run), None)
@@ -145,7 +145,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
         "traction": trace.values(SimTruth.PORT, "TractionForce"),
         "brake": trace.values(SimTruth.PORT, "BrakeForce"),
     }
-    # A telegram that was recorded twice counts once: the times of the rest increase.
+    # A telegram that was recorded twice counts once, so that the times are strictly increasing.
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)

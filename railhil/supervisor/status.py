@@ -1,4 +1,4 @@
-"""Where a controller says on the bus what its arithmetic and its law do: flags, and the notes that its system fixes."""
+"""Where a controller reports on the bus on its arithmetic and its law: flags, and the notes defined by its system."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from railhil.bus.telegrams import ControllerFlag
 from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.trace import Trace
 
-#: How the failure of a run begins in which the controller's fixed point has wrapped.
+#: Beginning of the failure text of a run in which the controller's fixed-point arithmetic has wrapped.
 WRAP_FAILURE = "fixed-point wrap in the controller"
 
 
@@ -19,7 +19,7 @@ WRAP_FAILURE = "fixed-point wrap in the controller"
 class Status:
     """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.telegrams.ControllerFlag`, empty: none.
 
-    ``notes``: those that are the same for every law of the system; what a law declares of its own is told besides.
+    ``notes``: those that are the same for every law of the system; a law may declare further ones.
     """
 
     port: str
@@ -28,7 +28,7 @@ class Status:
 
 
 def interface_status(interface: Any) -> Status | None:
-    """That of a system whose laws stand between the signals of an ``Interface``; None when it has no such telegram.
+    """The status of a system whose laws use the signals of an ``Interface``; None if it has no such telegram.
 
     :param interface: a :class:`railhil.controller_node.vector.law.Interface`.
     """
@@ -46,9 +46,9 @@ def interface_status(interface: Any) -> Status | None:
 
 
 def wrap_failure(trace: Trace, status: Status | None) -> str:
-    """The failure if the controller reports a wrap, after which its commands mean nothing; empty without one.
+    """The failure if the controller reports a wrap, after which its commands are meaningless; empty without one.
 
-    :param status: where it reports; None: nowhere.
+    :param status: where it reports this; None: nowhere.
     """
     if status is None or not status.flags:
         return ""

@@ -1,7 +1,7 @@
-"""The stops of a run: where a scenario wants the train to stand and when, and what became of each.
+"""The stops of a run: where and when a scenario wants the train to stop, and the result for each stop.
 
-A run may have one or several. The system's score lists them (:attr:`railhil.supervisor.score.Score.stops`); score.json,
-report, JUnit and console walk that list.
+A run may have one or several. They are listed in the system's score (:attr:`railhil.supervisor.score.Score.stops`),
+from which score.json, report, JUnit and console take them.
 """
 
 from __future__ import annotations
@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-#: Standstills reported nearer to each other than this are one.
+#: Reported standstills closer together than this count as one.
 _SAME_PLACE_M = 0.001
 
 
 @dataclass(frozen=True, slots=True)
 class Standstill:
-    """Where something stood: instant in s, true position in m."""
+    """A standstill: instant in s, true position in m."""
 
     instant_s: float
     position_m: float
@@ -24,10 +24,11 @@ class Standstill:
 
 @dataclass(frozen=True, slots=True)
 class PlannedStop:
-    """One stop that a scenario asks for.
+    """One stop that a scenario requires.
 
-    :param error_max_m: how far from ``target_m`` is still a pass, either way.
-    :param due_s: instant of the timetable, with ``late_max_s`` either way; None: no timetable, or none that is judged.
+    :param error_max_m: allowed distance from ``target_m``, in either direction.
+    :param due_s: instant in the timetable, allowed ``late_max_s`` early or late; None: there is no timetable, or it is
+        not judged.
     """
 
     name: str
@@ -39,26 +40,26 @@ class PlannedStop:
 
 @dataclass(frozen=True, slots=True)
 class ScoredStop:
-    """A planned stop and the standstill that counts as it; None: it never stood there."""
+    """A planned stop and the standstill assigned to it; None: the train did not stop there."""
 
     planned: PlannedStop
     standstill: Standstill | None
 
     @property
     def error_m(self) -> float | None:
-        """How far past its point, in m."""
+        """Distance past the stopping point, in m."""
         return None if self.standstill is None else self.standstill.position_m - self.planned.target_m
 
     @property
     def late_s(self) -> float | None:
-        """How late, in s; None without a timetable, too."""
+        """Delay in s; None without a standstill or a timetable."""
         if self.standstill is None or self.planned.due_s is None:
             return None
         return self.standstill.instant_s - self.planned.due_s
 
     @property
     def missed(self) -> str:
-        """What of the plan it misses, in words; empty when nothing."""
+        """The limits of the plan that it misses, in words; empty if none."""
         if self.standstill is None:
             return "not stopped"
         compared = ((self.error_m, self.planned.error_max_m, "m"), (self.late_s, self.planned.late_max_s, "s"))
@@ -89,7 +90,7 @@ class ScoredStop:
 
 
 def standstills_of(reached: Sequence[tuple[float, float]]) -> tuple[Standstill, ...]:
-    """The standstills behind the milestones ``(instant s, position m)``, in their order; one told twice counts once."""
+    """The standstills from the milestones ``(instant s, position m)``, in order; one reported twice counts once."""
     found: list[Standstill] = []
     for instant_s, position_m in reached:
         if all(abs(position_m - known.position_m) > _SAME_PLACE_M for known in found):
@@ -98,8 +99,8 @@ def standstills_of(reached: Sequence[tuple[float, float]]) -> tuple[Standstill, 
 
 
 def scored_stops(planned: Sequence[PlannedStop], found: Sequence[Standstill]) -> tuple[ScoredStop, ...]:
-    """Each planned stop with the standstill that counts as it: of those that are nearer to it than to any other planned
-    stop, the nearest, the first of equals."""
+    """Each planned stop with the standstill assigned to it: of the standstills that are nearer to it than to any other
+    planned stop, the nearest one; if several are equally near, the first."""
     near: list[list[Standstill]] = [[] for _ in planned]
     for one in found:
         away_m = [abs(one.position_m - stop.target_m) for stop in planned]
@@ -112,5 +113,5 @@ def scored_stops(planned: Sequence[PlannedStop], found: Sequence[Standstill]) ->
 
 
 def missed_stops(stops: Sequence[ScoredStop]) -> list[str]:
-    """Sentences for a verdict: which stops are missed, and by what."""
+    """Sentences for a verdict: which stops are missed, and why."""
     return [f"stop {stop.planned.name}: {stop.missed}" for stop in stops if stop.missed]

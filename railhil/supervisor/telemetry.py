@@ -1,8 +1,8 @@
-"""What the controller has said about its arithmetic: ``telemetry.json`` of a run folder, else telegrams of the record.
+"""What the controller reports about its arithmetic: ``telemetry.json`` of a run folder, else recorded telegrams.
 
-The file is written by another process that may have been killed: whatever is wrong with it, a run is judged by its
-record alone, so a file that is missing or broken only counts as missing. A controller that was started elsewhere
-leaves no file here: then the telegrams tell a little less.
+The file is written by another process, which may have been killed. A missing or damaged file does not affect the
+verdict, which depends on the record alone. A controller that was started elsewhere leaves no file here; its status
+telegrams then give slightly less information.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FILE_NAME = "telemetry.json"
 
 @dataclass(frozen=True, slots=True)
 class Headroom:
-    """The quantity of the law that came nearest to the end of its format."""
+    """The quantity of the law that came closest to the limit of its format."""
 
     name: str
     bits: int
@@ -35,10 +35,11 @@ class Headroom:
 
 @dataclass(frozen=True, slots=True)
 class TelemetrySummary:
-    """The part of the telemetry that stands in ``score.json``.
+    """The part of the telemetry that is written to ``score.json``.
 
-    ``least_headroom`` is None without fixed point; ``cycles`` (program in RAM) and ``cycles_flash`` are those of
-    one control period, 0 for float64; ``cycle_share`` is their share of the control period from flash, 1 = all.
+    ``least_headroom`` is None without fixed point; ``cycles`` (program in RAM) and ``cycles_flash`` (in flash) are
+    those of one control period, 0 for float64; ``cycle_share`` is ``cycles_flash`` as a share of the control period (1
+    = all).
     """
 
     wraps: int
@@ -51,7 +52,7 @@ class TelemetrySummary:
     lost_messages: int
 
     def as_json(self) -> dict[str, Any]:
-        """As ``score.json`` has it."""
+        """As in ``score.json``."""
         return asdict(self)
 
     def sentence(self) -> str:
@@ -72,7 +73,7 @@ class TelemetrySummary:
 def summary(document: dict[str, Any]) -> TelemetrySummary:
     """Summary of a telemetry document.
 
-    :raises LookupError, TypeError, ValueError, AttributeError, OverflowError: it is none.
+    :raises LookupError, TypeError, ValueError, AttributeError, OverflowError: it is not a telemetry document.
     """
     bits = [
         Headroom(str(row["name"]), int(row["headroom_bits"]))
@@ -97,8 +98,8 @@ def summary(document: dict[str, Any]) -> TelemetrySummary:
 
 @dataclass(frozen=True, slots=True)
 class LawOrigin:
-    """What a law says of itself: where its own parameters come from, the perturbed runs (name of the scenario, seeds)
-    from which they were chosen, and what its notes in CTL_STAT are."""
+    """What a law declares: where its own parameters come from, the perturbed runs (name of the scenario, seeds) from
+    which they were chosen, and the meaning of its notes in CTL_STAT."""
 
     text: str
     design_seeds: Mapping[str, range]
@@ -106,9 +107,9 @@ class LawOrigin:
 
 
 def law_origin(document: dict[str, Any]) -> LawOrigin:
-    """Origin from a telemetry document, or from what ``python -m railhil.controller_node --check`` prints.
+    """Origin from a telemetry document, or from the output of ``python -m railhil.controller_node --check``.
 
-    :raises LookupError, TypeError, ValueError, AttributeError: it is none.
+    :raises LookupError, TypeError, ValueError, AttributeError: it is neither.
     """
     seeds = {str(name): range(*map(int, numbers)) for name, numbers in document["design_seeds"].items()}
     return LawOrigin(str(document["parameters_origin"]), seeds, told_notes(document["notes"]))
@@ -118,7 +119,7 @@ _F = TypeVar("_F")
 
 
 def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
-    """What is made of the telemetry in a run folder; None when the controller has left none that can be read."""
+    """``made`` applied to the telemetry in a run folder; None if there is no readable telemetry."""
     try:
         return made(json.loads((folder / FILE_NAME).read_text(encoding="utf-8")))
     except (OSError, ValueError, LookupError, TypeError, AttributeError, OverflowError, RecursionError):
@@ -126,17 +127,17 @@ def _read(folder: Path, made: Callable[[dict[str, Any]], _F]) -> _F | None:
 
 
 def read_summary(folder: Path) -> TelemetrySummary | None:
-    """Summary of the telemetry in a run folder; None when there is none that can be read."""
+    """Summary of the telemetry in a run folder; None if there is no readable telemetry."""
     return _read(folder, summary)
 
 
 def read_origin(folder: Path) -> LawOrigin | None:
-    """Origin of the law's own parameters from a run folder; None when the controller has not said it there."""
+    """Origin of the law's own parameters from a run folder; None if the controller has not written it there."""
     return _read(folder, law_origin)
 
 
 def read_kept(folder: Path) -> tuple[str, dict[str, Any]] | None:
-    """Key and values that the law wants kept, from a run folder; None when it has said none."""
+    """Key and values that the law wants to keep, from a run folder; None if there are none."""
 
     def kept(document: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         return str(document["memory"]["key"]), dict(document["memory"]["values"])
@@ -146,12 +147,12 @@ def read_kept(folder: Path) -> tuple[str, dict[str, Any]] | None:
 
 @dataclass(frozen=True, slots=True)
 class ShownTelemetry:
-    """What stands in ``score.json`` when there is no file: what the status telegrams of the record tell.
+    """The telemetry in ``score.json`` if there is no file: from the recorded status telegrams.
 
     ``source``: their port. ``happened``: names of the flags that were set. ``cycles``: of one control period, program
-    in RAM, 0 for float64 and where nobody says. ``quantities``: each as it was last shown, up to one rotation before
-    the end; ``index`` is its row in the controller's own ``telemetry.json``. Raw extremes (cut off downwards to the
-    bits that a telegram carries) and headroom are None when not shown yet, when the quantity was always 0, and without
+    in RAM, 0 for float64 and if not reported. ``quantities``: each as last reported, up to one rotation before
+    the end; ``index`` is its row in the controller's own ``telemetry.json``. Raw extremes (rounded down to the
+    bits that a telegram carries) and headroom are None if not yet reported, if the quantity was always 0, and without
     fixed point.
     """
 
@@ -162,7 +163,7 @@ class ShownTelemetry:
     quantities: tuple[dict[str, int | bool | None], ...]
 
     def as_json(self) -> dict[str, Any]:
-        """As ``score.json`` has it; ``source`` tells it from :class:`TelemetrySummary`."""
+        """As in ``score.json``; ``source`` distinguishes it from :class:`TelemetrySummary`."""
         return asdict(self)
 
     def sentence(self) -> str:
@@ -174,14 +175,14 @@ class ShownTelemetry:
         return ", ".join(words)
 
 
-#: Signals of a status telegram that tells the quantities of the law in turns.
+#: Signals of a status telegram that reports the quantities of the law in turn.
 _IN_TURNS = ("Index", "Maximum", "Extreme", "Headroom", "Wrapped", "Saturated", "ZeroDivision")
 
 
 def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | None:
-    """Telemetry from the status telegrams of a record; None when they tell nothing, or none has come yet that does.
+    """Telemetry from the recorded status telegrams; None if they report none, or no such telegram was recorded.
 
-    :param status: of the system; None: it has none.
+    :param status: that of the system; None: it has none.
     """
     if status is None or not status.flags or not trace.count(status.port):
         return None
@@ -208,7 +209,7 @@ def shown_telemetry(trace: Trace, status: Status | None) -> ShownTelemetry | Non
 
 
 def _quantities(trace: Trace, port: str) -> tuple[dict[str, int | bool | None], ...]:
-    """Each quantity as it was last shown, by its number."""
+    """Each quantity as last reported, by its number."""
     shown: dict[int, dict[str, int | bool | None]] = {}
     for index, maximum, extreme, bits, *events in zip(
         *(trace.raw(port, f"Telemetry{name}").tolist() for name in _IN_TURNS), strict=True

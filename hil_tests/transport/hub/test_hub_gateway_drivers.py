@@ -155,7 +155,7 @@ def test_a_driver_that_fails_while_reading_is_opened_again(monkeypatch: pytest.M
         port, lines = opened_port("virtual:gateway-reading")
         wait_for(lambda: lines, PATIENCE_S)
     try:
-        assert lines[0].endswith("is down (its driver has failed: no such luck); it is opened again when it is there")
+        assert lines[0].endswith("is down (its driver has failed: no such luck); it is opened again when it is back")
         wait_for(lambda: "is open again after" in lines[-1], PATIENCE_S)
         other.send(can.Message(arbitration_id=PLAIN.can_id, is_extended_id=False, data=PLAIN.data))
         assert taken(port, bool) == [PLAIN]
@@ -184,7 +184,7 @@ def test_a_driver_that_fails_while_sending_is_opened_again(monkeypatch: pytest.M
         with monkeypatch.context() as broken:
             broken.setattr(VirtualBus, "send", _raising(RuntimeError("no such\nluck")))
             assert port.send(PACKET) is False
-        assert lines[0].endswith("is down (its driver has failed: no such luck); it is opened again when it is there")
+        assert lines[0].endswith("is down (its driver has failed: no such luck); it is opened again when it is back")
         wait_for(lambda: len(lines) == 2, PATIENCE_S)
         assert "is open again after" in lines[1]
         assert port.send(PACKET) is False

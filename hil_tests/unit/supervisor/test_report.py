@@ -246,7 +246,7 @@ def test_a_run_that_is_no_evaluation_is_never_the_best(lvshun: Scenario, run: Re
 def test_without_score_json_nothing_is_said_of_the_controller(run: RecordedRun) -> None:
     assert "not recorded: score.json is missing" in words(page([replace(run, score_document={})]))
     silent = replace(run, score_document={**run.score_document, "telemetry": None})
-    assert "the controller has said nothing about its arithmetic" in words(page([silent]))
+    assert "the controller has not reported on its arithmetic" in words(page([silent]))
 
 
 def kept(trace: Trace, keep: Callable[[str, int], bool]) -> Trace:

@@ -10,7 +10,7 @@ from importlib.resources import files
 @dataclass(frozen=True, slots=True)
 class Deviation:
     """``at``: place in the paper; ``reading``: interpretation used here; ``other``: effect of the alternative, or
-    empty."""
+    empty if not known."""
 
     at: str
     reading: str

@@ -1,6 +1,6 @@
-"""What a reader must know to make a run again and to judge it.
+"""The facts that a reader needs in order to repeat a run and to judge it.
 
-Wall-clock figures stand here for realtime runs only: a lockstep run gives the same report wherever it runs.
+Wall-clock figures are shown for real-time runs only: the report of a lockstep run is the same on every machine.
 """
 
 from __future__ import annotations
@@ -22,26 +22,27 @@ from railhil.supervisor.telemetry import Headroom, ShownTelemetry, TelemetrySumm
 
 _UNKNOWN = "not recorded"
 _NO_SCORE = f"{_UNKNOWN}: score.json is missing"
-#: Folders of an absolute path within a sentence; devices keep theirs.
+#: Folder part of an absolute path within a sentence; paths of devices are kept.
 _FOLDERS = re.compile(r"(?<![\w./])/(?!dev/)(?:[^\s/:]+/)+")
 
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """``common``: what holds for all runs; ``own``: per run, its label and what differs; rows are ``(name, text)``."""
+    """``common``: facts that hold for all runs; ``own``: per run, its label and the facts that differ; rows are
+    ``(name, text)``."""
 
     common: tuple[tuple[str, str], ...]
     own: tuple[tuple[str, tuple[tuple[str, str], ...]], ...]
 
 
 def without_folders(text: str) -> str:
-    """A file's name for its absolute path: where a run was made is no part of its report. Devices keep theirs."""
+    """An absolute path reduced to its file name: the place of a run is not part of its report. Devices are kept."""
     path = PurePosixPath(text)
     return path.name if path.is_absolute() and not text.startswith("/dev/") else text
 
 
 def without_paths(text: str) -> str:
-    """A sentence with the names of files in place of their absolute paths."""
+    """A sentence with absolute paths reduced to file names."""
     return _FOLDERS.sub("", text)
 
 
@@ -60,7 +61,7 @@ def _command(text: str) -> str:
 def _telemetry(document: Any) -> str:
     """One sentence from the telemetry of ``score.json``."""
     if document is None:
-        return "the controller has said nothing about its arithmetic"
+        return "the controller has not reported on its arithmetic"
     least = Headroom(**document["least_headroom"]) if document["least_headroom"] else None
     if "source" in document:
         rows = tuple(document["quantities"])
@@ -72,11 +73,11 @@ def _telemetry(document: Any) -> str:
 
 
 def parameters_sentence(run: RecordedRun) -> str:
-    """Where the parameters come from with which the controller ran."""
+    """Origin of the parameters with which the controller ran."""
     given, own = run.certificate.get("parameters"), run.certificate.get("own_parameters")
     if run.certificate.get("foreign"):
         asked = f"those of a file, digest {given['sha256'][:DIGEST_DIGITS]}" if given else "the law's own"
-        return f"not known: the controller was not ours; in the handshake it agreed to {asked}"
+        return f"not known: the controller was not railhil's; in the handshake it agreed to {asked}"
     if not given:
         return f"the law's own ({own['origin'] if own else _UNKNOWN + ' where they come from'})"
     words = f"from a file, digest {given['sha256'][:DIGEST_DIGITS]}"
@@ -86,7 +87,7 @@ def parameters_sentence(run: RecordedRun) -> str:
 
 
 def memory_sentence(certificate: Mapping[str, Any]) -> str:
-    """With what memory of its law a run began and ended; empty for a run without one."""
+    """The memory of its law with which a run began and ended; empty for a run without one."""
     before, after = certificate.get("memory"), certificate.get("memory_after_sha256")
     if not before and not after:
         return ""
@@ -142,7 +143,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         ("Again with", _command(said("command"))),
     ]
     if certificate.get("foreign"):
-        rows.append(("Not ours", "the controller, a board or another program; law and arithmetic are what it said"))
+        rows.append(("Other controller", "a board or another program; law and arithmetic are as it reported them"))
     if certificate.get("attached"):
         rows.append(("Attached", "plant and controller were started elsewhere"))
     if certificate.get("command_needs"):
@@ -151,7 +152,7 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
 
 
 def facts(runs: Sequence[RecordedRun]) -> Facts:
-    """Facts of all runs, what they share said once."""
+    """Facts of all runs, the common ones only once."""
     each = [facts_of(run) for run in runs]
     shared = set(each[0]).intersection(*map(set, each[1:]))
     return Facts(

@@ -213,12 +213,12 @@ def _error(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
 
 
 def _notch(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
-    caption = "Notch as commanded; negative brakes."
+    caption = "Notch as commanded; negative values brake."
     return _stacked(scenario, runs, "notch", "Notch over time", "notch", caption, panels.notch)
 
 
 def _force(scenario: Scenario, runs: Sequence[Drawn]) -> Picture:
-    caption = "What the train really applied: traction force positive, brake force negative."
+    caption = "Forces applied by the train: traction force positive, brake force negative."
     return _stacked(scenario, runs, "force", "Traction and brake force over time", "force (kN)", caption, panels.force)
 
 
@@ -233,7 +233,7 @@ def _flags(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
         def draw(axes: Axes, run: Drawn, name: str = name, used: Sequence[int] = used) -> None:
             panels.flags(axes, run, name, used)
 
-        caption = "As the controller said (CTL_STAT); laws that do not tell it are left out."
+        caption = "As reported by the controller (CTL_STAT); laws that do not report it are left out."
         title = f"{_capital(note.title)} over time"
         height_in = _FLAGS_IN * max(3, len(used))
         found.append(_stacked(scenario, telling, name, title, "", caption, draw, height_in))
@@ -254,7 +254,7 @@ def _told_figures(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
 
     title = f"{_capital(' and '.join(note.title for note in notes.values()))} over time"
     symbols = ", ".join(note.symbol or note.unit for note in notes.values() if note.symbol or note.unit)
-    caption = "As the controller said (CTL_STAT); laws that tell no such figure are left out."
+    caption = "As reported by the controller (CTL_STAT); laws that report no such figure are left out."
     return [_stacked(scenario, telling, next(iter(notes)), title, symbols, caption, draw, legend=True)]
 
 
@@ -276,7 +276,7 @@ def _lateness(runs: Sequence[Lateness]) -> Picture:
     return Picture("lateness", title, caption, svg(figure, "lateness", title))
 
 
-#: The report of a train that drives itself from one stop to the next, in reading order.
+#: The report of a train that drives automatically from one stop to the next, in reading order.
 ATO_PANELS = (
     Panel("speed", lambda of: [_speed(of.scenario, of.runs)]),
     Panel("error", lambda of: [_error(of.scenario, of.runs)]),

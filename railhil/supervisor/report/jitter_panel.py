@@ -12,8 +12,8 @@ HEADINGS = ("law", "cycles", "p50", "p99", "p99.9", "max", f"over {LATE_MS:g} ms
 _FIGURES = (("p50", "p50_ms"), ("p99", "p99_ms"), ("p99.9", "p999_ms"), ("max", "max_ms"))
 _BY_PLANT = "the plant, at the beginning of each cycle and at each answer"
 _BY_RECORDER = (
-    "the supervisor, by the arrival of each tick (the plant has left no table here): the way to it counts too, and an "
-    "answer that came too late for the plant counts as an answer"
+    "the supervisor, by the arrival of each tick (the plant has left no table here): the transport time counts too, "
+    "and an answer that came too late for the plant counts as an answer"
 )
 
 

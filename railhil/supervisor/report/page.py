@@ -21,12 +21,12 @@ from railhil.supervisor.report.score_table import better_sentence, rows
 
 
 def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequence[Panel] | None = None) -> str:
-    """The report of one run or of several of one scenario, as one HTML document without any outside reference.
+    """The report of one run or of several of one scenario, as one HTML document without external references.
 
-    The same records give the same bytes: no date, no path, no wall-clock figure of a lockstep run.
+    The same records give the same bytes: no date, no path, and no wall-clock figure of a lockstep run.
 
     :param notes: sentences on the comparison as a whole.
-    :param panels: figures in reading order; None: those of a train that drives itself to a stop.
+    :param panels: figures in reading order; None: those of a train that drives automatically to a stop.
     """
     runs = [replace(run, line=without_paths(run.line)) for run in told_apart(runs)]
     scenario = runs[0].scenario
@@ -37,7 +37,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        # What is safe already (markup, drawings) is no plain text.
+        # Markup and drawings are already escaped.
         finalize=lambda value: plain(value) if type(value) is str else value,
     )
     judging, system = judging_of(scenario), system_named(scenario.system)
@@ -67,7 +67,7 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
 
 
 def write_report(runs: Sequence[RecordedRun], out: Path, notes: Sequence[str] = ()) -> None:
-    """Write the report whole or not at all.
+    """Write the report completely or not at all.
 
     :raises OSError: it cannot be written.
     """

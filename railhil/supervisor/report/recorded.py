@@ -1,4 +1,4 @@
-"""A recorded run as the report takes it: what stands in its folder, and nothing else."""
+"""A recorded run as input of the report: only what its folder contains."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _POINTS_MIN = 2
 
 @dataclass(frozen=True, slots=True)
 class RecordedRun:
-    """One run: scenario, telegrams, score, and the documents beside the log (empty where there are none).
+    """One run: scenario, telegrams, score, and the other documents of the folder (empty if there are none).
 
-    ``label`` is the law as the tables call it, with what tells it from other runs of the same law.
+    ``label`` is the name of the law in tables, extended if it must be distinguished from other runs of the same law.
     """
 
     label: str
-    #: Of its system: what the system's own parts make of it, they know.
+    #: Type defined by the system; only the system's own parts know it.
     scenario: Any
     trace: Trace
     score: Score
@@ -56,12 +56,12 @@ class RecordedRun:
 
     @property
     def seed_was_trained(self) -> bool:
-        """True when the controller's parameters are known to be made from this very run: then it is no evaluation."""
+        """True if the controller's parameters are known to come from this very run, which is then not an evaluation."""
         return bool(self.certificate.get("seed_was_trained"))
 
     @property
     def caution(self) -> str:
-        """The sentence on a run that is no evaluation, empty for the others."""
+        """The warning for a run that is not an evaluation, empty for the others."""
         if not self.seed_was_trained:
             return ""
         how = "tuned" if self.certificate.get("parameters") else "designed"
@@ -70,17 +70,17 @@ class RecordedRun:
 
     @property
     def can_be_drawn(self) -> bool:
-        """True when the state of what was driven was recorded more than once."""
+        """True if the truth was recorded more than once."""
         return self.trace.count(judging_of(self.scenario).truth) >= _POINTS_MIN
 
 
 def recorded_run(
     folder: Path, certificate: dict[str, Any], scenario: AnyScenario, trace: Trace, score: Score, invalid: str = ""
 ) -> RecordedRun:
-    """The run whose folder this is.
+    """The run of a folder.
 
-    :param certificate: of this run; empty when there is none, and then no document of the folder belongs to the log.
-    :param invalid: why the bench could not be trusted, empty when it could.
+    :param certificate: that of the run; empty if there is none, and then no document of the folder belongs to the log.
+    :param invalid: why the bench could not be trusted, empty if it could.
     :raises InputError: ``score.json`` is damaged.
     """
     verdict, line = score.verdict, "; ".join(score.failures)
@@ -97,7 +97,7 @@ def recorded_run(
 
 
 def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
-    """The same runs with labels that differ: what differs between runs of one label is added to it."""
+    """The same runs with distinct labels: equal labels are extended by what differs between the runs."""
     found = list(runs)
     for key in ("arithmetic", "indexing", "perturbed", "seed", "pace"):
         labels = [run.label for run in found]
@@ -119,7 +119,7 @@ def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """What is drawn of one run: arrays of equal length per source, in the units of their names.
+    """The curves drawn for one run: arrays of equal length per source, in the units of their names.
 
     ``time_s`` to ``brake_kn`` from SIM_TRUTH, ``notch*`` from NOTCH_CMD, the rest from CTL_STAT.
     """
@@ -133,16 +133,16 @@ class Curves:
     notch_s: FloatArray
     notch: FloatArray
     status_s: FloatArray
-    #: What the law has told of itself, and the values.
+    #: The notes reported by the law, with their values.
     notes: tuple[tuple[ToldNote, FloatArray], ...]
 
     def told(self, *, flags: bool) -> list[tuple[ToldNote, FloatArray]]:
-        """Notes that are bit fields, or the others; those that were never other than 0 left out."""
+        """Notes that are bit fields, or the others; without those that were always 0."""
         return [(note, values) for note, values in self.notes if bool(note.bits) == flags and np.any(values)]
 
 
 def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | None = None) -> Curves:
-    """Curves of a record; the speed error is set-point minus speed, against the set-point that the law followed.
+    """Curves of a record; the speed error is set-point minus speed, with the set-point that the law followed.
 
     :param told: ``notes`` of its certificate.
     """
@@ -157,7 +157,7 @@ def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | No
         time_s=time_s,
         position_m=position_m,
         speed_kmh=speed_kmh,
-        # After the planned stop the target goes on below zero, which no train can follow.
+        # After the planned stop the target continues below zero, which no train can follow.
         error_kmh=np.maximum(wanted_mps, 0.0) * KMH - speed_kmh,
         traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
         brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,

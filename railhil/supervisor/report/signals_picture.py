@@ -1,4 +1,4 @@
-"""The picture of one run of a system that draws none of its own: its signals over time, one panel for each unit."""
+"""The picture of one run of a system without a picture of its own: signals over time, one panel for each unit."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HEIGHT_IN = 2.2
 
 
 def draw(scenario: Any, trace: Trace, out: Path) -> None:
-    """Draw what stands in ``signals.csv`` into a file whose bytes depend on the record alone (fixed ids, no date)."""
+    """Draw the signals of ``signals.csv`` into a file whose bytes depend only on the record (fixed ids, no date)."""
     judging = judging_of(scenario)
     header, rows = signal_table(judging, trace)
     by_unit: dict[str, list[int]] = {}

@@ -12,7 +12,7 @@ from typing import Any
 
 from railhil.common.law_order import LAW_ORDER
 
-#: Colours of Okabe and Ito (told apart by colour-blind readers), dashes in points, markers. The first ones belong to
+#: Colours of Okabe and Ito (distinguishable with colour blindness), dashes in points, markers. The first ones belong to
 #: the laws of LAW_ORDER, the rest to others.
 _LAWS: tuple[tuple[str, tuple[float, ...], str], ...] = (
     ("#0072b2", (), "o"),
@@ -74,8 +74,8 @@ def styles(laws: Sequence[str]) -> list[Style]:
     """A style for each run.
 
     :param laws: law of each run, in the order of the runs.
-    :returns: all different for up to 28 runs; the first two of a law do not depend on what else is drawn when the law
-        is one of :data:`~railhil.scenarios.laws.LAW_ORDER`.
+    :returns: all different for up to 28 runs; the styles of a law's first two runs do not depend on the other runs if
+        it is one of :data:`~railhil.scenarios.laws.LAW_ORDER`.
     """
     places = {law: LAW_ORDER.index(law) for law in laws if law in LAW_ORDER}
     others = [law for law in dict.fromkeys(laws) if law not in places]
@@ -92,7 +92,7 @@ def styles(laws: Sequence[str]) -> list[Style]:
 
 
 def _unused(taken: Sequence[Style]) -> Iterator[Style]:
-    """Styles that are not taken, and then all of them again."""
+    """Styles that are not taken, followed by all of them."""
     every = [Style(law, variant) for variant in range(len(_VARIANTS)) for law in range(len(_LAWS))]
     yield from (style for style in every if style not in taken)
     while True:

@@ -1,4 +1,4 @@
-"""Two carts on a spring: a system for railhil with two units, each with ports of its own."""
+"""Two carts on a spring: a system for railhil with two units, each with its own ports."""
 
 from railhil.scenarios.system import System
 

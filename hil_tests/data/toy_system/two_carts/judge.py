@@ -1,4 +1,4 @@
-"""What a run of two carts is judged by."""
+"""The criteria by which a run of two carts is judged."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from railhil.supervisor.trace import Trace
 from two_carts import SYSTEM
 from two_carts.wire import COMMANDS, INTERFACE, STATS, TRUTH
 
-#: Where the laws say what they and their arithmetic do.
+#: Telegram in which the laws report on themselves and on their arithmetic.
 STATUS = interface_status(INTERFACE)
 
 
 @dataclass(frozen=True)
 class Ride:
-    """A whole run as arrays: times (n,), positions (2, n)."""
+    """A complete run as arrays: times (n,), positions (2, n)."""
 
     task: Any
     time_s: Any
@@ -31,14 +31,14 @@ class Ride:
 
 
 def _error_m(ride: Ride) -> float:
-    """Largest distance of a cart from its target over the last second."""
+    """Largest distance of either cart from its target over the last second."""
     last = ride.time_s >= ride.time_s[-1] - 1.0
     target_m = np.array(ride.task.target_m)[:, None]
     return float(np.abs(ride.position_m[:, last] - target_m).max())
 
 
 def _stretch_m(ride: Ride) -> float:
-    """Largest stretch of the spring, either way."""
+    """Largest extension or compression of the spring."""
     return float(np.abs(ride.position_m[1] - ride.position_m[0]).max())
 
 
@@ -50,7 +50,7 @@ CRITERIA = (
         4,
         _error_m,
         limit=Limit(lambda scenario: scenario.task.error_max_m, 0),
-        # As near as a reading can tell.
+        # The resolution of a reading.
         audit_allowed=0.0001,
     ),
     Criterion("stretch_m", "stretch", "m", 3, _stretch_m),
@@ -58,7 +58,7 @@ CRITERIA = (
 
 
 def score(scenario: Any, trace: Trace) -> Score:
-    """Verdict on the end error; INVALID for a record without a regular end."""
+    """PASS or FAIL by the end error; INVALID for a record without a normal end."""
     codes = trace.raw(RunEvent.PORT, "RunEvent")
     if Event.ENDED_COMPLETE not in codes or trace.count(TRUTH.PORT) < 2:
         return Score("INVALID", *unscored(CRITERIA), ("run did not come to its end",), "record_incomplete")
@@ -74,7 +74,7 @@ def score(scenario: Any, trace: Trace) -> Score:
 
 
 def _stops(ride: Ride) -> tuple[ScoredStop, ...]:
-    """Each cart at its target, at the end of the run."""
+    """The task: each cart is at its target at the end of the run."""
     return tuple(
         ScoredStop(
             PlannedStop(f"of cart {unit + 1}", target_m, ride.task.error_max_m),

@@ -1,4 +1,4 @@
-"""A law for two carts: each is held to its target by itself, with the speed that its positions give."""
+"""A law for two carts: moves each cart to its target independently; speeds are computed from positions."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _GAIN_Q = 20
 
 @dataclass(frozen=True)
 class ApartParameters:
-    """Gains, of the error and of the speed."""
+    """Gains on the error and on the speed."""
 
     stiffness_n_per_m: Annotated[float, Field(ge=0, le=50)] = 6.0
     damping_n_per_mps: Annotated[float, Field(ge=0, le=50)] = 5.0
 
 
 class State(NamedTuple):
-    """Positions of the period before, 0.1 mm."""
+    """Positions one control period earlier, 0.1 mm."""
 
     position: tuple[Any, ...]
 
@@ -50,9 +50,9 @@ class Apart(VectorLaw[T, State]):
             Constant(f"target[{unit}]", at_m * 1e4, 0, "scenario") for unit, at_m in enumerate(scenario.task.target_m)
         ]
         far = [Constant("far", FAR_01MM, 0, "law"), Constant("near", -FAR_01MM, 0, "law")]
-        # Of the force that the gains ask for: far beyond the command's own bounds, and inside 32 bits.
+        # Limit of the computed force: far beyond the command's own range, and within 32 bits.
         most = [Constant("most", 40_000, FORCE_Q, "law"), Constant("least", -40_000, FORCE_Q, "law")]
-        # 0.1 mm a period: what a cart may move at most.
+        # 0.1 mm per period: largest motion of a cart.
         fast = [Constant("fast", 20_000, 0, "law"), Constant("slow", -20_000, 0, "law")]
         self._constants = (*gains, *targets, *far, *most, *fast)
         self._stiffness, self._damping = ar.load(gains)

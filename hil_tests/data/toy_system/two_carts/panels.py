@@ -13,7 +13,7 @@ from two_carts.wire import TRUTH
 
 
 def pictures(scenario: Any, runs: Sequence[Any]) -> list[Picture]:
-    """Positions over time, of all runs that can be drawn."""
+    """Positions over time, for all runs that can be drawn."""
     drawn = [run for run in runs if run.can_be_drawn]
     if not drawn:
         return []

@@ -13,7 +13,7 @@ from railhil.plant_sim.timed_run import TimedPlant
 from railhil.scenarios import streams
 from two_carts.wire import COMMANDS, LAW_STAT, STATS, TRUTH
 
-#: Steps of the simulation in a tick.
+#: Simulation steps per tick.
 _STEPS = 10
 _FORCE_LSB_N = 0.01
 

@@ -1,4 +1,4 @@
-"""What a scenario of two carts says."""
+"""The keys of a scenario of two carts."""
 
 from typing import Annotated, ClassVar
 
@@ -13,7 +13,7 @@ Masses = Annotated[tuple[Mass, Mass], Strict(False)]
 
 
 class CartsTask(Task):
-    """The section ``[task]``: carts from rest at 0, each to its target."""
+    """The section ``[task]``: two carts start from rest at 0, and each moves to its own target."""
 
     JUDGING: ClassVar[tuple[str, ...]] = ("error_max_m",)
 
@@ -27,5 +27,5 @@ class CartsTask(Task):
 
     @property
     def can_be_perturbed(self) -> bool:
-        """A perturbed run draws both masses, each by this share at most."""
+        """In a perturbed run both masses are drawn, each changed by at most this share."""
         return self.mass_spread > 0

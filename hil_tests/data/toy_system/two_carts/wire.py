@@ -1,4 +1,4 @@
-"""Telegrams of the two carts, each layout bound to a port per cart, and between which of them the laws stand."""
+"""Telegrams of the two carts, each layout bound to one port per cart, and the interface of the laws."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class UnitCmd(Telegram):
 
 @dataclass(slots=True)
 class LawStatLayout(Telegram):
-    """What the law is doing."""
+    """State of the law."""
 
     stretch_01mm: int = signal("LawStretch")
     overflow_flags: int = signal("LawFlags")
@@ -43,7 +43,7 @@ class LawStatLayout(Telegram):
 
 @dataclass(slots=True)
 class TruthLayout(Telegram):
-    """What the simulation knows."""
+    """True state of the simulation."""
 
     position1_001mm: int = signal("TruePos1")
     position2_001mm: int = signal("TruePos2")
