@@ -25,7 +25,7 @@ _STREAM_CHUNK_SIZE = 65536
 #: ``select`` waits in microseconds but accepts only low descriptors; ``poll`` rounds up to whole milliseconds.
 _SELECT_FD_LIMIT = 1024
 _GOODBYE_TIMEOUT_S = 1.0
-#: Longest wait inside one ``recv`` (SO_RCVTIMEO); reads with a nearer deadline use select first.
+#: Longest wait inside one ``recv`` (SO_RCVTIMEO); reads with an earlier deadline use select first.
 _KERNEL_WAIT_S = 0.02
 _TIMEVAL = Struct("ll")
 
@@ -35,7 +35,7 @@ class HubLost(BusLost, can.CanOperationError):
 
 
 class SendTimeout(BusError, can.CanOperationError, can.CanTimeoutError):
-    """The hub did not take the frame within the timeout."""
+    """The hub did not accept the frame within the timeout."""
 
 
 def _wait(sock: socket.socket, writable: bool, deadline_s: float | None) -> bool:
@@ -111,7 +111,7 @@ class HubConnection(ABC):
         raise self._lost("connection closed by the hub")
 
     def _send(self, chunk: bytes, deadline_s: float | None) -> int:
-        """Bytes taken by the socket, 0 at the deadline."""
+        """Number of bytes accepted by the socket, 0 at the deadline."""
         while True:
             try:
                 return self.sock.send(chunk, socket.MSG_DONTWAIT)
@@ -149,7 +149,7 @@ class StreamConnection(HubConnection):
         self._send_lock = threading.Lock()
 
     def send_packet(self, packet: bytes, deadline_s: float | None) -> None:
-        """See :meth:`HubConnection.send_packet`. A packet that is partly sent at the deadline counts as taken."""
+        """See :meth:`HubConnection.send_packet`. A packet partly sent at the deadline counts as sent."""
         with self._send_lock:
             if not self._flush_unsent(deadline_s):
                 raise self._send_timeout()
@@ -199,7 +199,7 @@ class StreamConnection(HubConnection):
 
 
 class ReadinessFd:
-    """A descriptor that is readable while the socket has packets, or this process has frames of one left.
+    """A descriptor that is readable while the socket has packets, or this process has unread frames of one.
 
     Selectors and asyncio need it: a packet may hold many frames, and ``recv`` returns one at a time.
     """

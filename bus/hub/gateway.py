@@ -92,7 +92,7 @@ class BusPort(SwitchPort):
     # --- called by the switch -----------------------------------------------------------------------------
 
     def fileno(self) -> int:
-        """See :meth:`SwitchPort.fileno`; stays the same when the bus is opened again."""
+        """See :meth:`SwitchPort.fileno`; unchanged when the bus is reopened."""
         return self._epoll.fileno()
 
     def receive(self) -> list[bytes]:
@@ -158,7 +158,7 @@ class BusPort(SwitchPort):
         return is_away or self._is_lost or self._link.is_down
 
     def _suitable(self, frames: list[Frame]) -> list[Frame]:
-        """The frames that this bus can carry."""
+        """The frames that this bus supports."""
         barred = ERROR if self._takes_fd else ERROR | FD
         if not any(frame[2] & barred for frame in frames):
             return frames

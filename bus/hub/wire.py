@@ -158,7 +158,7 @@ def _pack(wire_id: int, length: int, data: bytes | bytearray, fd_flags: int | No
 def pack_frame(frame: Frame) -> bytes:
     """One frame as 16 bytes, or 72 with FD. Raises ValueError for values that no CAN frame can hold.
 
-    A remote frame asks for ``len(frame.data)`` bytes; the bytes themselves are not sent.
+    A remote frame requests ``len(frame.data)`` bytes; the bytes themselves are not sent.
     """
     can_id, data, flags = frame
     if not flags and 0 <= can_id <= SFF_MASK and len(data) <= 8:
@@ -182,7 +182,7 @@ def pack_plain(frames: Sequence[Frame]) -> bytes:
 
 
 def pack_frames(frames: Sequence[Frame]) -> list[bytes]:
-    """Packets of any frames in order: up to 256 classic frames in each, every CAN FD frame in its own.
+    """Frames packed in order: up to 256 classic frames per packet, every CAN FD frame in its own.
 
     Raises ValueError as :func:`pack_frame`.
     """

@@ -1,4 +1,4 @@
-"""From a recorded program to the body of a C function: one line of C for each operation.
+"""Writes the body of a C function from a recorded program: one line of C for each operation.
 
 Operations that the IQmath library has (N = 1..30) are calls of its functions, all others of the ``iq_*`` functions in
 ``railhil_iq.h``. Every value is a local constant, so a debugger shows each of them.

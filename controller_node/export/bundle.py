@@ -41,7 +41,7 @@ _PROGRAM = ("railhil_socket.h", "railhil_socket.c", "railhil_node.c")
 def control_of(scenario: AnyScenario, law: LawSpec) -> Control:
     """The :class:`Control` that exports a law: the part ``export`` of its system, else one for its ``interface``.
 
-    :raises InputError: the system has neither; as :class:`~railhil.controller_node.export.control.Control`.
+    :raises InputError: the system has neither; or like :class:`~railhil.controller_node.export.control.Control`.
     """
     system = system_named(scenario.system)
     kind: type[Control] = system.part("export") if "export" in system.own else InterfaceControl

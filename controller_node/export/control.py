@@ -134,7 +134,7 @@ class Control(ABC):
     ``programs``: the recorded law. ``given``, ``told``: the parameters of the C functions ``inputs`` and ``sent``, in
     their order; ``record``: all of them in the order of the log.
 
-    :raises InputError: as :func:`railhil.controller_node.program.record.record`.
+    :raises InputError: like :func:`railhil.controller_node.program.record.record`.
     """
 
     programs: LawProgram

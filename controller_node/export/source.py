@@ -11,7 +11,7 @@ from railhil.controller_node.export.names import LENGTH_MAX, Names, comment, ide
 from railhil.controller_node.program.model import Program, Value
 
 _PER_LINE = 5
-#: Words (16 bit) on the target: return address of a call, a pointer, an int32.
+#: Words (16 bits) on the target: return address of a call, a pointer, an int32.
 _CALL_WORDS = 2
 _POINTER_WORDS = 2
 LONG_WORDS = 2

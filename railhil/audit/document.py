@@ -1,4 +1,4 @@
-"""The whole result of an audit as JSON."""
+"""The complete result of an audit as JSON."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One audit from its options to its result."""
+"""Runs an audit from its options to its result."""
 
 from __future__ import annotations
 

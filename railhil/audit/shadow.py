@@ -27,7 +27,7 @@ from railhil.scenarios.system import system_named
 
 
 class Watched:
-    """A controller that keeps the values of its named quantities and the codes of its commands, one row per period.
+    """A controller that records the values of its named quantities and the codes of its commands, one row per period.
 
     :param law: its arithmetic is ignored; ``arithmetic`` counts.
     :raises InputError: there is no such law, it cannot be made, or the system's controller does not provide what the
@@ -139,7 +139,7 @@ def shadow_run(
     """Run the nominal plant with the audited arithmetic and shadow it.
 
     :param others: fresh arithmetics that compute in parallel, in addition to float64.
-    :raises InputError: as :class:`Watched` and :func:`run_under`.
+    :raises InputError: like :class:`Watched` and :func:`run_under`.
     """
     reference, *along = (Watched(scenario, law, each) for each in (make("float64"), *others))
     audited = Shadowed(scenario, law, arithmetic, (reference, *along))

@@ -1,4 +1,4 @@
-"""How records of the system ``ato`` are judged and shown: one train, five scores, one stop."""
+"""Judging and presentation of records of the system ``ato``: one train, five scores, one stop."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from railhil.supervisor.trace import FloatArray, Trace
 
 #: The shipped law that knows the train's position.
 _WITH_POSITION = "ipfc_plus"
-#: Columns of ``signals.csv``: header and the signal behind it.
+#: Columns of ``signals.csv``: header and its signal.
 COLUMNS = (
     ("true_position_m", SimTruth.PORT, "TruePos"),
     ("true_speed_mps", SimTruth.PORT, "TrueSpeed"),
@@ -43,7 +43,7 @@ def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
 
 
 def asked(scenario: Scenario) -> str:
-    """What is asked of the run."""
+    """The requirements on the run."""
     plan = scenario.plan
     return (
         f"{plan.distance_m:g} m in {plan.running_time_s:g} s; allowed ±{plan.stop_error_max_m:g} m and "
@@ -52,7 +52,7 @@ def asked(scenario: Scenario) -> str:
 
 
 def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
-    """What must hold besides the limits of the plan."""
+    """Requirements besides the limits of the plan."""
     over_mps = found.extras[OVERSPEED.key]
     stood = any(stop.standstill is not None for stop in found.stops)
     return [
@@ -80,7 +80,7 @@ def _signed(run: RecordedRun) -> str:
 
 
 def stopped_within(found: Sequence[Score]) -> dict[float, int]:
-    """How many of the runs stopped within each of ``STOP_WITHIN_M``; one that never stopped is within none."""
+    """Number of runs that stopped within each of ``STOP_WITHIN_M``; a run that never stopped counts for none."""
     errors_m = [error for score in found if (error := score.values[STOP_ERROR.key]) is not None]
     return {limit: sum(error <= limit for error in errors_m) for limit in STOP_WITHIN_M}
 
@@ -92,7 +92,7 @@ def stops_sentence(found: Sequence[Score]) -> str:
 
 
 def counted(found: Sequence[Score]) -> dict[str, Any]:
-    """:func:`stopped_within` as ``compare.json`` has it."""
+    """:func:`stopped_within` in the form of ``compare.json``."""
     shares = {
         f"{limit:g}": {"runs": count, "share": count / len(found)} for limit, count in stopped_within(found).items()
     }
@@ -100,7 +100,7 @@ def counted(found: Sequence[Score]) -> dict[str, Any]:
 
 
 def advice(run: RecordedRun, folder: Path) -> str:
-    """What to try after a FAIL, from what went wrong."""
+    """What to try after a FAIL, depending on the cause."""
     certificate, scenario = run.certificate, run.scenario
     name = certificate.get("scenario") or scenario.name
     if any(text.startswith(WRAP_FAILURE) for text in run.score.failures):

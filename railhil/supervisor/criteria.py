@@ -77,7 +77,7 @@ class Criterion:
         return self.title.replace(" ", "_")
 
     def shown(self, value: float | None, digits: int | None = None) -> str:
-        """A value with its digits; ``-`` for none."""
+        """A value formatted with its digits; ``-`` for none."""
         return "-" if value is None else f"{value:.{self.digits if digits is None else digits}f}"
 
     def best(self, values: Sequence[float]) -> float:

@@ -65,7 +65,7 @@ class Judging:
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
-    """How records of a scenario's system are judged.
+    """The judging of a scenario's system.
 
     :raises InputError: the system has no part ``judging``.
     """

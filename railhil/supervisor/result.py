@@ -1,4 +1,4 @@
-"""What comes out of a run."""
+"""The result of a run."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySum
 
 @dataclass(slots=True)
 class RunResult:
-    """What came out: the score, or why there is none."""
+    """The score, or why there is none."""
 
     score: Score
     exit_code: int
@@ -22,12 +22,12 @@ class RunResult:
     frames_sha256: str
     wall_time_s: float
     sim_time_s: float
-    #: From the start of this process (the command), interpreter start included.
+    #: Measured from the start of this process (the command), including the interpreter's start.
     first_frame_s: float
     transport: str
-    #: What the controller has said about its arithmetic, in its file or else on the bus; None without a word.
+    #: The controller's telemetry, from its file or else from the bus; None if there is none.
     telemetry: TelemetrySummary | ShownTelemetry | None = None
-    #: What it has said in its file of the law's own parameters.
+    #: The declaration about the law's own parameters in its file.
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
@@ -36,12 +36,12 @@ class RunResult:
 
     @property
     def trusted(self) -> bool:
-        """True when the bench could be trusted: only then there is a verdict on the controller."""
+        """True if the run is trustworthy: only then is there a verdict on the controller."""
         return self.exit_code in (PASS, FAIL)
 
     @property
     def verdict(self) -> str:
-        """PASS or FAIL of the score, INVALID for a bench that could not be trusted."""
+        """PASS or FAIL from the score, INVALID for a run that is not trustworthy."""
         return self.score.verdict if self.trusted else "INVALID"
 
     @property

@@ -156,7 +156,7 @@ static inline int32_t iq_sqrt(int32_t a, int q)
         }
         bit >>= 2;
     }
-    /* The root of four times the number is twice the result: its last bit rounds. */
+    /* The root of four times the number is twice the result: its last bit decides the rounding. */
     return (int32_t)((root + 1) >> 1);
 }
 

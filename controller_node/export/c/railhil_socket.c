@@ -207,7 +207,7 @@ int railhil_bus_receive(railhil_bus_t *bus, struct can_frame *frames)
     return 0;
 }
 
-/* The hub takes several frames in one packet, a raw socket one at a time. */
+/* The hub accepts several frames in one packet, a raw socket one at a time. */
 int railhil_bus_send(railhil_bus_t *bus, const railhil_frame_t *answer, unsigned count, int lockstep)
 {
     struct can_frame frames[RAILHIL_FRAMES_MAX];

@@ -19,7 +19,7 @@ typedef struct {
     int64_t lockstep_ms;   /* how long an answer waits for the interface in lockstep */
     unsigned long dropped; /* answers that the interface did not accept */
     int down;
-    unsigned index; /* of the interface that the socket is bound to */
+    unsigned index; /* index of the interface that the socket is bound to */
     struct can_filter filters[RAILHIL_MAILBOX_COUNT];
     unsigned filter_count;
 } railhil_bus_t;

@@ -1,4 +1,4 @@
-"""The page itself: a pure function of the recorded runs."""
+"""The HTML page, a pure function of the recorded runs."""
 
 from __future__ import annotations
 

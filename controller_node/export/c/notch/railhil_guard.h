@@ -6,7 +6,7 @@
 
 #include "railhil_position.h"
 
-/* Refusals and losses that are counted, after those of positions and balises. */
+/* Counters of refusals and losses, after those of positions and balises. */
 enum {
     RAILHIL_SPEED_DUPLICATE = RAILHIL_POSITION_OUTCOMES, /* TRN_SPEED: life sign repeated */
     RAILHIL_SPEED_OUT_OF_ORDER,                          /* older than the last telegram */

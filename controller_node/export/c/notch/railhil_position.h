@@ -11,7 +11,7 @@ enum {
     RAILHIL_POSITION_DUPLICATE = RAILHIL_MVB_OUTCOMES, /* TRN_POS: life sign repeated */
     RAILHIL_POSITION_OUT_OF_ORDER,                     /* older than the last telegram */
     RAILHIL_POSITION_CHECK,                            /* check variable not correct */
-    RAILHIL_POSITION_JUMP,                             /* does not fit the speeds */
+    RAILHIL_POSITION_JUMP,                             /* inconsistent with the speeds */
     RAILHIL_BALISE_CHECK,                              /* BALISE: check variable not correct */
     RAILHIL_BALISE_NUMBER,                             /* number 0: no balise */
     RAILHIL_BALISE_LATE, /* not passed between the last telegram and the present position */
