@@ -52,7 +52,7 @@ class Session:
         self.recording = False
         #: Wall time for which the recorder's interface was down during recording.
         self.unheard_ns = 0
-        #: The end that the plant has told; the run has :attr:`ended` with the plant's last poll.
+        #: The end announced by the plant; the run has :attr:`ended` with the plant's last poll.
         self.ending: Event | None = None
         #: Newest handshake telegram of each other node.
         self._heard: dict[str, Ident] = {}
