@@ -75,15 +75,15 @@ class Compared:
     document: dict[str, Any]
 
 
-def compare(place: Path, out: str, *arguments: str) -> Done:
-    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments)
+def compare(place: Path, out: str, *arguments: str, anew: bool = False) -> Done:
+    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments, anew=anew)
 
 
 @pytest.fixture(scope="module")
 def compared(place: Path) -> Compared:
     """Three runs: the law of the paper, the same tuned, and the twin."""
     arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--both", "--seed", "7")
-    done = compare(place, "whole", *arguments)
+    done = compare(place, "whole", *arguments, anew=True)
     assert done.exit_code in (0, 1), done.err
     document = json.loads((place / "whole" / "compare.json").read_text(encoding="utf-8"))
     return Compared(done, place / "whole", document)
@@ -176,7 +176,7 @@ def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pyt
     hidden.mkdir(exist_ok=True)
     (hidden / "sitecustomize.py").write_text(_TWO_LAWS)
     monkeypatch.setenv("PYTHONPATH", f"{hidden}:{place / 'plug'}")
-    done = compare(place, "all", "--indexing", "distance")
+    done = compare(place, "all", "--indexing", "distance", anew=True)
     assert done.exit_code in (0, 1), done.err
     sentence = "Left out, as without set-points over distance: twin."
     assert sentence in done.out.splitlines()
@@ -301,11 +301,11 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
     (tmp_path / "lacking").mkdir()
     (tmp_path / "lacking" / "jinja2.py").write_text(lacking)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "lacking"))
-    done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run")
+    done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run", anew=True)
     assert done.exit_code in (0, 1), done.err
     assert f"no report: jinja2 is not installed ({install_command('report')})" in done.out
     assert (tmp_path / "run" / "certificate.json").is_file()
-    done = railhil("report", tmp_path / "run")
+    done = railhil("report", tmp_path / "run", anew=True)
     assert done.exit_code == 2
     assert f"module jinja2: found not installed, allowed {install_command('report')} (" in done.one_line()
 

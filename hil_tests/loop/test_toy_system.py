@@ -105,7 +105,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def recorded(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Run folder of one run over the hub."""
     folder = tmp_path_factory.mktemp("runs") / "run"
-    done = railhil(site, "run", str(SCENARIO), "--out", str(folder), "--quiet")
+    done = railhil(site, "run", str(SCENARIO), "--out", str(folder), "--quiet", anew=True)
     assert done.returncode == 0, done.stderr
     assert "end" in done.stdout
     assert "apart (published)" in done.stdout

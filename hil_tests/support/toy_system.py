@@ -11,6 +11,8 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+from hil_tests.support.cli import railhil_process
+
 SOURCE = Path(__file__).parents[1] / "data" / "toy_system"
 SCENARIO = SOURCE / "two_carts_2m.toml"
 _BUILD = "import sys; from setuptools import build_meta; build_meta.build_wheel(sys.argv[1])"
@@ -35,11 +37,12 @@ def install(source: Path, folder: Path) -> Path:
     return site
 
 
-def railhil(site: Path, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """A railhil command of an environment in which the toy system is installed."""
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    command = [sys.executable, "-m", "railhil.cli", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=cwd)
+def railhil(
+    site: Path, *words: str | Path, cwd: Path | None = None, anew: bool = False
+) -> subprocess.CompletedProcess[str]:
+    """A railhil command of an environment in which the toy system is installed; ``anew`` as in
+    :func:`hil_tests.support.cli.railhil`."""
+    return railhil_process(*words, cwd=cwd, environment={**os.environ, "PYTHONPATH": str(site)}, anew=anew)
 
 
 def python(site: Path, program: str, *words: str) -> list[Any]:
