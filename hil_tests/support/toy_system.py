@@ -7,11 +7,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import zipfile
 from pathlib import Path
 from typing import Any
 
 from hil_tests.support.cli import railhil_process
+from hil_tests.support.warm import run_module
 
 SOURCE = Path(__file__).parents[1] / "data" / "toy_system"
 SCENARIO = SOURCE / "two_carts_2m.toml"
@@ -47,8 +49,9 @@ def railhil(
 
 def python(site: Path, program: str, *words: str) -> list[Any]:
     """What a program prints in such an environment, a JSON document a line."""
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    command = [sys.executable, "-c", program, *words]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
+    with tempfile.TemporaryDirectory(prefix="railhil-program-") as folder:
+        (Path(folder) / "program_of_a_test.py").write_text(program, encoding="utf-8")
+        environment = {**os.environ, "PYTHONPATH": f"{site}{os.pathsep}{folder}"}
+        done = run_module("program_of_a_test", words, environment=environment)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
