@@ -205,6 +205,7 @@ def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugge
     assert (plugged / "run" / "certificate.json").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_a_controller_whose_law_cannot_be_made_ends_the_run_with_its_line(plugged: Path) -> None:
     """Over the hub: the supervisor repeats what that process has said."""

@@ -169,7 +169,6 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
 
 
 @pytest.mark.slow
-@pytest.mark.loop
 @pytest.mark.parametrize(
     "command", [("run", "--controller", "tdmc", "--bus", "local", "--out", "out"), ("export-c", "tdmc")]
 )
