@@ -41,7 +41,7 @@ def short(tmp_path_factory) -> Path:
 def json_run(short, tmp_path_factory) -> tuple[Path, Any, str]:
     """Folder, parsed standard output and standard error of one run with --json."""
     folder = tmp_path_factory.mktemp("json") / "run"
-    done = railhil("run", short, "--seed", "1", "--json", "--out", folder)
+    done = railhil("run", short, "--seed", "1", "--json", "--no-report", "--out", folder)
     assert done.exit_code in (0, 1), done.err
     return folder, done.json, done.err
 
@@ -68,7 +68,7 @@ def test_json_of_a_run_is_its_score_file(json_run):
 def test_a_weakened_watch_stands_in_console_report_and_certificate(tmp_path):
     path = tmp_path / "weak.toml"
     path.write_text(QUICK_TOML + "[watch]\nemergency_ms = 100000\noverspeed_margin_kmh = 1e7\n")
-    done = railhil("run", path, "--out", tmp_path / "run")
+    done = railhil("run", path, "--bus", "local", "--out", tmp_path / "run")
     assert done.exit_code in (0, 1), done.err
     words = "emergency_ms 100000 (usual 1000), overspeed_margin_kmh 1e+07 (usual 5)"
     assert [line for line in done.out.splitlines() if line.startswith("watch")] == [f"watch weakened: {words}"]

@@ -75,15 +75,15 @@ class Compared:
     document: dict[str, Any]
 
 
-def compare(place: Path, out: str, *arguments: str) -> Done:
-    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments)
+def compare(place: Path, out: str, *arguments: str, anew: bool = False) -> Done:
+    return railhil("compare", place / "short.toml", "--quiet", "--out", place / out, *arguments, anew=anew)
 
 
 @pytest.fixture(scope="module")
 def compared(place: Path) -> Compared:
     """Three runs: the law of the paper, the same tuned, and the twin."""
     arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--both", "--seed", "7")
-    done = compare(place, "whole", *arguments)
+    done = compare(place, "whole", *arguments, anew=True)
     assert done.exit_code in (0, 1), done.err
     document = json.loads((place / "whole" / "compare.json").read_text(encoding="utf-8"))
     return Compared(done, place / "whole", document)
@@ -176,7 +176,7 @@ def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pyt
     hidden.mkdir(exist_ok=True)
     (hidden / "sitecustomize.py").write_text(_TWO_LAWS)
     monkeypatch.setenv("PYTHONPATH", f"{hidden}:{place / 'plug'}")
-    done = compare(place, "all", "--indexing", "distance")
+    done = compare(place, "all", "--indexing", "distance", "--bus", "local", anew=True)
     assert done.exit_code in (0, 1), done.err
     sentence = "Left out, as without set-points over distance: twin."
     assert sentence in done.out.splitlines()
@@ -244,7 +244,7 @@ def test_ctrl_c_while_a_later_law_starts_says_what_is_there(place: Path) -> None
 @pytest.mark.loop
 def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -> None:
     arguments = ("--laws", "ipfc,twin", "--parameters", str(place / "tuned.toml"), "--perturbed", "--seed", "1")
-    done = compare(place, "trained", *arguments, "--allow-training-seeds")
+    done = compare(place, "trained", *arguments, "--allow-training-seeds", "--bus", "local")
     assert done.exit_code in (0, 1), done.err
     tuned = load_parameters(place / "tuned.toml").controller
     runs = json.loads((place / "trained" / "compare.json").read_text(encoding="utf-8"))["runs"]
@@ -261,7 +261,7 @@ def test_training_and_design_seeds_are_said_when_they_are_allowed(place: Path) -
 @pytest.mark.slow
 @pytest.mark.loop
 def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Compared, tmp_path: Path) -> None:
-    arguments = ("--parameters", place / "tuned.toml", "--perturbed", "--seed", "1", "--no-report", "--quiet")
+    arguments = ("--parameters", place / "tuned.toml", "--perturbed", "--seed", "1", "--no-report", "--bus", "local")
     done = railhil("run", place / "short.toml", *arguments, "--out", tmp_path / "run")
     assert done.exit_code in (0, 1), done.err
     sentence = "NOT AN EVALUATION: the parameters of ipfc were tuned on this very run, seed 1"
@@ -278,7 +278,7 @@ def test_a_run_says_that_its_seed_was_one_of_training(place: Path, compared: Com
 @pytest.mark.loop
 def test_report_of_runs_that_do_not_belong_together(compared: Compared, place: Path, tmp_path: Path) -> None:
     (place / "other.toml").write_text(QUICK_TOML.replace("benchmark_quick", "another"))
-    done = railhil("run", place / "other.toml", "--quiet", "--no-report", "--out", tmp_path / "other")
+    done = railhil("run", place / "other.toml", "--bus", "local", "--no-report", "--out", tmp_path / "other")
     assert done.exit_code in (0, 1), done.err
     assert "report.html" not in done.out
     assert not (tmp_path / "other" / "report.html").exists()
@@ -301,11 +301,11 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
     (tmp_path / "lacking").mkdir()
     (tmp_path / "lacking" / "jinja2.py").write_text(lacking)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path / "lacking"))
-    done = railhil("run", place / "short.toml", "--quiet", "--out", tmp_path / "run")
+    done = railhil("run", place / "short.toml", "--bus", "local", "--out", tmp_path / "run", anew=True)
     assert done.exit_code in (0, 1), done.err
     assert f"no report: jinja2 is not installed ({install_command('report')})" in done.out
     assert (tmp_path / "run" / "certificate.json").is_file()
-    done = railhil("report", tmp_path / "run")
+    done = railhil("report", tmp_path / "run", anew=True)
     assert done.exit_code == 2
     assert f"module jinja2: found not installed, allowed {install_command('report')} (" in done.one_line()
 
@@ -313,6 +313,7 @@ def test_without_the_libraries_the_run_is_whole(place: Path, tmp_path: Path, mon
 @pytest.mark.loop
 def test_json_of_a_comparison_is_its_file(place: Path) -> None:
     folder = place / "as_json"
-    done = railhil("compare", place / "short.toml", "--laws", "ipfc", "--no-report", "--json", "--out", folder)
+    words = ("--laws", "ipfc", "--bus", "local", "--no-report", "--json")
+    done = railhil("compare", place / "short.toml", *words, "--out", folder)
     assert done.exit_code in (0, 1), done.err
     assert done.json == json.loads((folder / "compare.json").read_text(encoding="utf-8"))

@@ -40,6 +40,6 @@ def test_replaced_dbc_of_the_installation_is_noticed_by_every_command(tmp_path):
     path = tmp_path / "railhil" / "dbc" / "railhil.dbc"
     path.write_text(path.read_text().replace("SpeedLife", "Speedlife"))
     for name in (["run"], ["scenarios"], ["node", "plant"]):
-        done = railhil(*name, cwd=tmp_path)
+        done = railhil(*name, cwd=tmp_path, anew=True)
         assert "railhil.dbc: sha256: found " in complaint(done)
     assert not (tmp_path / "runs").exists()

@@ -267,10 +267,11 @@ def test_their_tests_pass(made: Path, law_site: Path, system_site: Path) -> None
 
 @pytest.mark.slow
 @pytest.mark.loop
-@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
-def test_the_law_drives_the_train_over_the_bus(law_site: Path, tmp_path: Path, arithmetic: str) -> None:
-    words = ("--controller", "mylaw", "--arithmetic", arithmetic, "--out", tmp_path / "run", "--quiet")
-    done = railhil(law_site, "run", *map(str, words))
+@pytest.mark.parametrize(("arithmetic", "words"), [("iq", ()), ("float64", ("--bus", "local", "--no-report"))])
+def test_the_law_drives_the_train(law_site: Path, tmp_path: Path, arithmetic: str, words: tuple[str, ...]) -> None:
+    """Over the hub and with a report, and in one process."""
+    given = ("--controller", "mylaw", "--arithmetic", arithmetic, *words)
+    done = railhil(law_site, "run", *given, "--out", tmp_path / "run", "--quiet")
     assert done.returncode == 0, done.stdout + done.stderr
     assert f"mylaw {arithmetic} (measured)" in done.stdout
     scores = json.loads((tmp_path / "run" / "score.json").read_text())
@@ -307,7 +308,7 @@ def test_the_system_goes_through_every_command(made: Path, system_site: Path, tm
         return found.stdout
 
     done("run", scenario, "--out", "hub", "--quiet")
-    done("run", scenario, "--out", "local", "--quiet", "--bus", "local")
+    done("run", scenario, "--out", "local", "--no-report", "--bus", "local")
     hub, local = (json.loads((tmp_path / name / "certificate.json").read_text()) for name in ("hub", "local"))
     assert (hub["system"], hub["controller"], hub["verdict"]) == ("mysystem", "hold", "PASS")
     assert hub["frames_sha256"] == local["frames_sha256"]
@@ -317,7 +318,7 @@ def test_the_system_goes_through_every_command(made: Path, system_site: Path, tm
     assert set(json.loads(done("score", "hub", "--json"))["scores"]) == {"error_m", "overshoot_m"}
     done("report", "hub", "--out", "again.html")
     assert (tmp_path / "again.html").read_text(encoding="utf-8") == page
-    done("compare", scenario, "--out", "compared", "--quiet", "--no-report")
+    done("compare", scenario, "--out", "compared", "--bus", "local", "--no-report")
     done("campaign", scenario, "--runs", "3", "--out", "campaign")
     found = json.loads((tmp_path / "campaign" / "summary.json").read_text())["laws"]["hold"]
     assert found["inside"]["pass"]["runs"] == 3

@@ -36,7 +36,7 @@ _RUN_KEYS = {"sim_time_s", "wall_time_s", "speed_factor", "frames", "transport",
 def hub_run(tmp_path_factory) -> Path:
     """Folder of one run over the hub's Unix socket, seed 1."""
     folder = tmp_path_factory.mktemp("hub") / "run"
-    done = railhil("run", "--seed", "1", "--out", folder, "--quiet")
+    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", anew=True)
     assert done.exit_code in (0, 1), done.err
     return folder
 
@@ -262,7 +262,9 @@ def test_killed_supervisor_stops_the_nodes(tmp_path, pace):
 @pytest.mark.wall_clock
 def test_realtime_pace_keeps_time(tmp_path):
     folder = tmp_path / "run"
-    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20", "--json")
+    done = railhil(
+        "run", "--seed", "1", "--out", folder, "--quiet", "--pace", "realtime", "--rate", "20", "--json", anew=True
+    )
     document = done.json
     if done.exit_code == 3:
         assert "timing: " in document["line"], document["line"]

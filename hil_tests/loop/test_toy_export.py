@@ -70,7 +70,7 @@ def test_readings_commands_and_notes_have_the_names_of_the_interface(exported: P
 
 def test_the_log_begins_with_a_run_of_the_bench(site: Path, exported: Path, tmp_path: Path) -> None:
     """Its readings are those on the bus, its commands those sent in the same run."""
-    done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(tmp_path / "run"), "--quiet")
+    done = railhil(site, "run", str(SCENARIO), "--bus", "local", "--out", str(tmp_path / "run"), "--no-report")
     assert done.returncode == 0, done.stderr
     sent: dict[str, list[int]] = {"110": [], "128": []}
     for line in (tmp_path / "run" / "frames.log").read_text(encoding="ascii").splitlines():
@@ -160,7 +160,7 @@ def test_a_reading_that_no_int32_holds_is_refused(site: Path, tmp_path: Path) ->
         (own, f"from railhil.bus.telegrams import TimeSync\n{own}"),
     ]
     copy = changed(site, tmp_path, {"wire.py": changes})
-    for words in (("export-c", "apart"), ("run",)):
+    for words in (("export-c", "apart"), ("run", "--bus", "local")):
         done = railhil(copy, *words, str(SCENARIO), "--out", str(tmp_path / "c"))
         assert done.returncode == 2
         assert "reading seconds: found TIME_SYNC.seconds_s with 0 to 4294967295, allowed -2147483648" in done.stderr

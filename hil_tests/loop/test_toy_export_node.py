@@ -6,17 +6,14 @@ No line of the tree knows of the system: what differs from railhil's own train i
 from __future__ import annotations
 
 import json
-import os
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from hil_tests.support.foreign import PROGRAM_INTERFACE, SANITIZED, build, foreign_run
 from hil_tests.support.toy_export import KEEPING, PLAIN_FORCES, changed, export
-from hil_tests.support.toy_system import SCENARIO, install_toy, railhil
+from hil_tests.support.toy_system import SCENARIO, install_toy, python, railhil
 
 pytestmark = [pytest.mark.loop, pytest.mark.needs_compiler]
 
@@ -156,11 +153,7 @@ def test_the_c_node_over_the_hub_gives_the_bytes_of_our_own(
 
 def twins(site: Path, folder: Path, seed: int) -> dict[str, int]:
     """Both controllers on the same frames, every answer equal; what each of them has counted."""
-    words = [sys.executable, "-c", _TWINS, str(SCENARIO), str(folder), str(seed)]
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    done = subprocess.run(words, capture_output=True, text=True, timeout=120, env=environment)
-    assert done.returncode == 0, done.stderr
-    answers, ended, ended_c, counted, counted_c = json.loads(done.stdout)
+    ((answers, ended, ended_c, counted, counted_c),) = python(site, _TWINS, str(SCENARIO), str(folder), str(seed))
     assert answers > 1000
     assert ended == ended_c == 4
     assert counted == counted_c

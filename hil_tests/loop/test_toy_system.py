@@ -105,7 +105,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def recorded(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Run folder of one run over the hub."""
     folder = tmp_path_factory.mktemp("runs") / "run"
-    done = railhil(site, "run", str(SCENARIO), "--out", str(folder), "--quiet")
+    done = railhil(site, "run", str(SCENARIO), "--out", str(folder), "--quiet", anew=True)
     assert done.returncode == 0, done.stderr
     assert "end" in done.stdout
     assert "apart (published)" in done.stdout
@@ -175,19 +175,24 @@ def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path,
     package.mkdir()
     (package / "METADATA").write_text("Metadata-Version: 2.1\nName: counting\nVersion: 1\n")
     (package / "entry_points.txt").write_text("[two_carts.laws]\ncounting = counting:Counting\n")
-    kept = []
-    for bus in (("-i", "railhil"), ("--bus", "local")):
-        memory = tmp_path / f"{bus[1]}.json"
-        for number in (1, 2):
-            folder = tmp_path / f"{bus[1]}{number}"
-            words = ("--controller", "counting", "--arithmetic", arithmetic, "--memory", str(memory), *bus)
-            done = railhil(plug, "run", str(SCENARIO), *words, "--out", str(folder), "--quiet", "--no-report")
-            assert done.returncode == 0, done.stderr
-            document = json.loads(memory.read_text(encoding="utf-8"))
-            assert (document["key"], document["runs"], document["values"]["runs"]) == ("two_carts_2m", number, number)
-            assert (folder / "memory.json").read_bytes() == memory.read_bytes()
-        kept.append((memory.read_bytes(), certificate(folder)["frames_sha256"]))
-    assert kept[0] == kept[1]
+
+    def ran(bus: tuple[str, str], number: int) -> tuple[bytes, object]:
+        """Memory after the run of this number, and the hash of its frames."""
+        memory, folder = (tmp_path / f"{bus[1]}{name}" for name in (".json", number))
+        words = ("--controller", "counting", "--arithmetic", arithmetic, "--memory", str(memory), *bus)
+        done = railhil(plug, "run", str(SCENARIO), *words, "--out", str(folder), "--quiet", "--no-report")
+        assert done.returncode == 0, done.stderr
+        document = json.loads(memory.read_text(encoding="utf-8"))
+        assert (document["key"], document["runs"], document["values"]["runs"]) == ("two_carts_2m", number, number)
+        assert (folder / "memory.json").read_bytes() == memory.read_bytes()
+        return memory.read_bytes(), certificate(folder)["frames_sha256"]
+
+    local = [ran(("--bus", "local"), number) for number in (1, 2)]
+    if arithmetic == "iq":
+        assert ran(("-i", "railhil"), 1) == local[0]
+    else:
+        (tmp_path / "railhil.json").write_bytes(local[0][0])
+    assert ran(("-i", "railhil"), 2) == local[1]
 
 
 def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
@@ -258,9 +263,10 @@ def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path
 
 
 def test_a_perturbed_run_draws_what_the_system_draws(site: Path, recorded: Path, tmp_path: Path) -> None:
-    folders = [tmp_path / "3", tmp_path / "again"]
-    for folder in folders:
-        words = ("--perturbed", "--seed", "3", "--out", str(folder), "--quiet", "--no-report")
+    """The same over the hub and in one process."""
+    folders = [tmp_path / "hub", tmp_path / "local"]
+    for folder, bus in zip(folders, (("-i", "railhil"), ("--bus", "local")), strict=True):
+        words = ("--perturbed", "--seed", "3", *bus, "--out", str(folder), "--quiet", "--no-report")
         done = railhil(site, "run", str(SCENARIO), *words)
         assert done.returncode == 0, done.stderr
     first, again = (certificate(folder)["frames_sha256"] for folder in folders)
@@ -281,7 +287,7 @@ def test_compare(site: Path, tmp_path: Path) -> None:
     soft = tmp_path / "soft.toml"
     soft.write_text('law = "apart"\n[parameters]\nstiffness_n_per_m = 3.0\n', encoding="utf-8")
     folder = tmp_path / "compared"
-    words = ("--parameters", str(soft), "--both", "--out", str(folder), "--quiet", "--no-report")
+    words = ("--parameters", str(soft), "--both", "--bus", "local", "--out", str(folder), "--quiet", "--no-report")
     done = railhil(site, "compare", str(SCENARIO), *words)
     assert done.returncode == 0, done.stderr
     rows = json.loads((folder / "compare.json").read_text(encoding="utf-8"))["runs"]
@@ -378,6 +384,6 @@ def test_a_gain_that_could_wrap_is_refused_in_fixed_point(site: Path, tmp_path: 
     text = law.read_text(encoding="utf-8")
     assert "*self._far)" in text
     law.write_text(text.replace("ar.clip(reading, *self._far)", "ar.mpy(reading, self._far[0], 0)"), encoding="utf-8")
-    done = railhil(copy, "run", str(SCENARIO), "--out", str(tmp_path / "run"), "--quiet")
+    done = railhil(copy, "run", str(SCENARIO), "--bus", "local", "--out", str(tmp_path / "run"), "--quiet")
     assert done.returncode == 2
     assert "allowed a law whose fixed point cannot wrap at 0.1 s on two_carts_2m" in done.stderr

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import psutil
+
+from hil_tests.support.warm import run_module
+from railhil.cli.programs import PROGRAMS
 
 #: Enough for start-up and a run at a tenth of the usual speed.
 TIMEOUT_S = 110
@@ -49,12 +53,30 @@ def command(*arguments: str | Path) -> list[str]:
     return [sys.executable, "-m", "railhil.cli", *map(str, arguments)]
 
 
-def railhil(*arguments: str | Path, cwd: Path | None = None, text: str | None = None) -> Done:
-    """Run a command to its end."""
-    done = subprocess.run(
-        command(*arguments), capture_output=True, text=True, timeout=TIMEOUT_S, cwd=cwd, input=text, check=False
-    )
+def railhil(*arguments: str | Path, cwd: Path | None = None, text: str = "", anew: bool = False) -> Done:
+    """Run a command to its end, in a process of its own that has its modules already.
+
+    :param text: its standard input.
+    :param anew: in a new Python, for what depends on the start: other modules of the same names, other hash values.
+    """
+    done = railhil_process(*arguments, environment=os.environ, cwd=cwd, text=text, anew=anew)
     return Done(done.returncode, done.stdout, done.stderr)
+
+
+def railhil_process(
+    *arguments: str | Path, environment: Mapping[str, str], cwd: Path | None = None, text: str = "", anew: bool = False
+) -> subprocess.CompletedProcess[str]:
+    """:func:`railhil` with an environment other than that of the tests."""
+    if anew:
+        return subprocess.run(
+            command(*arguments), capture_output=True, text=True, timeout=TIMEOUT_S, cwd=cwd, input=text,
+            env=dict(environment), check=False,
+        )  # fmt: skip
+    module, *words = map(str, ("railhil.cli", *arguments))
+    if words and words[0] in PROGRAMS:
+        # The command becomes that program, which would load everything again.
+        module, words = PROGRAMS[words[0]][0], words[1:]
+    return run_module(module, words, environment=environment, cwd=cwd, text=text)
 
 
 def complaint(done: Done, exit_code: int = 2) -> str:

@@ -7,9 +7,13 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import zipfile
 from pathlib import Path
 from typing import Any
+
+from hil_tests.support.cli import railhil_process
+from hil_tests.support.warm import run_module
 
 SOURCE = Path(__file__).parents[1] / "data" / "toy_system"
 SCENARIO = SOURCE / "two_carts_2m.toml"
@@ -35,17 +39,19 @@ def install(source: Path, folder: Path) -> Path:
     return site
 
 
-def railhil(site: Path, *words: str, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a railhil command in an environment in which the toy system is installed."""
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    command = [sys.executable, "-m", "railhil.cli", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment, cwd=cwd)
+def railhil(
+    site: Path, *words: str | Path, cwd: Path | None = None, anew: bool = False
+) -> subprocess.CompletedProcess[str]:
+    """A railhil command of an environment in which the toy system is installed; ``anew`` as in
+    :func:`hil_tests.support.cli.railhil`."""
+    return railhil_process(*words, cwd=cwd, environment={**os.environ, "PYTHONPATH": str(site)}, anew=anew)
 
 
 def python(site: Path, program: str, *words: str) -> list[Any]:
     """Output of a program in such an environment, one JSON document per line."""
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    command = [sys.executable, "-c", program, *words]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
+    with tempfile.TemporaryDirectory(prefix="railhil-program-") as folder:
+        (Path(folder) / "program_of_a_test.py").write_text(program, encoding="utf-8")
+        environment = {**os.environ, "PYTHONPATH": f"{site}{os.pathsep}{folder}"}
+        done = run_module("program_of_a_test", words, environment=environment)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]

@@ -207,9 +207,19 @@ def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugge
 
 @pytest.mark.slow
 @pytest.mark.loop
+def test_a_controller_whose_law_cannot_be_made_ends_the_run_with_its_line(plugged: Path) -> None:
+    """Over the hub: the supervisor repeats what that process has said."""
+    done = railhil(
+        "run", "short.toml", "--controller", "fussy", "-i", "railhil", "--quiet", "--out", "run", cwd=plugged
+    )
+    assert done.exit_code == 2
+    assert LINES["fussy"].replace("{plugged_laws.py}", str(plugged / "plug" / "plugged_laws.py")) in done.one_line()
+    assert sorted(path.name for path in plugged.iterdir()) == ["plug", "short.toml"]
+
+
 @pytest.mark.parametrize("law", ["fussy", "missing"])
 @pytest.mark.parametrize(
-    "command", [("run", "--quiet", "--out", "run"), ("audit", "--runs", "0"), ("export-c", "--out", "c")]
+    "command", [("run", "--bus", "local", "--out", "run"), ("audit", "--runs", "0"), ("export-c", "--out", "c")]
 )
 def test_every_command_says_so_with_exit_code_2(plugged: Path, law: str, command: tuple[str, ...]) -> None:
     program, *options = command

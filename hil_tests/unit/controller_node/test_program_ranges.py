@@ -169,8 +169,9 @@ def test_no_law_starts_in_fixed_point_that_may_wrap(name: str, notch_max: float,
 
 
 @pytest.mark.slow
-@pytest.mark.loop
-@pytest.mark.parametrize("command", [("run", "--controller", "tdmc", "--quiet", "--out", "out"), ("export-c", "tdmc")])
+@pytest.mark.parametrize(
+    "command", [("run", "--controller", "tdmc", "--bus", "local", "--out", "out"), ("export-c", "tdmc")]
+)
 def test_commands_say_so_with_exit_code_2(command: tuple[str, ...], tmp_path: Path) -> None:
     text = 'extends = "lvshun_tieshan"\nname = "many"\ntitle = "many notches"\n[train]\nnotch_max = 12.0\n'
     (tmp_path / "many.toml").write_text(text, encoding="utf-8")
