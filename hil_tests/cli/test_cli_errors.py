@@ -189,12 +189,13 @@ def test_bus_that_cannot_be_opened(here, tmp_path, socket_folder):
             ("railhil", plain, "plain.sock: connection refused"),
             ("railhil", "tcp://192.0.2.1:5", "found host '192.0.2.1', allowed"),
         ):
-            attach = here("run", "--attach", "-i", interface, "-c", channel, "--out", "run")
+            patience = () if interface == "socketcan" else ("--bus-kwargs", "connect_timeout=0.2")
+            attach = here("run", "--attach", "-i", interface, "-c", channel, *patience, "--out", "run")
             assert words in complaint(attach)
     # An empty folder of the user's own stays, one that was made for the run goes.
     assert not list(tmp_path.iterdir())
     Path("mine").mkdir()
-    complaint(here("run", "--attach", "-i", "railhil", "-c", plain, "--out", "mine"))
+    complaint(here("run", "--attach", "-i", "railhil", "-c", plain, *patience, "--out", "mine"))
     assert [path.name for path in tmp_path.rglob("*")] == ["mine"]
 
 

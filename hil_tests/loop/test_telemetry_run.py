@@ -14,6 +14,7 @@ import pytest
 
 from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.plug import plug_in
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import BenchRun, local_run
 from railhil.bus.mvb import master_frame
 from railhil.bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
@@ -25,6 +26,7 @@ from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.program.tracer import Tracer
 from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import junit, rerun_needs, run_command, score_json
@@ -49,6 +51,20 @@ class Squared(Ipfc[Any]):
         speed = self._ar.const(Constant("zero", 0.0, SPEED_Q)) if isinstance(self._ar, Tracer) else inputs.speed
         self._ar.note("squared", self._ar.mpy(speed, speed, 2 * SPEED_Q - 28), 28, "km2/h2")
         return answer
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A scenario of 24 s: long enough for CTL_STAT to show every quantity."""
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(RUN_72M_TOML)
+    return path
+
+
+@pytest.fixture(scope="module")
+def short_run(short: Path, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """Its run without sockets, seed 1."""
+    return local_run(load(short), tmp_path_factory.mktemp("short"), RunSpec(seed=1))
 
 
 @pytest.fixture(scope="module")
@@ -174,13 +190,13 @@ def test_the_record_gives_the_telemetry_of_a_controller_without_file(nominal: Be
 
 @pytest.mark.slow
 @pytest.mark.loop
-def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path: Path) -> None:
+def test_process_leaves_the_telemetry_in_the_folder(short: Path, short_run: BenchRun, tmp_path: Path) -> None:
     folder = tmp_path / "run"
-    done = railhil("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
+    done = railhil("run", short, "--seed", "1", "-i", "railhil", "--out", folder, "--quiet", "--no-report")
     document = json.loads((folder / "telemetry.json").read_text(encoding="utf-8"))
-    assert document == json.loads(json.dumps(nominal.telemetry))
+    assert document == json.loads(json.dumps(short_run.telemetry))
     assert (document["law"], document["arithmetic"], document["profile"]) == ("ipfc", "iq", "c28")
-    assert document["steps"] == document["quantities"][0]["steps"] > 380
+    assert document["steps"] == document["quantities"][0]["steps"] > 45
     assert document["totals"] == {"wraps": 0, "saturations": 0, "zero_divisions": 0}
     score = json.loads((folder / "score.json").read_text(encoding="utf-8"))["telemetry"]
     least = min(document["quantities"], key=lambda row: row["headroom_bits"])
@@ -202,22 +218,22 @@ def test_process_leaves_the_telemetry_in_the_folder(nominal: BenchRun, tmp_path:
 @pytest.mark.slow
 @pytest.mark.loop
 def test_attached_run_takes_the_telemetry_from_the_record(
-    nominal: BenchRun, tmp_path: Path, socket_folder: Path
+    short: Path, short_run: BenchRun, tmp_path: Path, socket_folder: Path
 ) -> None:
     bus = ("-i", "railhil", "-c", str(socket_folder / "hub.sock"))
     started = [Started("bus", "hub", *bus[2:])]
     wait_for((socket_folder / "hub.sock").exists)
-    started += [Started("node", role, "lvshun_tieshan", *bus) for role in ("plant", "controller")]
+    started += [Started("node", role, short, *bus) for role in ("plant", "controller")]
     try:
-        done = railhil("run", "--attach", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
-        assert done.exit_code == PASS, done.err
+        done = railhil("run", short, "--attach", "--out", tmp_path / "run", "--quiet", "--no-report", *bus)
+        assert done.exit_code in (PASS, FAIL), done.err
     finally:
         for process in started:
             process.process.terminate()
             process.finish()
     found = json.loads((tmp_path / "run" / "score.json").read_text(encoding="utf-8"))["telemetry"]
-    assert (found["source"], found["cycles"]) == ("CTL_STAT", nominal.telemetry["cycles"]["ram"])
-    assert len(found["quantities"]) == len(nominal.telemetry["quantities"])
+    assert (found["source"], found["cycles"]) == ("CTL_STAT", short_run.telemetry["cycles"]["ram"])
+    assert len(found["quantities"]) == len(short_run.telemetry["quantities"])
     assert "no overflow, as CTL_STAT tells it" in done.out
     certificate = json.loads((tmp_path / "run" / "certificate.json").read_text(encoding="utf-8"))
     # Nobody is there any more to be attached to.
