@@ -7,7 +7,6 @@ import json
 import os
 import re
 import subprocess
-import sys
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +16,7 @@ import pytest
 from hil_tests.support.cli import complaint
 from hil_tests.support.paths import ROOT
 from hil_tests.support.toy_system import install, railhil
+from hil_tests.support.warm import run_module
 from railhil import cli
 from railhil.dbc import HOUSE_PORTS, house_table, system_contract, wire_contract
 from railhil.scenarios.keys import USUAL
@@ -33,12 +33,11 @@ def uncommented(text: str) -> str:
 
 
 def run(*words: str | Path, cwd: Path, site: Path | None = None) -> None:
-    """A command with this Python that must end well."""
+    """A module that must end well."""
     paths = os.pathsep.join(map(str, (*([site] if site else []), ROOT)))
-    done = subprocess.run(
-        [sys.executable, "-m", *map(str, words)], cwd=cwd, capture_output=True, text=True, timeout=110,
-        env={**os.environ, "PYTHONPATH": paths, "MYPYPATH": str(ROOT)}, check=False,
-    )  # fmt: skip
+    environment = {**os.environ, "PYTHONPATH": paths, "MYPYPATH": str(ROOT)}
+    module, *arguments = map(str, words)
+    done = run_module(module, arguments, environment=environment, cwd=cwd)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -59,7 +59,7 @@ def with_fifo(scenarios: Path) -> Path:
 
 def finished(folder: Path, name: str, *options: str) -> Path:
     out = folder / name
-    done = railhil("run", folder / "quick.toml", "--pace", "realtime", "--quiet", "--out", out, *options)
+    done = railhil("run", folder / "quick.toml", "--pace", "realtime", "--quiet", "--out", out, *options, anew=True)
     assert done.exit_code in (0, 1, 3), done.err
     return out
 
@@ -179,7 +179,7 @@ def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tm
     try:
         out = tmp_path / "run"
         # Without the plant's rate: that stands in TIME_SYNC.
-        done = railhil("run", scenario, "--attach", *pace[:2], "--quiet", "--out", out, *bus)
+        done = railhil("run", scenario, "--attach", *pace[:2], "--quiet", "--out", out, *bus, anew=True)
         assert done.exit_code in (0, 1, 3), done.err
     finally:
         for node in nodes:

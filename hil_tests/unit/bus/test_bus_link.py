@@ -216,7 +216,10 @@ def test_a_closed_interface_is_a_lost_bus(virtual: list[Any]) -> None:
     [
         ({"interface": "nonsense", "channel": "x"}, "nonsense:x"),
         ({"interface": "socketcan", "channel": "nocan77"}, "socketcan:nocan77"),
-        ({"interface": "railhil", "channel": "/nowhere/hub.sock"}, "railhil:/nowhere/hub.sock"),
+        (
+            {"interface": "railhil", "channel": "/nowhere/hub.sock", "connect_timeout": 0.2},
+            "railhil:/nowhere/hub.sock",
+        ),
     ],
 )
 def test_what_cannot_be_opened_is_one_line(config: dict[str, Any], where: str) -> None:

@@ -77,13 +77,12 @@ def test_a_named_file_is_found_from_any_folder(tmp_path: Path, monkeypatch: pyte
     assert setting("train.file=yizhuang_b6") == "train.file=yizhuang_b6"
 
 
-@pytest.mark.loop
 def test_a_run_with_settings_can_be_scored_and_made_again(tmp_path: Path) -> None:
     path = tmp_path / "quick.toml"
     path.write_text(QUICK_TOML, encoding="utf-8")
     given = ["plan.stop_error_max_m=50", "plan.time_error_max_s=50"]
     words = [word for text in given for word in ("--set", text)]
-    done = railhil("run", path, *words, "--no-report", "--out", tmp_path / "one", "--json")
+    done = railhil("run", path, *words, "--bus", "local", "--no-report", "--out", tmp_path / "one", "--json")
     assert done.exit_code == 0, done.err
     certificate = json.loads((tmp_path / "one" / "certificate.json").read_text(encoding="utf-8"))
     assert certificate["settings"] == given

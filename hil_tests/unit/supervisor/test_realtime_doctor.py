@@ -265,7 +265,8 @@ def test_every_finding_stands_in_text_and_json() -> None:
 
 @pytest.mark.slow
 def test_a_bus_that_cannot_be_opened_is_exit_code_2(tmp_path: Path) -> None:
-    done = railhil("doctor", "--quick", "--json", "-i", "railhil", "-c", tmp_path / "no.sock")
+    patience = ("--bus-kwargs", "connect_timeout=0.2")
+    done = railhil("doctor", "--quick", "--json", "-i", "railhil", "-c", tmp_path / "no.sock", *patience)
     assert done.exit_code == 2
     asked = json.loads(done.out)["findings"][-1]
     assert asked["subject"] == "bus asked for"
