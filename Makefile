@@ -12,8 +12,8 @@ TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
 HERE         = not needs_socketcan and not needs_docker
-# A file at a time on each core: what a module's tests share is made once.
-SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(nproc) --dist loadfile
+# A file at a time, so that what a module's tests share is made once. One worker more than there are cores: many tests wait.
+SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile
 
 .PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
