@@ -46,14 +46,20 @@ def decode_time_sync(made: Callable[..., T], data: bytes) -> T:
 
 def encode_sup_cmd(telegram: Any) -> bytes:
     command = telegram.command
+    fault_number = telegram.fault_number
+    fault_order = telegram.fault_order
     check = telegram.check
     life = telegram.life
     misfit = command >> 8
+    misfit |= fault_number >> 8
+    misfit |= fault_order >> 2
     misfit |= check >> 2
     misfit |= life >> 4
     if misfit:
         raise telegram.misfit()
     word: int = command << 24
+    word |= fault_number << 16
+    word |= fault_order << 14
     word |= check << 6
     word |= life
     return word.to_bytes(4)
@@ -63,6 +69,8 @@ def decode_sup_cmd(made: Callable[..., T], data: bytes) -> T:
     word = int.from_bytes(data)
     return made(
         word >> 24 & 0xFF,  # command
+        word >> 16 & 0xFF,  # fault_number
+        word >> 14 & 0x3,  # fault_order
         word >> 6 & 0x3,  # check
         word & 0xF,  # life
     )
@@ -71,18 +79,21 @@ def decode_sup_cmd(made: Callable[..., T], data: bytes) -> T:
 def encode_notch_cmd(telegram: Any) -> bytes:
     notch_256th = telegram.notch_256th
     mode = telegram.mode
+    cause = telegram.cause
     check = telegram.check
     emergency = telegram.emergency
     life = telegram.life
     misfit = notch_256th + 0x8000 >> 16
-    misfit |= mode >> 8
+    misfit |= mode >> 3
+    misfit |= cause >> 5
     misfit |= check >> 2
     misfit |= emergency >> 2
     misfit |= life >> 4
     if misfit:
         raise telegram.misfit()
     word: int = (notch_256th & 0xFFFF) << 16
-    word |= mode << 8
+    word |= mode << 13
+    word |= cause << 8
     word |= check << 6
     word |= emergency << 4
     word |= life
@@ -93,7 +104,8 @@ def decode_notch_cmd(made: Callable[..., T], data: bytes) -> T:
     word = int.from_bytes(data)
     return made(
         (word >> 16 & 0xFFFF ^ 0x8000) - 0x8000,  # notch_256th
-        word >> 8 & 0xFF,  # mode
+        word >> 13 & 0x7,  # mode
+        word >> 8 & 0x1F,  # cause
         word >> 6 & 0x3,  # check
         word >> 4 & 0x3,  # emergency
         word & 0xF,  # life
@@ -396,6 +408,42 @@ def decode_balise(made: Callable[..., T], data: bytes) -> T:
     )
 
 
+def encode_trn_watch(telegram: Any) -> bytes:
+    level = telegram.level
+    cause = telegram.cause
+    age_ms = telegram.age_ms
+    check = telegram.check
+    spare = telegram.spare
+    life = telegram.life
+    misfit = level >> 3
+    misfit |= cause >> 5
+    misfit |= age_ms >> 16
+    misfit |= check >> 2
+    misfit |= spare >> 2
+    misfit |= life >> 4
+    if misfit:
+        raise telegram.misfit()
+    word: int = level << 29
+    word |= cause << 24
+    word |= age_ms << 8
+    word |= check << 6
+    word |= spare << 4
+    word |= life
+    return word.to_bytes(4)
+
+
+def decode_trn_watch(made: Callable[..., T], data: bytes) -> T:
+    word = int.from_bytes(data)
+    return made(
+        word >> 29 & 0x7,  # level
+        word >> 24 & 0x1F,  # cause
+        word >> 8 & 0xFFFF,  # age_ms
+        word >> 6 & 0x3,  # check
+        word >> 4 & 0x3,  # spare
+        word & 0xF,  # life
+    )
+
+
 def encode_sim_truth(telegram: Any) -> bytes:
     position_01mm = telegram.position_01mm
     speed_01mmps = telegram.speed_01mmps
@@ -647,6 +695,7 @@ CODECS: dict[str, tuple[Callable[[Any], bytes], Callable[[Any, bytes], Any]]] = 
     "railhil.bus.telegrams.TrkInfo": (encode_trk_info, decode_trk_info),
     "railhil.bus.telegrams.CtlStat": (encode_ctl_stat, decode_ctl_stat),
     "railhil.bus.telegrams.BalisePassed": (encode_balise, decode_balise),
+    "railhil.bus.telegrams.TrnWatch": (encode_trn_watch, decode_trn_watch),
     "railhil.bus.telegrams.SimTruth": (encode_sim_truth, decode_sim_truth),
     "railhil.bus.telegrams.RunEvent": (encode_run_event, decode_run_event),
     "railhil.bus.ident.PltIdent": (encode_plt_ident, decode_plt_ident),

@@ -45,6 +45,56 @@ class CtlMode(IntEnum):
     ENDED = 6
 
 
+class CtlCause(IntEnum):
+    """Why the controller's watch left its level NORMAL."""
+
+    NONE = 0
+    SPEED_AGE = 1
+    BAD_TELEGRAMS = 2
+    POSITION_LOST = 3
+    OVERSPEED = 4
+    SPEED_IMPLAUSIBLE = 5
+    POSITION_IMPLAUSIBLE = 6
+    SPEED_LATENCY = 7
+    CHANNEL_MONITOR = 8
+    BUS_OFF = 9
+    BRAKE_NOT_ANSWERING = 10
+    RUNAWAY = 11
+    OVERRUNS = 12
+    CLOCK = 13
+    SAFETY_CODE = 14
+    INITIALISING = 15
+    TWO_SOURCES = 16
+
+
+class WatchCause(IntEnum):
+    """Why the train's watch left its level NORMAL."""
+
+    NONE = 0
+    COMMAND_AGE = 1
+    NO_COMMAND = 2
+    BAD_COMMANDS = 3
+    NOTCH_RANGE = 4
+    NOTCH_STEP = 5
+    TWO_SOURCES = 6
+    RUNAWAY = 7
+    OVERSPEED = 8
+    EMERGENCY_COMMAND = 9
+    SAFETY_LOOP = 10
+    END_OF_AUTHORITY = 11
+    BRAKE_NOT_ANSWERING = 12
+    SAFETY_CODE = 13
+    DRIVER = 14
+
+
+class FaultOrder(IntEnum):
+    """What SUP_CMD asks for a fault that is triggered by hand."""
+
+    NONE = 0
+    INJECT = 1
+    CLEAR = 2
+
+
 class TimeState(IntEnum):
     """State of the simulation in TIME_SYNC."""
 
@@ -111,14 +161,18 @@ class SupCmd(Telegram):
 
     ::
 
-           0      1    2      3
-        +-------+---------+------------------+
-        |command|         | chk         life |
-        +-------+---------+------------------+
+           0      1     2      3
+        +-------+-----+-----+------------------+
+        |command|fault|order| chk         life |
+        +-------+-----+-----+------------------+
+
+    ``fault``: number of a fault of the run, from 1; ``order``: see :class:`FaultOrder`.
     """
 
     PORT: ClassVar[str] = "SUP_CMD"
     command: int = signal("SupCommand")
+    fault_number: int = signal("FaultNumber")
+    fault_order: int = signal("FaultOrder")
     check: int = signal("SupChk", CHECK_CORRECT)
     life: int = signal("SupLife")
 
@@ -129,15 +183,18 @@ class NotchCmd(Telegram):
 
     ::
 
-          0    1    2      3
-        +---------+------+---------------------+
-        |  s16    | mode | chk emergency  life |
-        +---------+------+---------------------+
+          0    1       2           3
+        +---------+------------+---------------------+
+        |  s16    | mode cause | chk emergency  life |
+        +---------+------------+---------------------+
+
+    ``mode``: :class:`CtlMode` (3 bit); ``cause``: :class:`CtlCause` (5 bit).
     """
 
     PORT: ClassVar[str] = "NOTCH_CMD"
     notch_256th: int = signal("NotchCmd")
     mode: int = signal("CtlMode")
+    cause: int = signal("CtlCause")
     check: int = signal("NotchChk", CHECK_CORRECT)
     emergency: int = signal("EmergencyBrake", FLAG_FALSE)
     life: int = signal("NotchLife")
@@ -301,6 +358,27 @@ class BalisePassed(Telegram):
     check: int = signal("BaliseChk", CHECK_CORRECT)
     spare: int = signal("BaliseSpare")
     life: int = signal("BaliseLife")
+
+
+@dataclass(slots=True)
+class TrnWatch(Telegram):
+    """TRN_WATCH, the train's own watch of NOTCH_CMD.
+
+    ::
+
+            0           1    2      3
+        +-------------+---------+------------------+
+        | level cause | age u16 | chk spare   life |   level 3 bit, cause 5 bit, age in ms
+        +-------------+---------+------------------+
+    """
+
+    PORT: ClassVar[str] = "TRN_WATCH"
+    level: int = signal("WatchLevel")
+    cause: int = signal("WatchCause")
+    age_ms: int = signal("WatchAge")
+    check: int = signal("WatchChk", CHECK_CORRECT)
+    spare: int = signal("WatchSpare")
+    life: int = signal("WatchLife")
 
 
 @dataclass(slots=True)

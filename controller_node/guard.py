@@ -6,7 +6,7 @@ from collections import Counter
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.telegrams import TrkInfo, TrnSpeed
+from railhil.bus.telegrams import CtlCause, TrkInfo, TrnSpeed
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.controller_node.odometer import Odometer
 from railhil.controller_node.speed_watch import (
@@ -54,6 +54,11 @@ class Guard:
     def level(self) -> SpeedWatchLevel:
         """Level of the reaction ladder."""
         return self._state.level
+
+    @property
+    def cause(self) -> CtlCause:
+        """Why the level was entered."""
+        return self._state.cause
 
     def limit(self, track: TrkInfo) -> None:
         """Take the speed limit of a TRK_INFO telegram whose check variable is correct."""

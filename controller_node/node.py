@@ -199,7 +199,8 @@ class ControllerNode:
             return NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
         code, emergency = self.guard.notch(self._output.notch_code, self._clock.now_ns)
         self.controller.sent(code)
-        return NotchCmd(code, _MODES[self.guard.level], emergency=flag(emergency), life=self._notch_life)
+        guard = self.guard
+        return NotchCmd(code, _MODES[guard.level], guard.cause, emergency=flag(emergency), life=self._notch_life)
 
     def _status(self) -> Telegram:
         self._stat_life = (self._stat_life + 1) & 0xF

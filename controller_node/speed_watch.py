@@ -26,6 +26,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
+from railhil.bus.telegrams import CtlCause
 from railhil.scenarios.model import Scenario
 
 GOOD_AFTER_TRACTION_CUT = 5
@@ -111,7 +112,7 @@ class SpeedWatchState(NamedTuple):
 
     ``good_run`` good telegrams in a row (counted up to the largest number needed), ``recent`` the last telegrams,
     newest in bit 0, 1 = bad, ``code`` the notch last sent (1/256), ``kept_code`` the braking to keep during
-    TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp.
+    TRACTION_CUT (<= 0), ``returning`` while the notch returns on the ramp, ``cause`` why the level was entered.
     """
 
     level: SpeedWatchLevel = SpeedWatchLevel.NORMAL
@@ -120,6 +121,7 @@ class SpeedWatchState(NamedTuple):
     code: int = 0
     kept_code: int = 0
     returning: bool = False
+    cause: CtlCause = CtlCause.NONE
 
 
 def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchState:
@@ -142,11 +144,14 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
     elif seen.telegram is Reception.GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
     level = SpeedWatchLevel.NORMAL if _may_leave(state.level, good_run, seen) else state.level
-    level = max(level, _demanded(ladder, recent, seen))
+    demanded, cause = _demanded(ladder, recent, seen)
+    level = max(level, demanded)
+    if level is state.level:
+        cause = state.cause
     kept_code = state.kept_code
     if level is SpeedWatchLevel.TRACTION_CUT and state.level is not SpeedWatchLevel.TRACTION_CUT:
         kept_code = min(state.code, 0)
-    return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code)
+    return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code, cause=cause)
 
 
 def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
@@ -160,19 +165,27 @@ def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
     return good_run >= 1
 
 
-def _demanded(ladder: Ladder, recent: int, seen: Seen) -> SpeedWatchLevel:
-    """Level demanded by this observation alone."""
+def _demanded(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
+    """Level demanded by this observation alone, and why."""
     bad = seen.telegram is Reception.BAD
-    if seen.overspeed or (seen.age_ms > ladder.emergency_ms and not seen.standstill):
-        return SpeedWatchLevel.EMERGENCY
-    if seen.age_ms > ladder.service_brake_ms or seen.channel_lost:
-        return SpeedWatchLevel.SERVICE_BRAKE
+    if seen.overspeed:
+        return SpeedWatchLevel.EMERGENCY, CtlCause.OVERSPEED
+    if seen.age_ms > ladder.emergency_ms and not seen.standstill:
+        return SpeedWatchLevel.EMERGENCY, CtlCause.SPEED_AGE
+    if seen.age_ms > ladder.service_brake_ms:
+        return SpeedWatchLevel.SERVICE_BRAKE, CtlCause.SPEED_AGE
+    if seen.channel_lost:
+        return SpeedWatchLevel.SERVICE_BRAKE, CtlCause.POSITION_LOST
+    if seen.age_ms > ladder.traction_cut_ms:
+        return SpeedWatchLevel.TRACTION_CUT, CtlCause.SPEED_AGE
     # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
-    if (bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT) or seen.age_ms > ladder.traction_cut_ms:
-        return SpeedWatchLevel.TRACTION_CUT
-    if bad or seen.age_ms > ladder.hold_ms:
-        return SpeedWatchLevel.HOLD
-    return SpeedWatchLevel.NORMAL
+    if bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT:
+        return SpeedWatchLevel.TRACTION_CUT, CtlCause.BAD_TELEGRAMS
+    if seen.age_ms > ladder.hold_ms:
+        return SpeedWatchLevel.HOLD, CtlCause.SPEED_AGE
+    if bad:
+        return SpeedWatchLevel.HOLD, CtlCause.BAD_TELEGRAMS
+    return SpeedWatchLevel.NORMAL, CtlCause.NONE
 
 
 def command(

@@ -9,7 +9,7 @@ from typing import Literal
 from railhil.plant_sim.dynamics import Motion
 from railhil.scenarios.model import Balise
 
-EventKind = Literal["departed", "stopped", "emergency", "balise"]
+EventKind = Literal["departed", "stopped", "emergency", "balise", "watch"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +17,7 @@ class PlantEvent:
     """Something that happened inside a tick, at its exact instant and true position of the train's front.
 
     ``departed``: first motion; ``stopped``: standstill after at least :data:`railhil.bus.telegrams.STOP_LEG_MIN_M`;
-    ``emergency``: the emergency brake was applied; ``balise``: the front passed ``balise`` with the odometer at
+    ``emergency``: the emergency brake was applied; ``watch``: the level of the train's watch changed; ``balise``: the front passed ``balise`` with the odometer at
     ``odometer_mm``.
     """
 

@@ -5,10 +5,17 @@ from __future__ import annotations
 from collections import deque
 from math import inf, isfinite
 
-from railhil.bus.telegrams import STOP_LEG_MIN_M
+from railhil.bus.telegrams import STOP_LEG_MIN_M, WatchCause
 from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.command_watch import INITIAL, CommandWatchLevel, watch_brake_mps2, watch_step, watch_ticks
+from railhil.plant_sim.command_watch import (
+    INITIAL,
+    CommandWatchLevel,
+    CommandWatchState,
+    watch_brake_mps2,
+    watch_step,
+    watch_ticks,
+)
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
 from railhil.plant_sim.sensors import AxleSensors
@@ -55,6 +62,8 @@ class Plant:
         self._limits = watch_ticks(scenario.watch, timing.base_tick_ns)
         self._overspeed_margin_mps = scenario.watch.overspeed_margin_mps
         self._watch = INITIAL
+        #: Why the watch has its present level.
+        self.watch_cause = WatchCause.NO_COMMAND
         self._watch_brake_mps2 = train.service_braking_mps2
         self._accepted = False
         self._emergency_commanded = False
@@ -142,6 +151,9 @@ class Plant:
         )
         self._watch = watch
         self._accepted = False
+        if watch.level != before.level:
+            self.watch_cause = self._cause(watch)
+            self._event("watch", 0.0, position_m)
         traction = status.traction_enabled and watch.level < CommandWatchLevel.TRACTION_CUT
         if traction and self._watch_brake_mps2 == 0.0:
             self._window = dynamics.FREE
@@ -165,6 +177,18 @@ class Plant:
         if not traction and actuator_n > 0.0:
             # The contactors are open: when they close again, traction builds up from zero.
             self._motion = self._motion._replace(actuator_n=0.0)
+
+    def _cause(self, watch: CommandWatchState) -> WatchCause:
+        """Why the watch has just entered its level."""
+        if watch.level == CommandWatchLevel.NORMAL:
+            return WatchCause.NONE
+        if self._emergency_commanded:
+            return WatchCause.EMERGENCY_COMMAND
+        if not self.status.safety_loop_closed:
+            return WatchCause.SAFETY_LOOP
+        if self._motion.speed_mps > self._limit_mps + self._overspeed_margin_mps:
+            return WatchCause.OVERSPEED
+        return WatchCause.COMMAND_AGE
 
     def _move(self, from_tick: float, ticks: float) -> None:
         """Simulate a tick or a part of it with the present notch."""
@@ -235,6 +259,11 @@ class Plant:
     def watch_level(self) -> CommandWatchLevel:
         """Level of the train's watch over the last tick."""
         return self._watch.level
+
+    @property
+    def command_age_ms(self) -> int:
+        """Age of the last accepted command, in ms."""
+        return round(self._watch.age_ticks * self._step_s * 1000)
 
     # -- truth ----------------------------------------------------------------------------------------------------
 

@@ -8,7 +8,17 @@ import numpy as np
 
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import Telegram, flag
-from railhil.bus.telegrams import BalisePassed, PltStat, SimTruth, TimeState, TimeSync, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.telegrams import (
+    BalisePassed,
+    PltStat,
+    SimTruth,
+    TimeState,
+    TimeSync,
+    TrkInfo,
+    TrnPos,
+    TrnSpeed,
+    TrnWatch,
+)
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Profile, Scenario, profile_value
 from railhil.scenarios.target import Target
@@ -45,6 +55,7 @@ class TrainTelegrams:
             TrnPos.PORT: self._position,
             PltStat.PORT: self._status,
             TrkInfo.PORT: self._track,
+            TrnWatch.PORT: self.watch,
             SimTruth.PORT: self._truth,
             BalisePassed.PORT: self._repeated_balise,
         }
@@ -126,6 +137,16 @@ class TrainTelegrams:
             traction_20n=_clamped(plant.traction_n / 20, 0, 0xFFFF),
             brake_20n=_clamped(plant.brake_n / 20, 0, 0xFFFF),
             grade_001permil=_clamped(plant.grade_permil * 100, -0x8000, 0x7FFF),
+        )
+
+    def watch(self) -> TrnWatch:
+        """State of the train's watch; sent when its level has changed, and on the port's period."""
+        plant = self._plant
+        return TrnWatch(
+            plant.watch_level,
+            plant.watch_cause,
+            min(plant.command_age_ms, 0xFFFF),
+            life=self._next_life(TrnWatch.PORT),
         )
 
     def balise(self, number: int, surveyed_m: float, odometer_mm: int) -> BalisePassed:

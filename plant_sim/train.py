@@ -46,7 +46,9 @@ class TrainOnBus(Plant):
             self.command(telegram.notch_256th, self.gate.emergency(telegram))
 
     def telegram_of(self, event: Any) -> Telegram | None:
-        """BALISE for a balise passing."""
+        """BALISE for a balise passing, TRN_WATCH for a new level of the watch."""
+        if event.kind == "watch":
+            return self._telegrams.watch()
         if event.balise is None:
             return None
         return self._telegrams.balise(event.balise.number, event.balise.surveyed_m, event.odometer_mm)

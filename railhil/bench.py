@@ -230,6 +230,9 @@ class _Coupled:
         self._position_01mm = limited_01mm(self._plant.odometer_mm)
 
     def report(self, event: Any) -> None:
+        if event.kind == "watch":
+            # There is no ladder here that could need it.
+            return
         if event.balise is not None:
             surveyed_mm = round(event.balise.surveyed_m * 1000)
             reading = limited_01mm(surveyed_mm), limited_01mm(event.odometer_mm)

@@ -22,7 +22,7 @@ RUNNING_TIME_MAX_S = 28_800.0
 #: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
 PORTS = (
     "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
-    "SIM_TRUTH",
+    "TRN_WATCH", "SIM_TRUTH",
 )  # fmt: skip
 
 Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]

@@ -40,6 +40,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     int demanded = RAILHIL_NORMAL;
+    int cause = RAILHIL_CAUSE_NONE;
     int bad_count = 0;
     unsigned recent;
     if (seen != NO_TELEGRAM) {
@@ -53,22 +54,40 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
     } else if (seen == GOOD_TELEGRAM && watch->good_run < GOOD_AFTER_SERVICE_BRAKE) {
         watch->good_run++;
     }
-    if ((watch->speed_known && watch->limit_known &&
-         watch->speed_01mmps > watch->limit_01mmps + RAILHIL_OVERSPEED_MARGIN_01MMPS) ||
-        (age_ms > RAILHIL_EMERGENCY_MS && !standstill)) {
+    if (watch->speed_known && watch->limit_known &&
+        watch->speed_01mmps > watch->limit_01mmps + RAILHIL_OVERSPEED_MARGIN_01MMPS) {
         demanded = RAILHIL_EMERGENCY;
-    } else if (age_ms > RAILHIL_SERVICE_BRAKE_MS || railhil_position_lost(&guard->odometer, now_ns)) {
+        cause = RAILHIL_CAUSE_OVERSPEED;
+    } else if (age_ms > RAILHIL_EMERGENCY_MS && !standstill) {
+        demanded = RAILHIL_EMERGENCY;
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
         demanded = RAILHIL_SERVICE_BRAKE;
-    } else if ((seen == BAD_TELEGRAM && bad_count >= BAD_FOR_TRACTION_CUT) || age_ms > RAILHIL_TRACTION_CUT_MS) {
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (railhil_position_lost(&guard->odometer, now_ns)) {
+        demanded = RAILHIL_SERVICE_BRAKE;
+        cause = RAILHIL_CAUSE_POSITION_LOST;
+    } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
         demanded = RAILHIL_TRACTION_CUT;
-    } else if (seen == BAD_TELEGRAM || age_ms > RAILHIL_HOLD_MS) {
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (seen == BAD_TELEGRAM && bad_count >= BAD_FOR_TRACTION_CUT) {
+        demanded = RAILHIL_TRACTION_CUT;
+        cause = RAILHIL_CAUSE_BAD_TELEGRAMS;
+    } else if (age_ms > RAILHIL_HOLD_MS) {
         demanded = RAILHIL_HOLD;
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (seen == BAD_TELEGRAM) {
+        demanded = RAILHIL_HOLD;
+        cause = RAILHIL_CAUSE_BAD_TELEGRAMS;
     }
     if (may_leave(before, watch->good_run, standstill)) {
         watch->level = RAILHIL_NORMAL;
     }
     if (demanded > watch->level) {
         watch->level = demanded;
+    }
+    if (watch->level != before) {
+        watch->cause = cause;
     }
     if (watch->level == RAILHIL_TRACTION_CUT && before != RAILHIL_TRACTION_CUT) {
         watch->kept_code = watch->code < 0 ? watch->code : 0;

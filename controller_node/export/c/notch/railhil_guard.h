@@ -19,6 +19,15 @@ enum {
 /* Reaction ladder; a higher level is a stronger reaction. */
 enum { RAILHIL_NORMAL, RAILHIL_HOLD, RAILHIL_TRACTION_CUT, RAILHIL_SERVICE_BRAKE, RAILHIL_EMERGENCY };
 
+/* Why the level was entered (CtlCause of NOTCH_CMD). */
+enum {
+    RAILHIL_CAUSE_NONE = 0,
+    RAILHIL_CAUSE_SPEED_AGE = 1,
+    RAILHIL_CAUSE_BAD_TELEGRAMS = 2,
+    RAILHIL_CAUSE_POSITION_LOST = 3,
+    RAILHIL_CAUSE_OVERSPEED = 4
+};
+
 typedef struct {
     int64_t accepted_ns; /* time of the last accepted TRN_SPEED */
     int64_t sent_ns;     /* time of the last notch sent */
@@ -28,6 +37,7 @@ typedef struct {
     int32_t kept_code; /* braking to keep during TRACTION_CUT */
     unsigned recent;   /* last telegrams, newest in bit 0, 1: bad */
     int level;
+    int cause; /* why the level was entered */
     int good_run;
     int returning; /* the notch is returning to the law's on the ramp */
     int speed_known;

@@ -64,7 +64,7 @@ static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsig
     unsigned emergency = FLAG_FALSE;
     step(law, clock);
     law->notch_life = (law->notch_life + 1u) & 0xFu;
-    process[2] = MODE_INITIALISING;
+    process[2] = MODE_INITIALISING << 5;
     if (law->steps != 0) {
         const int32_t code = railhil_watched_notch(&law->guard, railhil_now_ns(clock), law->out.notch);
         if (code != law->told_code) {
@@ -72,7 +72,7 @@ static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsig
             @LAW@_sent(&law->state, code);
         }
         railhil_put16(process, (uint32_t)code);
-        process[2] = (unsigned char)(MODE_RUNNING + law->guard.watch.level);
+        process[2] = (unsigned char)(((MODE_RUNNING + law->guard.watch.level) << 5) | law->guard.watch.cause);
         emergency = law->guard.watch.level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
     }
     process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
