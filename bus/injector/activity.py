@@ -1,0 +1,106 @@
+"""When a fault is active: its trigger and its end, decided by the simulated truth."""
+
+from __future__ import annotations
+
+from railhil.faults.model import Fault
+
+_NS_PER_S = 1_000_000_000
+
+
+class Activity:
+    """One fault of a run: waiting, active, or over. It becomes active once.
+
+    The injector calls :meth:`look` at every tick before it uses :attr:`active`, in addition :meth:`happened` with each
+    event, and :meth:`telegram` before each telegram of the fault's port. ``spent`` counts what it has changed.
+
+    :param fault: with all distributions drawn.
+    :param number: its place in the run's list, from 1.
+    """
+
+    __slots__ = (
+        "_at_ns", "_before", "_duration_ns", "_edge", "_end_ns", "_met", "active", "begun_ns", "ended_ns", "fault",
+        "hits", "number", "over",
+    )  # fmt: skip
+
+    def __init__(self, fault: Fault, number: int) -> None:
+        self.fault = fault
+        self.number = number
+        self.active = False
+        self.over = False
+        #: Simulation time at which it became active and at which it ended; None before.
+        self.begun_ns: int | None = None
+        self.ended_ns: int | None = None
+        #: How many telegrams or samples it has changed.
+        self.hits = 0
+        trigger = fault.trigger
+        # The simulation time from which it is active, as soon as its condition has been met.
+        self._at_ns: int | None = None
+        self._met = False
+        # Value of a position or speed at the last look: only a crossing counts.
+        self._before: float | None = None
+        self._edge = 1 if trigger.edge == "rising" else -1
+        self._duration_ns = None if fault.duration_s is None else round(fault.duration_s * _NS_PER_S)
+        self._end_ns: int | None = None
+        if trigger.kind == "time":
+            self._meet(round(float(trigger.value) * _NS_PER_S))
+
+    def look(self, now_ns: int, position_m: float, speed_mps: float) -> bool:
+        """Whether the fault is active at ``now_ns``, with the train's true position and speed at this instant."""
+        if self.over:
+            return False
+        if not self._met:
+            kind = self.fault.trigger.kind
+            if kind == "position":
+                self._crossing(position_m, now_ns)
+            elif kind == "speed":
+                self._crossing(speed_mps, now_ns)
+        if not self.active:
+            if self._at_ns is None or now_ns < self._at_ns:
+                return False
+            self.active, self.begun_ns = True, now_ns
+            if self._duration_ns is not None:
+                self._end_ns = now_ns + self._duration_ns
+        if self._end_ns is not None and now_ns >= self._end_ns:
+            self._finish(now_ns)
+        return self.active
+
+    def happened(self, event: str, now_ns: int) -> None:
+        """An event of the run: a milestone or a level of one of the watches, in lower case."""
+        trigger = self.fault.trigger
+        if not self._met and trigger.kind == "event" and trigger.value == event:
+            self._meet(now_ns)
+        elif self.active and self.fault.until == event:
+            self._finish(now_ns)
+
+    def telegram(self, number: int, now_ns: int) -> None:
+        """The telegram that comes next on the fault's port, counted from 1."""
+        trigger = self.fault.trigger
+        if not self._met and trigger.kind == "telegram" and number >= float(trigger.value):
+            self._meet(now_ns)
+
+    def order(self, inject: bool, now_ns: int) -> None:
+        """An order by hand: inject the fault now, or clear it."""
+        if inject and not self._met:
+            self._meet(now_ns)
+        elif not inject and not self.over:
+            self._finish(now_ns)
+
+    def hit(self, now_ns: int) -> None:
+        """It has changed one more telegram or sample; after ``count`` of them it is over."""
+        self.hits += 1
+        if self.fault.count is not None and self.hits >= self.fault.count:
+            self._finish(now_ns)
+
+    def _crossing(self, value: float, now_ns: int) -> None:
+        threshold, before = float(self.fault.trigger.value), self._before
+        self._before = value
+        if before is not None and (before - threshold) * self._edge < 0.0 <= (value - threshold) * self._edge:
+            self._meet(now_ns)
+
+    def _meet(self, now_ns: int) -> None:
+        self._met = True
+        self._at_ns = now_ns + round(self.fault.trigger.delay_s * _NS_PER_S)
+
+    def _finish(self, now_ns: int) -> None:
+        self.active, self.over = False, True
+        self.ended_ns = now_ns

@@ -1,0 +1,100 @@
+"""One fault of a run.
+
+Times are simulation time. What a fault does to a sensor, a telegram or a process is done by the injectors:
+:mod:`railhil.plant_sim.faults` in the plant, :mod:`railhil.bus.injector` at the nodes' connections.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Literal
+
+#: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
+LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
+
+TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual"]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a fault acts.
+
+    ``level``: one of :data:`LEVELS`. ``name``: the sensor, port, node, ... of that level; ``bus`` itself has none.
+    ``part``: of a telegram ``counter``, ``checksum`` or the name of a signal; of the bus a line; else empty.
+    """
+
+    level: str
+    name: str = ""
+    part: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Trigger:
+    """When a fault begins, decided by the simulated truth.
+
+    ``value``: s (time), m (position), m/s (speed), name of a milestone or of the watches' levels (event), number of
+    the telegram of the place's port, from 1 (telegram); unused for ``manual``. ``edge``: for position and speed, the
+    direction of the crossing. ``delay_s``: time between the condition and the beginning of the fault.
+    """
+
+    kind: TriggerKind
+    value: float | str = 0.0
+    edge: Literal["rising", "falling"] = "rising"
+    delay_s: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """A value drawn for each run with the seed: ``uniform`` between a and b, or ``normal`` with mean and sigma."""
+
+    kind: Literal["uniform", "normal"]
+    a: float
+    b: float
+
+
+#: Value of a parameter, in its base unit: a share (0 to 1), s, m, m/s, a count, a name.
+Value = float | str | Draw
+
+_NO_VALUES: Mapping[str, Value] = MappingProxyType({})
+
+
+@dataclass(frozen=True, slots=True)
+class Expect:
+    """What a fault should lead to; every part may be missing.
+
+    ``level``: of one of the watches, in capitals with spaces (``TRACTION CUT``); ``within_s``: from the fault's first
+    effect; ``detected_by``: a cause of the watches (``speed_age``); ``verdict``: of the run.
+    """
+
+    level: str = ""
+    within_s: float | None = None
+    detected_by: str = ""
+    verdict: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """One fault. At most one of ``duration_s``, ``count`` and ``until`` ends it; without them it lasts to the end.
+
+    ``values``: parameters of ``what`` by name. ``count``: number of telegrams that it changes. ``until``: an event, as
+    a trigger's. ``after``: what happens to frames held back (``drop``, ``deliver``), or how a counter continues
+    (``correct``, ``last_valid``, ``last``); empty: the word's usual one. ``seed``: of its own random numbers; None:
+    derived from the run's seed and the fault's number. ``units``: of a train with several, from 1; empty: all.
+    ``combine``: permits other faults on the same target and level. ``id``: its name in the catalogue.
+    """
+
+    place: Place
+    what: str
+    trigger: Trigger
+    values: Mapping[str, Value] = field(default_factory=lambda: _NO_VALUES)
+    duration_s: float | None = None
+    count: int | None = None
+    until: str = ""
+    after: str = ""
+    seed: int | None = None
+    units: tuple[int, ...] = ()
+    combine: bool = False
+    expect: Expect | None = None
+    id: str = ""
