@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.scenarios.memory import Memory
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -33,6 +34,8 @@ class RunResult:
     timing: RunTiming | None = None
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
     memory: Memory | None = None
+    #: What happened in the run, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = ()
 
     @property
     def trusted(self) -> bool:
