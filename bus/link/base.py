@@ -121,6 +121,10 @@ class Link(ABC):
         """See :meth:`Endpoint.has_ended`."""
         return self.lifelines.has_ended(node)
 
+    def may_deliver(self, node: str) -> bool:
+        """Whether frames of a node that has ended may still be on their way; False where that cannot be known."""
+        return False
+
     def take_gap_ns(self) -> int:
         """Wall time without frames because of an outage that is now over; 0 when there was none since the last call."""
         return 0
