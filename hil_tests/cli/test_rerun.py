@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from hil_tests.cli.conftest import Railhil
 from hil_tests.support.cli import complaint
+from hil_tests.support.recordings import certified, rewritten, tampered
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil import library
 from railhil.bus.ident import CtlIdent
 from railhil.bus.telegrams import NotchCmd
-from railhil.supervisor.framelog import log_line, read_log
-
-#: Changes one recorded frame: its number, time and frame.
-Change = Callable[[int, int, object], object]
 
 
 @pytest.fixture(scope="module")
@@ -34,34 +29,6 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def copy(short: Path, tmp_path: Path) -> Path:
     """A copy of that folder that a test may change."""
     return shutil.copytree(short, tmp_path / "copy")
-
-
-def tampered(folder: Path, address: int, number: int, byte: int) -> int:
-    """Change a byte of the frame with this number among those of an identifier, as if recorded so; returns its line."""
-    lines, seen, changed = [], 0, 0
-    for line, (time_ns, frame) in enumerate(read_log(folder / "frames.log"), 1):
-        if frame.can_id == address:
-            seen += 1
-            if seen == number:
-                data = bytearray(frame.data)
-                data[byte] ^= 1
-                frame, changed = frame._replace(data=bytes(data)), line
-        lines.append(log_line(time_ns, frame))
-    rewritten(folder, lines)
-    return changed
-
-
-def rewritten(folder: Path, lines: list[str]) -> None:
-    """Make these lines the certified record."""
-    text = "".join(lines).encode("ascii")
-    (folder / "frames.log").write_bytes(text)
-    certified(folder, frames_sha256=hashlib.sha256(text).hexdigest())
-
-
-def certified(folder: Path, **keys: object) -> None:
-    """Set keys of the certificate."""
-    path = folder / "certificate.json"
-    path.write_text(json.dumps(json.loads(path.read_text()) | keys))
 
 
 def test_the_same_bytes_are_one_line(here: Railhil, short: Path) -> None:

@@ -15,6 +15,7 @@ from railhil.dbc import wire_contract
 _MODULES = (
     "run",
     "rerun",
+    "replay",
     "compare",
     "score",
     "report",

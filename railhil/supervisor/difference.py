@@ -13,6 +13,8 @@ from railhil.dbc import Contract, Port, Signal
 
 #: A frame and its simulation time in ns.
 Timed = tuple[int, Frame]
+#: Parts of a frame that follow from its signals and its port.
+_CHECK, _CHECKS, _MASTER = "check sequence", "check sequences", "master word"
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +111,15 @@ class FrameWords:
         return f"{self.name(frame)} at {time_ns / 1e9:.6g} s: {values}"
 
 
+def _tail(data: bytes) -> dict[str, str]:
+    """What follows the process data in a single frame."""
+    return {_CHECK: data[4:5].hex().upper(), _MASTER: data[5:].hex().upper()}
+
+
 def _trailer(data: bytes, blocks: int) -> dict[str, str]:
-    return {
-        "check sequences": data[:blocks].hex().upper(),
-        "sequence": str(data[4] >> 4) if len(data) > 4 else "none",
-        "master word": data[5:].hex().upper(),
-    }
+    """What the trailer of a longer telegram holds."""
+    sequence = str(data[4] >> 4) if len(data) > 4 else "none"
+    return {_CHECKS: data[:blocks].hex().upper(), "sequence": sequence, _MASTER: data[5:].hex().upper()}
 
 
 def _shown(signal: Signal, data: bytes, offset_bits: int) -> str:
@@ -127,7 +132,7 @@ def _shown(signal: Signal, data: bytes, offset_bits: int) -> str:
         raw -= 1 << signal.length
     if raw in signal.values:
         return signal.values[raw]
-    return f"{raw * signal.scale:.10g} {signal.unit}".rstrip()
+    return f"{raw * signal.scale:.10g} {'' if signal.unit == '1' else signal.unit}".rstrip()
 
 
 def difference_of(
@@ -146,6 +151,8 @@ def difference_of(
         signals = tuple(
             (name, old.get(name, "none"), new.get(name, "none")) for name in names if old.get(name) != new.get(name)
         )
+        # A check sequence is worth a word only where the signals are equal.
+        signals = tuple(row for row in signals if row[0] not in (_CHECK, _CHECKS)) or signals
     return Difference(line, first[0] / 1e9, kind, *words, signals)
 
 
