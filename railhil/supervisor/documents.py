@@ -222,11 +222,11 @@ def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None
 
 
 def read_certificate(folder: Path, allowed: str = _WRITTEN) -> dict[str, Any] | None:
-    """``certificate.json`` of a run folder; None if there is none.
+    """``certificate.json`` of a run folder, or the certificate itself; None if there is none.
 
     :raises InputError: it cannot be read, or one of its keys has a value that no certificate has.
     """
-    return _read(folder / CERTIFICATE, _Certificate, allowed)
+    return _read(folder if folder.is_file() else folder / CERTIFICATE, _Certificate, allowed)
 
 
 def read_score(folder: Path) -> dict[str, Any] | None:
