@@ -30,7 +30,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import load_memory
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import system_named
 
 
@@ -47,6 +47,7 @@ def arguments() -> argparse.ArgumentParser:
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
     add_set_argument(parser)
+    add_fault_argument(parser)
     parser.add_argument(
         "--appear-timeout",
         type=seconds,
@@ -63,7 +64,7 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load_any(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
     system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     memory = None if namespace.memory_from is None else load_memory(namespace.memory_from)

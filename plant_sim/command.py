@@ -25,7 +25,7 @@ from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -33,6 +33,7 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
     add_run_arguments(parser)
     add_set_argument(parser)
+    add_fault_argument(parser)
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )

@@ -24,7 +24,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
@@ -58,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""
     add_run_arguments(parser)
     add_set_argument(parser)
+    add_fault_argument(parser)
     add_law_arguments(parser)
     parser.add_argument(
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
@@ -84,7 +85,7 @@ def run_system(namespace: argparse.Namespace) -> System:
 
     :raises InputError: it cannot be loaded.
     """
-    return system_named(load_any(namespace.scenario, namespace.set).system)
+    return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
 
 
 def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:

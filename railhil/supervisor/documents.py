@@ -64,6 +64,7 @@ class _Certificate(_Part):
     scenario_sha256: str | None = None
     judged_sha256: str | None = None
     settings: list[str] = []
+    faults: list[str] = []
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
