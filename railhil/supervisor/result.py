@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
@@ -31,6 +32,8 @@ class RunResult:
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
+    #: Ports whose owner has not said what it sent.
+    not_witnessed: Sequence[str] = ()
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
     memory: Memory | None = None
 
