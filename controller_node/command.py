@@ -12,11 +12,13 @@ from can.cli import add_bus_arguments
 
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
+from railhil.bus.sent import SentFrames
 from railhil.common.command_line import (
     OneLineParser,
     add_law_arguments,
     add_patience_argument,
     add_priority_argument,
+    add_sent_argument,
     parse,
     seconds,
 )
@@ -55,6 +57,7 @@ def arguments() -> argparse.ArgumentParser:
         metavar="S",
         help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
     )
+    add_sent_argument(parser)
     add_patience_argument(parser, "the bus administrator, which may wait for another node,")
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
@@ -82,6 +85,7 @@ def main(words: Sequence[str] | None = None) -> int:
         scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None)
     )
     link = open_link(choice.config, "controller")
+    link.sent = SentFrames(namespace.sent_file, "controller") if namespace.sent_file else None
     try:
         with cycle("controller", namespace.realtime_priority):
             return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
@@ -90,3 +94,5 @@ def main(words: Sequence[str] | None = None) -> int:
         if namespace.telemetry is not None:
             finish_undisturbed()
             write_telemetry(node, namespace.telemetry)
+        if link.sent is not None:
+            link.sent.write()

@@ -12,6 +12,7 @@ import can
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.bus.sent import SentFrames
 from railhil.common.patience import Lifelines
 
 #: Exceptions that python-can and its drivers raise when an interface fails.
@@ -70,6 +71,8 @@ class Link(ABC):
         self.while_waiting: Callable[[], None] = lambda: None
         #: Pipes to the other nodes, if they were started together.
         self.lifelines = Lifelines()
+        #: Notes what this node sends, if it is asked to.
+        self.sent: SentFrames | None = None
         self._say = say or (lambda line: None)
 
     @property

@@ -36,6 +36,8 @@ class BatchLink(Link):
 
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`."""
+        if self.sent is not None:
+            self.sent.note(frames)
         try:
             self._send_batch(frames)
         except FAILURES as error:

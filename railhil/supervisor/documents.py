@@ -86,6 +86,7 @@ class _Certificate(_Part):
     bus: str | None = None
     attached: bool | None = None
     foreign: bool | None = None
+    not_witnessed: list[str] = []
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None

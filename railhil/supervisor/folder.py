@@ -205,6 +205,8 @@ def certificate(
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
+        # Ports whose owner was not started by this command and has not said which frames it sent.
+        "not_witnessed": list(result.not_witnessed),
         "verdict": result.verdict,
         "line": result.line,
         "command": run_command(spec, start_up, bus_arguments),

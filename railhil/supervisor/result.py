@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
@@ -32,6 +33,8 @@ class RunResult:
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
+    #: Ports whose owner has not said what it sent.
+    not_witnessed: Sequence[str] = ()
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
     memory: Memory | None = None
     #: What happened in the run, in the order of the instants.

@@ -34,6 +34,7 @@ from railhil.supervisor.launch import start_hub, start_nodes
 from railhil.supervisor.processes import Node, Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.senders import Senders
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
@@ -297,7 +298,14 @@ class Run:
 
     def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
         session = self.session
-        self.trace = trace_of(read_log(self.log.path), self.trace.contract) if session.frames else self.trace
+        # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
+        complete = self.choice.needs_hub and not self.spec.is_realtime and not line
+        senders = Senders(self.folder, self.trace.contract, complete=complete)
+        if session.frames:
+            self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)
+        found = senders.findings()
+        said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
+        line = "; ".join(filter(None, (line, *said)))
         result = self._judging.score(self.scenario, self.trace)
         timing = self._timing()
         if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
@@ -324,6 +332,7 @@ class Run:
             origin=read_origin(self.folder),
             counters=counters,
             timing=timing,
+            not_witnessed=found.not_witnessed,
         )
 
     def _shown(self) -> ShownTelemetry | None:
