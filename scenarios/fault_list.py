@@ -92,9 +92,22 @@ def _port(name: str, system: System, refuse: _Refuse) -> Port:
     return system.contract.port(name)
 
 
+def disturbed_signals(system: System) -> dict[str, list[str]]:
+    """The ports on which faults may act, in the order of the port table, with the names of their signals."""
+    return {
+        port.name: [signal.name for signal in port.signals]
+        for port in system.contract.ports
+        if not _is_instrument(port, system)
+    }
+
+
+def _is_instrument(port: Port, system: System) -> bool:
+    own = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
+    return port.name in own or port.source == "supervisor"
+
+
 def _check_port(fault: Fault, port: Port, system: System, refuse: _Refuse) -> None:
-    instrument = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
-    if port.name in instrument or port.source == "supervisor":
+    if _is_instrument(port, system):
         raise refuse(port.name, "a port of the vehicle: the bench itself needs this one to observe the run")
     part = fault.place.part
     if kind_of_part("telegram", part) == "signal":
