@@ -15,7 +15,7 @@ HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once. One worker more than there are cores: many tests wait.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -63,6 +63,10 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+# Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
+mutants: $(VENV)/.installed-dev
+	$(BIN)/python -m hil_tests.mutation
 
 bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks

@@ -140,7 +140,7 @@ def sweep_guard_random(module: ModuleType) -> None:
             else:
                 law = draw.choice([1792, 500, 0, -500, -1792])
                 assert subject.notch(law, now_ns) == model.notch(law, now_ns)
-            assert subject.level == model.state.level
+            assert (subject.level, subject.cause) == (model.state.level, model.state.cause)
             assert subject.counters == model.counters
             assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
 

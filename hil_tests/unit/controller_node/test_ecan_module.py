@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hil_tests.support.mutation import survivors
+from hil_tests.mutation.in_memory import survivors
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.telegrams import TrnSpeed
 from railhil.controller_node.ecan import module, timestamp
@@ -159,6 +159,7 @@ def sweep_timestamp(subject: ModuleType) -> None:
             assert counter.at(first_ns) == bits % turn_bits
             assert bits == 0 or counter.at(first_ns - 1) == (bits - 1) % turn_bits
         assert counter.half_turn_ns == (1 << 31) * 10**9 // rate
+        assert counter.age_ns(7, -(-1007 * 10**9 // rate)) == 1000 * 10**9 // rate
     counter = subject.BitCounter(RATE)
     for start_ns in (0, BIT_NS, TURN_NS - 20 * MS, TURN_NS - BIT_NS, TURN_NS, 3 * TURN_NS - 10 * MS):
         stamp = counter.at(start_ns)
