@@ -168,7 +168,7 @@ class RecordedBus:
             raise _RecordEnds
         time_ns, recorded = self._record[self._next]
         self._next += 1
-        found = self._replayed.ports[self._own[recorded.can_id] if recorded.can_id in self._own else "polls"]
+        found = self._replayed.ports[self._own.get(recorded.can_id, "polls")]
         found.recorded += 1
         if recorded == frame:
             found.equal += 1
