@@ -112,6 +112,26 @@ def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
         assert [path.name for path in folder.iterdir()] == ["certificate.json"], name
 
 
+def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
+    """Three processes instead of one: the same bytes; nobody can hold their clock."""
+    suite.makepyfile(
+        test_suite="""
+        import railhil
+
+        def test_run(bench):
+            run = bench.run(scenario="short.toml", seed=4)
+            assert run.certificate["transport"].startswith("railhil:")
+            assert run.frames_sha256 == railhil.run("short.toml", seed=4).frames_sha256
+
+        def test_live(bench):
+            bench.start(scenario="short.toml")
+        """
+    )
+    done = suite.runpytest_inprocess(*WORDS, "--railhil-bus", "hub")
+    done.assert_outcomes(passed=1, failed=1)
+    done.stdout.fnmatch_lines(["*bench.start: bus: found bus hub, allowed local*"])
+
+
 def test_a_failed_test_keeps_its_folder_and_attaches_the_report(suite: pytest.Pytester) -> None:
     suite.makepyfile(
         test_suite="""
