@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
@@ -153,23 +154,37 @@ class PlantNode:
         """
         self.handshake()
         try:
-            self._run()
+            for _ in self.ticks():
+                pass
         except (KeyboardInterrupt, SystemExit):
             # A controller on another machine, or a board, learns of the end only from this: otherwise it would take the
             # next run for this one.
             self._announce(Event.ENDED_BY_SUPERVISOR)
             self.administrator.flush()
             raise
+        return self.ending()
+
+    def ending(self) -> Event:
+        """The event that ended the run.
+
+        :raises PeerSilent: the controller has been lost.
+        """
         if self.controller_lost:
             raise PeerSilent(self._silence)
         assert self.ended is not None
         return self.ended
 
-    def _run(self) -> None:
+    def ticks(self) -> Iterator[None]:
+        """The run after the handshake, tick by tick (:meth:`railhil.plant_sim.cycle.TickLoop.ticks`); :meth:`end` ends
+        it.
+
+        :raises PeerSilent: the supervisor is gone.
+        :raises BusLost: the bus is gone.
+        """
         self._pacer.start()
         self._supervisor.heard(time.monotonic_ns())
         try:
-            self._loop.run()
+            yield from self._loop.ticks()
         except PlantError:
             self.end(Event.ENDED_PLANT_ERROR)
             raise

@@ -17,6 +17,7 @@ from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -84,24 +85,39 @@ class LocalRun:
                 line, code = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s", INVALID
             finally:
                 sha256 = self.log.close()
-            return self._result(sha256, line, code)
+            return self.finish(sha256, line, code)
+
+    def nodes(self) -> tuple[PlantNode, AnyController]:
+        """Plant and controller of the run.
+
+        :raises InputError: the law cannot be made, or does not fit the scenario.
+        """
+        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
+        return plant_beside(self.scenario, self.spec, node, self.session), node
 
     def _run(self) -> tuple[str, int]:
         """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
-        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
-        plant = plant_beside(self.scenario, self.spec, node, self.session)
+        plant, node = self.nodes()
         try:
             plant.run()
-        except (PeerSilent, PlantError) as error:
-            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
-        except (BusError, InputError) as error:
-            # Nodes that disagree, or a law that raises.
-            return "; ".join(self.session.disagreements) or str(error), USAGE
+        except (BusError, PlantError, InputError) as error:
+            return self.incomplete(error)
         finally:
             write_telemetry(node, self.folder / TELEMETRY)
         return "", PASS
 
-    def _result(self, sha256: str, line: str, code: int) -> RunResult:
+    def incomplete(self, error: Exception) -> tuple[str, int]:
+        """Why a run that ended with this error is incomplete, and its exit code."""
+        if isinstance(error, (PeerSilent, PlantError)):
+            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
+        # Nodes that disagree, or a law that raises.
+        return "; ".join(self.session.disagreements) or str(error), USAGE
+
+    def finish(self, sha256: str, line: str, code: int) -> RunResult:
+        """The result of the closed log.
+
+        :param line: why the run is incomplete, with its exit code; empty and PASS for a complete run.
+        """
         session = self.session
         contract = self._system.contract
         self.trace = trace_of(read_log(self.log.path), contract) if session.frames else Trace(contract)

@@ -73,6 +73,26 @@ print(json.dumps([run.score.verdict, counters, kept, safe]))
 """
 
 
+_LIVE = """
+import json, sys
+from pathlib import Path
+from railhil.testing import Bench
+from railhil.testing.settings import Settings
+bench = Bench(Settings(), {"scenario": sys.argv[1]}, Path(), Path(sys.argv[2]), "toy")
+run = bench.run()
+with bench.start() as live:
+    begun_s = live.wait_until("UNIT1_STAT", Unit1Pos=lambda metres: metres > 1, timeout_s=20)
+    live.expect("UNIT2_CMD", within_s=0.1)
+    try:
+        live.wait_until(speed=1, timeout_s=1)
+    except ValueError as error:
+        print(json.dumps(str(error)))
+    whole = live.finish()
+same = whole.frames_sha256 == run.frames_sha256
+print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, same]))
+"""
+
+
 _TOLD = """
 import json, sys
 from pathlib import Path
@@ -136,6 +156,14 @@ def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) 
         done = railhil(site, "replay", str(recorded), "--node", node, "--json")
         assert done.returncode == 0, done.stdout + done.stderr
         assert json.loads(done.stdout)["same"]
+
+
+def test_a_users_test_holds_its_clock(site: Path, tmp_path: Path) -> None:
+    """Without a law the usual one of the system; conditions are those of its own ports."""
+    refused, (verdict, disturbed, law, begun_s, same) = python(site, _LIVE, str(SCENARIO), str(tmp_path))
+    assert (verdict, disturbed, law, same) == ("PASS", {}, "apart", True)
+    assert begun_s > 0.5
+    assert refused.startswith("speed: system two_carts has no column true_speed_mps")
 
 
 @pytest.mark.parametrize("unit", [0, 1])
