@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
@@ -14,9 +15,11 @@ from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import Event, SupCmd, SupCommand
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
+from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
@@ -41,6 +44,7 @@ class PlantNode:
     :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
     :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
         the limit is longer.
+    :param faults: of the run; those of the plant's levels are injected here.
     """
 
     def __init__(
@@ -53,11 +57,12 @@ class PlantNode:
         appear_s: float = APPEAR_S,
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
+        faults: Sequence[Fault] = (),
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
         self._own_events = system.events
-        self.plant: AnyPlant = system.part("plant")(scenario, run.seed, run.perturbed, run.wall_rate)
+        self.plant: AnyPlant = make_plant(system, scenario, run, faults)
         self._ident = make_ident(
             Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
         )

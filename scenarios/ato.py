@@ -17,6 +17,7 @@ ATO = System(
     pictures="railhil.supervisor.report.figures:pictures",
     own={
         "batch": "railhil.batch:run_batch",
+        "faulty_plant": "railhil.plant_sim.faults.train:FaultyTrain",
         "digest": "railhil.batch:trace_digest",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",

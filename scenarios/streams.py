@@ -14,6 +14,10 @@ PERTURBATION = 0
 SPEED_NOISE = 1
 #: Search of tuning parameters.
 TUNING = 5
+#: Values of a fault that are drawn once for a run.
+FAULT_VALUES = 6
+#: Whatever a fault draws while it is active.
+FAULT_SAMPLES = 7
 
 
 def generator(seed: int, stream: int) -> np.random.Generator:
@@ -24,3 +28,15 @@ def generator(seed: int, stream: int) -> np.random.Generator:
     if seed < 0 or stream < 0:
         raise ValueError(f"seed {seed} and stream {stream} must be >= 0")
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, stream])))
+
+
+def fault_generator(stream: int, run_seed: int, number: int, own_seed: int | None) -> np.random.Generator:
+    """Random generator of one fault of a run.
+
+    :param stream: :data:`FAULT_VALUES` or :data:`FAULT_SAMPLES`.
+    :param number: the fault's place in the run's list, from 1; unused if it has a seed of its own.
+    :param own_seed: the fault's seed; None: from the run's seed and the fault's number.
+    :raises ValueError: a negative number.
+    """
+    entropy = [run_seed, stream, number] if own_seed is None else [own_seed, stream]
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(entropy)))
