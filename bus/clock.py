@@ -6,8 +6,10 @@ This is the only module of the bench that uses a wall clock for pacing.
 from __future__ import annotations
 
 import time
+from collections import Counter
 
-from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import MAX_STEP, LifeSign
 from railhil.bus.telegrams import TimeSync
 from railhil.bus.wallclock import WallClock
 from railhil.dbc import wire_contract
@@ -46,20 +48,26 @@ class BusClock:
     8..14 ahead, and the next frame follows  the whole bus was silent: bridged by the second frame
     no clock frame since the last poll       the polls advance the clock: they are periodic
     nothing at all, the interface was out    :meth:`silence` counts on, by the wall clock and the pace of the run
-    TIME_SYNC                                takes its absolute value
+    TIME_SYNC                                takes its absolute value if it is plausible, see :meth:`synchronise`
     ======================================== ========================================================================
 
     The polls matter when only the clock port fails: without them the node's time would stop, and so would the ageing of
     the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
+
+    :param counters: where refused TIME_SYNC are counted by cause: ``time_check`` (check variable not correct),
+        ``time_duplicate``, ``time_out_of_order`` (life sign), ``time_backward``, ``time_ahead``.
     """
 
     __slots__ = (
-        "_expected", "_frame_tick", "_life", "_poll_tick", "_polls", "_ticks_per_frame", "base_tick_ns", "now_ns",
-        "rate", "running", "tick",
+        "_ahead", "_expected", "_frame_tick", "_known_tick", "_life", "_poll_tick", "_polls", "_sync_life",
+        "_ticks_per_frame", "base_tick_ns", "counters", "now_ns", "rate", "running", "tick",
     )  # fmt: skip
 
-    def __init__(self, base_tick_ns: int, ticks_per_frame: int | None = None) -> None:
+    def __init__(
+        self, base_tick_ns: int, ticks_per_frame: int | None = None, counters: Counter[str] | None = None
+    ) -> None:
         port = wire_contract().clock_port
+        self.counters: Counter[str] = Counter() if counters is None else counters
         self.base_tick_ns = base_tick_ns
         self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
         # Life sign of the last clock frame (-1: not known) and its tick, which falls behind ``tick`` when polls advance
@@ -71,6 +79,11 @@ class BusClock:
         # Polls since the last clock frame, and the tick of the first of them.
         self._polls = 0
         self._poll_tick = 0
+        # Life sign of the last TIME_SYNC taken; of one refused as too far ahead, its life sign and how far.
+        self._sync_life = LifeSign()
+        self._ahead: tuple[int, int] | None = None
+        # Since an outage of the interface the time is an estimate: the last tick before it (-1: it is no estimate).
+        self._known_tick = -1
         self.tick = 0
         #: Simulation time of the current tick in ns; read ten times per tick, hence not a property.
         self.now_ns = 0
@@ -140,25 +153,61 @@ class BusClock:
         be fresher.
         """
         if self.running:
+            if self._known_tick < 0:
+                self._known_tick = self.tick
             self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
 
-    def synchronise(self, telegram: TimeSync) -> None:
-        """Take pace and absolute tick of a TIME_SYNC telegram of the current tick."""
+    def synchronise(self, telegram: TimeSync) -> bool:
+        """Take pace and absolute tick of a TIME_SYNC telegram of the current tick; False when it is refused.
+
+        Refused and counted are a wrong check variable, a life sign that is not new, and a time that the clock's own
+        count contradicts: a repeated or forged TIME_SYNC must not stop the ageing of the last speed.
+
+        - Never backwards, except to correct the estimate of :meth:`silence`, and never before that outage.
+        - Ahead at most as far as life signs can bridge. Further only when the next TIME_SYNC confirms it: the whole bus
+          was silent, or this node came late.
+        """
+        cause, tick = self._implausible(telegram)
+        if cause:
+            self.counters[cause] += 1
+            return False
+        self._sync_life.accept(telegram.life)
+        self._known_tick = -1
         self.rate = telegram.rate_10th / 10
-        tick = from_time_sync(telegram, self.base_tick_ns)
         if tick == self.tick and self.running:
-            return
+            return True
         known = self._life >= 0 and self._polls > 0 and abs(tick - self.tick) <= MAX_STEP * self._ticks_per_frame
         self.running = True
         self._set(tick)
         if known:
             # The clock frames have been missing since before the last poll: their life sign continues from its last
             # value.
-            return
+            return True
         # It is unknown whether the clock frame of this tick was lost: the next one counts as the next tick.
         self._frame_tick = tick
         self._life = self._expected = -1
         self._polls = 0
+        return True
+
+    def _implausible(self, telegram: TimeSync) -> tuple[str, int]:
+        """Why a TIME_SYNC is refused (empty: it is not), and its tick."""
+        tick = from_time_sync(telegram, self.base_tick_ns)
+        if telegram.check != CHECK_CORRECT:
+            return "time_check", tick
+        life = self._sync_life.judge(telegram.life)
+        if not life.fresh:
+            return f"time_{life.value}", tick
+        off = tick - self.tick
+        before, self._ahead = self._ahead, None
+        if off < 0:
+            return "" if 0 <= self._known_tick < tick else "time_backward", tick
+        near = MAX_STEP * self._ticks_per_frame
+        if off > near and not (
+            before is not None and telegram.life == (before[0] + 1) % _LIFE_MODULUS and abs(off - before[1]) <= near
+        ):
+            self._ahead = telegram.life, off
+            return "time_ahead", tick
+        return "", tick
 
 
 class Pacer:

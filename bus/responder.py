@@ -84,8 +84,8 @@ class Responder:
     ) -> None:
         contract = contract or wire_contract()
         clock_port = contract.clock_port
-        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name))
         self.store = TrafficStore(sinks)
+        self.clock = BusClock(schedule.base_tick_ns, schedule.ticks(clock_port.name), self.store.counters)
         self._device = device
         self._module = module
         self._poll_id = contract.poll_id

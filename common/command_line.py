@@ -9,6 +9,7 @@ import io
 import os
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 from railhil.common.choices import ARITHMETICS, INDEXINGS, PACES
@@ -136,6 +137,11 @@ def add_patience_argument(parser: argparse.ArgumentParser, awaited: str) -> None
 def add_lifeline_argument(parser: argparse.ArgumentParser) -> None:
     """Option of the plant, for the command that starts all nodes: see :class:`railhil.common.patience.Lifelines`."""
     parser.add_argument("--lifeline", type=_lifeline, action="append", default=[], help=argparse.SUPPRESS)
+
+
+def add_sent_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of plant and controller, for the command that starts all nodes: where to write what the node has sent."""
+    parser.add_argument("--sent-file", type=Path, help=argparse.SUPPRESS)
 
 
 def _lifeline(text: str) -> tuple[str, int]:

@@ -12,11 +12,13 @@ from can.cli import add_bus_arguments
 
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
+from railhil.bus.sent import SentFrames
 from railhil.common.command_line import (
     OneLineParser,
     add_law_arguments,
     add_patience_argument,
     add_priority_argument,
+    add_sent_argument,
     parse,
     seconds,
 )
@@ -30,7 +32,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import load_memory
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import system_named
 
 
@@ -47,6 +49,7 @@ def arguments() -> argparse.ArgumentParser:
         "--check", action="store_true", help="only make the controller and say what the law says of itself (JSON)"
     )
     add_set_argument(parser)
+    add_fault_argument(parser)
     parser.add_argument(
         "--appear-timeout",
         type=seconds,
@@ -54,6 +57,7 @@ def arguments() -> argparse.ArgumentParser:
         metavar="S",
         help=f"wall time for the first frame of the bench (default {FIRST_FRAME_S:g} s)",
     )
+    add_sent_argument(parser)
     add_patience_argument(parser, "the bus administrator, which may wait for another node,")
     add_priority_argument(parser, 0, "default 0")
     add_bus_arguments(parser)
@@ -63,7 +67,7 @@ def arguments() -> argparse.ArgumentParser:
 def main(words: Sequence[str] | None = None) -> int:
     """Serve one run; exit code 0 when it came to its end."""
     namespace = parse(arguments(), words)
-    scenario = load_any(namespace.scenario, namespace.set)
+    scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
     system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     memory = None if namespace.memory_from is None else load_memory(namespace.memory_from)
@@ -81,6 +85,7 @@ def main(words: Sequence[str] | None = None) -> int:
         scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None)
     )
     link = open_link(choice.config, "controller")
+    link.sent = SentFrames(namespace.sent_file, "controller") if namespace.sent_file else None
     try:
         with cycle("controller", namespace.realtime_priority):
             return run_controller(node, link, appear_s=namespace.appear_timeout, patience_s=namespace.patience)
@@ -89,3 +94,5 @@ def main(words: Sequence[str] | None = None) -> int:
         if namespace.telemetry is not None:
             finish_undisturbed()
             write_telemetry(node, namespace.telemetry)
+        if link.sent is not None:
+            link.sent.write()

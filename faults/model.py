@@ -98,3 +98,20 @@ class Fault:
     combine: bool = False
     expect: Expect | None = None
     id: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Where the simulated truth stands on a system's bus, for triggers: names of a port and of its signals.
+
+    ``speed``, ``position``: without them triggers by speed or position are refused. ``acceleration``: for the event
+    ``braking``; ``traction``: for the event ``traction``. ``levels``: ports with the level of a watch, and its signal;
+    the names of its values are events.
+    """
+
+    port: str
+    position: str = ""
+    speed: str = ""
+    acceleration: str = ""
+    traction: str = ""
+    levels: Mapping[str, str] = field(default_factory=dict)

@@ -11,11 +11,13 @@ from can.cli import add_bus_arguments
 
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
+from railhil.bus.sent import SentFrames
 from railhil.common.command_line import (
     OneLineParser,
     add_lifeline_argument,
     add_priority_argument,
     add_run_arguments,
+    add_sent_argument,
     parse,
 )
 from railhil.common.errors import InputError
@@ -25,7 +27,7 @@ from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -33,10 +35,12 @@ def arguments() -> argparse.ArgumentParser:
     parser = OneLineParser(prog="railhil node plant", description="Train simulator and bus administrator.")
     add_run_arguments(parser)
     add_set_argument(parser)
+    add_fault_argument(parser)
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
     add_lifeline_argument(parser)
+    add_sent_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
     return parser
@@ -82,10 +86,13 @@ def main(words: Sequence[str] | None = None) -> int:
         priority = NODE_PRIORITY if run.is_realtime else 0
     link = open_link(choice.config, "plant")
     link.lifelines = Lifelines(dict(namespace.lifeline))
+    link.sent = SentFrames(namespace.sent_file, "plant") if namespace.sent_file else None
     try:
         node = PlantNode(scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout)
         run_plant(node, priority, namespace.timing_file)
     finally:
         link.close()
         link.tell_trouble()
+        if link.sent is not None:
+            link.sent.write()
     return 0

@@ -12,12 +12,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from rich.console import Console
 
-from railhil.bus.telegrams import Event, RunEvent
 from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
@@ -31,6 +30,8 @@ from railhil.scenarios.settings import setting
 from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
 from railhil.supervisor.inputs import PARAMETERS
 from railhil.supervisor.judging import Judging, judging_of
@@ -45,14 +46,6 @@ __all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals
 Settings = Mapping[str, Any] | Sequence[str]
 #: A file, parameters read from one, or values of the law's parameters by name.
 Parameters = str | Path | ParameterSet | Mapping[str, Any]
-
-
-class RecordedEvent(NamedTuple):
-    """A milestone of a run: its name, its simulation time and the true position of the train."""
-
-    name: str
-    time_s: float
-    position_m: float
 
 
 class Signals(Mapping[str, FloatArray]):
@@ -128,21 +121,14 @@ class Outcome:
     @cached_property
     def signals(self) -> Signals:
         """Truth, measurements and commands over time; no columns in a record without SIM_TRUTH."""
-        judging, notes = judging_of(self.scenario), self.certificate.get("notes")
-        header, rows = signal_table(judging, self.trace, notes)
-        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(judging, self.trace, notes))
+        notes = self.certificate.get("notes")
+        header, rows = signal_table(self.scenario, self.trace, notes)
+        return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
 
     @cached_property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """Milestones in the order of the record, without repetitions."""
-        columns = (
-            self.trace.raw(RunEvent.PORT, "RunEvent"),
-            self.trace.values(RunEvent.PORT, "EventTime"),
-            self.trace.values(RunEvent.PORT, "EventPos"),
-        )
-        known = {kind.value: kind.name.lower() for kind in Event}
-        rows = dict.fromkeys(zip(*(column.tolist() for column in columns), strict=True))
-        return tuple(RecordedEvent(known[code], *place) for code, *place in rows if code in known)
+        """What happened, as in ``events.csv``, in the order of the instants."""
+        return events_of(self.scenario, self.trace)
 
 
 def _outcome(
@@ -217,7 +203,8 @@ def run(
     if done.stopped_exit_code:
         raise KeyboardInterrupt(result.line)
     row = as_recorded(folder, done, result)
-    return _outcome(folder, loaded, done.trace, result.score, "" if result.trusted else row.line, row.certificate)
+    invalid = "" if result.trusted else result.line or "no reason given"
+    return _outcome(folder, loaded, done.trace, result.score, invalid, row.certificate)
 
 
 def open_run(folder: str | Path) -> Outcome:

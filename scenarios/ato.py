@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from railhil.faults.model import Truth
 from railhil.scenarios.system import System
 
 ATO = System(
@@ -24,4 +25,13 @@ ATO = System(
         "export": "railhil.controller_node.export.notch:NotchControl",
         "picture": "railhil.supervisor.report.picture:draw",
     },
+    truth=Truth(
+        port="SIM_TRUTH",
+        position="TruePos",
+        speed="TrueSpeed",
+        acceleration="TrueAccel",
+        traction="TractionForce",
+        levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
+    ),
+    named={"notch": "NOTCH_CMD.NotchCmd"},
 )

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+from collections.abc import Sequence
 from typing import Any
 
+from railhil.faults.language import fault_text, parse
 from railhil.scenarios.model import Scenario
 
 #: Fields that only explain a scenario.
@@ -31,6 +33,11 @@ def _used(item: Any) -> Any:
     return table
 
 
+def injected(faults: Sequence[str]) -> list[str]:
+    """The faults of a scenario without what only explains and judges them."""
+    return [fault_text(parse(text, "faults"), judging=False) for text in faults]
+
+
 def _text(table: dict[str, Any]) -> str:
     return json.dumps(table, sort_keys=True, separators=(",", ":"), allow_nan=False, ensure_ascii=True)
 
@@ -42,6 +49,8 @@ def canonical_json(scenario: Scenario) -> str:
         table.pop(name, None)
     for name in _JUDGING_OF_PLAN:
         table["plan"].pop(name, None)
+    if "faults" in table:
+        table["faults"] = injected(scenario.faults)
     return _text(table)
 
 

@@ -89,6 +89,7 @@ MEANING = {
     "perturbations.loop_delay_s": "loop delay",
     "perturbations.wheel_factor": "sensors.wheel_factor",
     "perturbations.balise_position_error_m": "offset of each balise from its surveyed position",
+    "fault": "what is injected (faults.md): tables [[fault]] or texts",
     "published[].controller": "law of a published row, by its name in railhil",
     "published[].itae": "its ITAE, as published",
     "published[].energy_kj": "its energy",

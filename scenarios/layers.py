@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.faults.language import FAULT
 from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
 
@@ -35,10 +36,18 @@ class Layers:
 
     :param settings: keys from the command line (:mod:`railhil.scenarios.settings`), with priority over all files.
     :param without: one key to be ignored.
+    :param faults: texts in addition to the rows of ``fault`` of the files.
     """
 
-    def __init__(self, path: Path, settings: Sequence[str] = (), without: Without | None = None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        settings: Sequence[str] = (),
+        without: Without | None = None,
+        faults: Sequence[str] = (),
+    ) -> None:
         self.main = path
+        self._faults = list(faults)
         self._without = without
         self._stack: list[tuple[Path, Table]] = []
         #: Complete scenario files as written.
@@ -66,6 +75,9 @@ class Layers:
         result: Table = {}
         for _, table in reversed(self._stack):
             _lay_over(result, table)
+        rows = result.get("fault", [])
+        if self._faults and isinstance(rows, list):
+            result["fault"] = [*rows, *self._faults]
         return result
 
     def origin(self, *keys: str | int) -> Path:
@@ -73,6 +85,8 @@ class Layers:
 
         Arrays are replaced as a whole, so for a key inside an array it is the highest file with that array.
         """
+        if keys[:1] == ("fault",) and len(keys) > 1 and self._is_given(keys[1]):
+            return FAULT
         outside = next((count for count, key in enumerate(keys) if isinstance(key, int)), len(keys))
         depths = [_depth(table, keys[:outside]) for _, table in self._stack]
         deepest = max(depths)
@@ -81,6 +95,11 @@ class Layers:
         if deepest == 0:
             return self.main
         return self._stack[len(depths) - 1 - depths[::-1].index(deepest)][0]
+
+    def _is_given(self, row: str | int) -> bool:
+        """Whether a row of ``fault`` is one of those given in addition to the files."""
+        rows: object = next((table["fault"] for _, table in self._stack if "fault" in table), [])
+        return isinstance(row, int) and isinstance(rows, list) and row >= len(rows)
 
     def _read_scenario(self, path: Path) -> None:
         for _ in range(_CHAIN_MAX):

@@ -13,11 +13,12 @@ from railhil.scenarios import check, convert, model
 from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.envelope import CurveError
+from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
 from railhil.scenarios.reference import Key, keys
-from railhil.scenarios.schema import TRAIN_TAGS, ScenarioFile
+from railhil.scenarios.schema import FAULT_TAGS, TRAIN_TAGS, ScenarioFile
 from railhil.scenarios.stored import document, scenario_of
 from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.scenarios.task import ScenarioKind
@@ -49,19 +50,20 @@ def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenar
     return scenario
 
 
-def load_any(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.AnyScenario:
+def load_any(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> model.AnyScenario:
     """The scenario of a shipped name (or the beginning of one), or of a path that ends in ``.toml``, of its system.
 
     :param settings: keys set in addition, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    :param faults: faults in addition to those of its files (:mod:`railhil.faults.language`).
 
     Raises :class:`~railhil.common.errors.InputError` (one line) for anything in the files that is not allowed.
     """
     path = find(name_or_path)
-    layers = Layers(path, settings)
+    layers = Layers(path, settings, faults=faults)
 
     def loads(without: Without) -> bool:
         try:
-            _read(Layers(path, settings, without))
+            _read(Layers(path, settings, without, faults))
         except InputError:
             return False
         return True
@@ -113,10 +115,12 @@ class TrainScenarios:
     """Scenarios of ``ato``, see :class:`railhil.scenarios.task.ScenarioKind`."""
 
     def __init__(self, system: System) -> None:
-        pass
+        self._system = system
 
     def read(self, layers: Layers) -> model.Scenario:
-        return _build(_parts(layers))
+        rows = layers.merged().get("fault", ())
+        parts = _parts(layers)
+        return _build(parts, fault_texts(rows, self._system, lambda row: layers.origin("fault", row)))
 
     def document(self, scenario: model.Scenario) -> dict[str, Any]:
         return document(scenario)
@@ -153,7 +157,7 @@ def _parts(layers: Layers) -> Parts:
     def refuse(keys: Keys, found: object, allowed: str) -> InputError:
         return InputError(layers.origin(*keys), dotted(keys), found, allowed)
 
-    file = validated(ScenarioFile, layers.merged(), lambda keys: layers.origin(*keys), TRAIN_TAGS)
+    file = validated(ScenarioFile, layers.merged(), lambda keys: layers.origin(*keys), (*TRAIN_TAGS, *FAULT_TAGS))
     if path.parent == RUNS and file.name != path.stem:
         raise refuse(("name",), file.name, f"{path.stem}, the name of the file")
     train = convert.train(file.train, refuse)
@@ -164,7 +168,7 @@ def _parts(layers: Layers) -> Parts:
     return Parts(file, train, line, refuse)
 
 
-def _build(parts: Parts) -> model.Scenario:
+def _build(parts: Parts, faults: tuple[str, ...]) -> model.Scenario:
     file, refuse = parts.file, parts.refuse
     timing = convert.timing(file.timing)
     perturbations = convert.perturbations(file.perturbations)
@@ -188,6 +192,7 @@ def _build(parts: Parts) -> model.Scenario:
         perturbations=perturbations,
         published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
+        faults=faults,
     )
     check.check_run(scenario, target, refuse)
     return replace(scenario, sha256=scenario_sha256(scenario))

@@ -236,6 +236,10 @@ class AnyScenario(Protocol):
         """Hash of everything that changes the run."""
 
     @property
+    def faults(self) -> tuple[str, ...]:
+        """What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers."""
+
+    @property
     def planned_s(self) -> float:
         """Planned duration of the run, in s."""
 
@@ -282,6 +286,8 @@ class Scenario:
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
     system: str = "ato"
+    #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
+    faults: tuple[str, ...] = ()
 
     @property
     def planned_s(self) -> float:

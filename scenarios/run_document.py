@@ -18,6 +18,7 @@ from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
+from railhil.faults.language import FAULT, fault_text, parse
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, load_memory, memory_from_json
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
@@ -32,6 +33,7 @@ USUAL_SCENARIO, USUAL_LAW = "lvshun_tieshan", "ipfc"
 OPTIONS: Mapping[str, str] = {
     "scenario": "scenario",
     "settings": "--set",
+    "faults": "--fault",
     "controller": "--controller",
     "arithmetic": "--arithmetic",
     "indexing": "--indexing",
@@ -47,11 +49,11 @@ OPTIONS: Mapping[str, str] = {
     "memory": "--memory-from",
 }
 #: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
-#: same names without the prefix. Settings have no variable, because there may be many.
+#: same names without the prefix. Settings and faults have no variable, because there may be many.
 ENVIRONMENT: Mapping[str, str] = {
     key: "RAILHIL_" + option.lstrip("-").replace("-", "_").upper()
     for key, option in OPTIONS.items()
-    if key != "settings"
+    if key not in ("settings", "faults")
 }
 #: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_file`` is always one.
 _MEMORY = ("memory", "memory_file")
@@ -65,6 +67,7 @@ class RunDocument(BaseModel):
     model_config = ConfigDict(defer_build=True, extra="ignore", strict=True, allow_inf_nan=False)
     scenario: str = Field(default=USUAL_SCENARIO, min_length=1)
     settings: list[str] = []
+    faults: list[str] = []
     controller: str = Field(default=USUAL_LAW, min_length=1)
     arithmetic: Literal[ARITHMETICS] = "iq"  # type: ignore[valid-type]
     indexing: Literal[INDEXINGS] = "time"  # type: ignore[valid-type]
@@ -102,6 +105,11 @@ class Layer:
     values: Mapping[str, Any]
     names: Mapping[str, str] = field(default_factory=dict)
     folder: Path = Path()
+
+    @property
+    def fault_source(self) -> str | Path:
+        """What errors about a fault name as its source."""
+        return FAULT if self.names is OPTIONS else self.source
 
     def refused(self, key: str, found: object, allowed: str, hint: str | None = None) -> InputError:
         """The error for one of the values."""
@@ -148,13 +156,14 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
     """The document of a run defined by several sources, later ones overriding earlier ones, and the law's parameters
     and memory.
 
-    Settings accumulate; without a law the default one of the scenario's system is used.
+    Settings and faults accumulate; without a law the default one of the scenario's system is used.
 
     :raises InputError: all errors, together with those already in ``faults``.
     """
     document: dict[str, Any] = {}
     said: dict[str, Layer] = {}
     settings: list[str] = []
+    faults_given: list[str] = []
     for layer in layers:
         if {*_MEMORY} <= {*layer.values}:
             names = [layer.names.get(key, key) for key in _MEMORY]
@@ -167,12 +176,15 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         for text in layer.values.get("settings", ()):
             with faults.kept():
                 settings.append(setting(text, layer.folder))
+        for text in layer.values.get("faults", ()):
+            with faults.kept():
+                faults_given.append(fault_text(parse(text, layer.fault_source)))
         if document.get("pace", "lockstep") == "lockstep" and document.pop("rate", None) and "rate" in layer.values:
             faults.found.append(layer.refused("rate", layer.values["rate"], "only in a run with pace realtime"))
-    document["settings"] = settings
+    document["settings"], document["faults"] = settings, faults_given
     with faults.kept():
         document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
-        system = system_named(load_any(document["scenario"], settings).system)
+        system = system_named(load_any(document["scenario"], settings, faults_given).system)
         document.setdefault("controller", system.law)
         if by := said.get("controller"):
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))

@@ -23,7 +23,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
-from railhil.scenarios.settings import set_words
+from railhil.scenarios.settings import fault_words, set_words
 from railhil.scenarios.validation import validated
 
 
@@ -115,6 +115,7 @@ class RunSpec:
 
     :param scenario: shipped name, or path of a TOML file.
     :param settings: keys that override those of its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
+    :param faults: what is injected besides the scenario's own faults (:mod:`railhil.faults.language`).
     :param perturbed: draw the scenario's perturbations with the seed.
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
@@ -134,6 +135,7 @@ class RunSpec:
     patience_s: float = PATIENCE_S
     bus: str = "auto"
     memory_file: str | None = None
+    faults: tuple[str, ...] = ()
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -152,6 +154,7 @@ class RunSpec:
             patience_s=namespace.patience,
             # Only the commands that make complete runs have it.
             bus=getattr(namespace, "bus", "auto"),
+            faults=tuple(getattr(namespace, "fault", ())),
         )
 
     @classmethod
@@ -181,6 +184,7 @@ class RunSpec:
             patience_s=found.patience_s,
             bus=found.bus,
             memory_file=found.memory_file,
+            faults=tuple(found.faults),
         )
 
     @classmethod
@@ -221,7 +225,7 @@ class RunSpec:
     @property
     def scenario_words(self) -> list[str]:
         """The words that select the scenario on any command line."""
-        return [self.scenario, *set_words(self.settings)]
+        return [self.scenario, *set_words(self.settings), *fault_words(self.faults)]
 
     @property
     def words(self) -> list[str]:
@@ -242,7 +246,7 @@ class RunSpec:
 
         :raises InputError: it cannot be loaded, or a perturbed run is requested and it has no perturbations.
         """
-        scenario = load_any(self.scenario, self.settings)
+        scenario = load_any(self.scenario, self.settings, self.faults)
         if self.perturbed:
             require_perturbations(scenario, "--perturbed")
         return scenario
@@ -252,6 +256,7 @@ class RunSpec:
         return {
             "scenario": self.scenario,
             "settings": list(self.settings),
+            "faults": list(self.faults),
             **self.law.as_json(),
             "seed": self.seed,
             "perturbed": self.perturbed,

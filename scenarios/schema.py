@@ -235,6 +235,63 @@ class PublishedTable(Table):
     comfort: Number
 
 
+class WhenTable(Table):
+    """When a fault begins: exactly one condition."""
+
+    time: Text | NotNegative | None = None
+    position: Text | Number | None = None
+    speed: Text | NotNegative | None = None
+    event: Text | None = None
+    telegram: Annotated[int, Field(ge=1)] | None = None
+    manual: Literal[True] | None = None
+    edge: Literal["rising", "falling"] | None = None
+    delay: Text | NotNegative | None = None
+
+
+class ExpectTable(Table):
+    """What a fault should lead to."""
+
+    level: Text | None = None
+    within: Text | NotNegative | None = None
+    detected_by: Text | None = None
+    verdict: Text | None = None
+
+
+class FaultTable(Table):
+    """One fault (:mod:`railhil.faults.tables`); times and other values are texts with a unit, or numbers in base
+    units."""
+
+    where: Text
+    what: Text
+    when: Text | NotNegative | WhenTable
+    duration: Annotated[Text | NotNegative | None, Field(alias="for")] = None
+    count: Annotated[int, Field(ge=1)] | None = None
+    until: Text | None = None
+    values: Annotated[dict[Text, Text | Number] | None, Field(alias="with")] = None
+    after: Text | None = None
+    expect: ExpectTable | None = None
+    unit: Annotated[int, Field(ge=1, le=255)] | None = None
+    units: list[Annotated[int, Field(ge=1, le=255)]] = []
+    seed: Annotated[int, Field(ge=0, le=0xFFFF_FFFF)] | None = None
+    combine: bool = False
+    id: Text | None = None
+
+
+def _fault_kind(row: Any) -> str:
+    return "FaultText" if isinstance(row, str) else "FaultTable"
+
+
+#: Either form of a fault; the tags never appear in messages.
+FAULT_TAGS = ("FaultTable", "FaultText")
+FaultRows = list[
+    Annotated[
+        Annotated[FaultTable, Tag("FaultTable")]
+        | Annotated[str, Field(min_length=1, max_length=500), Tag("FaultText")],
+        Discriminator(_fault_kind),
+    ]
+]
+
+
 class ScenarioFile(Table):
     """A scenario file after its references have been read."""
 
@@ -253,3 +310,4 @@ class ScenarioFile(Table):
     watch: WatchTable = WatchTable()
     perturbations: PerturbationsTable = PerturbationsTable()
     published: list[PublishedTable] = []
+    fault: FaultRows = []

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
+from railhil.faults.language import FAULT, fault_text, parse
 
 #: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
@@ -54,6 +55,31 @@ def add_set_argument(parser: argparse.ArgumentParser) -> None:
 def set_words(settings: Sequence[str]) -> list[str]:
     """The settings as words of a command line."""
     return [word for text in settings for word in (str(SET), text)]
+
+
+def add_fault_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of every command that makes a run or is a node of one; its value is a list of texts."""
+    parser.add_argument(
+        "--fault",
+        type=_fault,
+        action="append",
+        default=[],
+        metavar="TEXT",
+        help='inject a fault ("TRN_SPEED loss 30%% @20s for 5s"); may be given again',
+    )
+
+
+def _fault(text: str) -> str:
+    """The canonical text of a fault.
+
+    :raises InputError: it is not in the language.
+    """
+    return fault_text(parse(text, FAULT))
+
+
+def fault_words(faults: Sequence[str]) -> list[str]:
+    """The faults as words of a command line."""
+    return [word for text in faults for word in (str(FAULT), text)]
 
 
 def layer(settings: Sequence[str]) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
 from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, system_contract
+from railhil.faults.model import Truth
 
 GROUP = "railhil.systems"
 #: The system of a scenario that does not name one.
@@ -41,7 +42,9 @@ class System:
     them campaign and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
     (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``) and
     ``picture``: draws scenario and trace into a file (without it:
-    :mod:`railhil.supervisor.report.signals_picture`).
+    :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where the truth is
+    on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first words of the
+    ports of each unit, if a train has several; ``injects``: places of faults inside its plant (``sensor.speed``).
     """
 
     name: str
@@ -56,6 +59,10 @@ class System:
     scenarios: str = "railhil.scenarios.task:TaskScenarios"
     events: Mapping[str, int] = field(default_factory=dict)
     own: Mapping[str, str] = field(default_factory=dict)
+    truth: Truth | None = None
+    named: Mapping[str, str] = field(default_factory=dict)
+    units: tuple[str, ...] = ()
+    injects: tuple[str, ...] = ()
 
     def part(self, name: str) -> Any:
         """The object that one of this system's references names.

@@ -24,11 +24,21 @@ from pydantic import Field, create_model
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import convert
-from railhil.scenarios.canonical import text_sha256
+from railhil.scenarios.canonical import injected, text_sha256
+from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.reference import Key, keys
-from railhil.scenarios.schema import RUNNING_TIME_MAX_S, Name, Number, Table, Text, TimingTable
+from railhil.scenarios.schema import (
+    FAULT_TAGS,
+    RUNNING_TIME_MAX_S,
+    FaultRows,
+    Name,
+    Number,
+    Table,
+    Text,
+    TimingTable,
+)
 from railhil.scenarios.system import System
 from railhil.scenarios.validation import dotted, validated
 
@@ -84,6 +94,7 @@ class TaskFile(Table):
     assumptions: Annotated[list[Text], Field(default_factory=list)]
     timing: TimingTable = TimingTable()
     published: Annotated[list[dict[Text, Text | Number]], Field(default_factory=list)]
+    fault: Annotated[FaultRows, Field(default_factory=list)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,6 +109,8 @@ class TaskScenario:
     published: tuple[PublishedScore, ...] = ()
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
+    #: See :class:`railhil.scenarios.model.Scenario`.
+    faults: tuple[str, ...] = ()
 
     @property
     def planned_s(self) -> float:
@@ -128,7 +141,8 @@ class TaskScenarios:
         self._file = create_model("ScenarioFile", __base__=TaskFile, task=(system.part("task"), ...))
 
     def read(self, layers: Layers) -> TaskScenario:
-        file: Any = validated(self._file, layers.merged(), lambda keys: layers.origin(*keys))
+        table = layers.merged()
+        file: Any = validated(self._file, table, lambda keys: layers.origin(*keys), FAULT_TAGS)
         timing = convert.timing(file.timing)
 
         def refuse(keys: tuple[str | int, ...], found: object, allowed: str) -> InputError:
@@ -151,10 +165,20 @@ class TaskScenarios:
             file.task,
             tuple(map(PublishedScore.of, file.published)),
             tuple(file.assumptions),
+            fault_texts(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
         )
 
-    def _hashed(self, name: str, title: str, timing: Timing, task: Any, *rest: Any) -> TaskScenario:
-        made = TaskScenario(name, title, self._system.name, timing, task, *rest)
+    def _hashed(
+        self,
+        name: str,
+        title: str,
+        timing: Timing,
+        task: Any,
+        published: tuple[PublishedScore, ...],
+        assumptions: tuple[str, ...],
+        faults: tuple[str, ...],
+    ) -> TaskScenario:
+        made = TaskScenario(name, title, self._system.name, timing, task, published, assumptions, faults=faults)
         return replace(made, sha256=text_sha256(self._used(made)))
 
     def _used(self, scenario: TaskScenario, judging: bool = False) -> dict[str, Any]:
@@ -163,6 +187,8 @@ class TaskScenarios:
         if not judging:
             for key in scenario.task.JUDGING:
                 used["task"].pop(key, None)
+        if scenario.faults:
+            used["faults"] = document["faults"] if judging else injected(scenario.faults)
         return used
 
     def document(self, scenario: Any) -> dict[str, Any]:
@@ -181,6 +207,7 @@ class TaskScenarios:
             "published": [row.as_table() for row in scenario.published],
             "assumptions": list(scenario.assumptions),
             "sha256": scenario.sha256,
+            "faults": list(scenario.faults),
         }
 
     def stored(self, fields: dict[str, Any], file: Path) -> TaskScenario:
@@ -189,8 +216,10 @@ class TaskScenarios:
             timing = Timing(**fields["timing"])
             # Converted through JSON, so that arrays get the types of the table.
             task = validated(task_type, json.loads(json.dumps(fields["task"])), lambda keys: file)
-            rest = tuple(map(PublishedScore.of, fields["published"])), tuple(fields["assumptions"])
-            return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, *rest)
+            published = tuple(map(PublishedScore.of, fields["published"]))
+            # Version 0.1.0 had no faults.
+            rest = tuple(fields["assumptions"]), tuple(map(str, fields.get("faults", ())))
+            return self._hashed(str(fields["name"]), str(fields["title"]), timing, task, published, *rest)
         except (KeyError, TypeError, ValueError) as error:
             raise InputError(file, "", Words(f"{type(error).__name__}: {error}"), _ALLOWED) from None
 

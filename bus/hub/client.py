@@ -232,6 +232,10 @@ class HubBus(can.BusABC):
         """Whether a node of the bench was on the hub and has left; known once all that it sent has been read."""
         return role in self._seen and role not in self._here
 
+    def is_here(self, role: str) -> bool:
+        """Whether a node of the bench is on the hub, as far as what it sent has been read."""
+        return role in self._here
+
     # --- inside -------------------------------------------------------------------------------------------
 
     def _open_link(self) -> HubConnection:

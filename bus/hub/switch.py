@@ -14,11 +14,12 @@ from collections.abc import Callable, Sequence
 
 from railhil.bus.hub.address import describe
 from railhil.bus.hub.coalesce import HOLD_S, coalescer_of
+from railhil.bus.hub.guests import HELLO_S, Guests
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.ports import PortClosed, PortFault, SocketPort, StreamPort, SwitchPort
 from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, encode_roles, fault_of, role_of
 
-MAX_PORTS = 256
+MAX_CLIENTS = 256
 #: How long a stopped hub continues to deliver packets that it has already taken.
 DRAIN_TIMEOUT_S = 1.0
 _DRAIN_LOOK_S = 0.005
@@ -57,6 +58,7 @@ class Switch:
         #: Replaced, never changed in place: a port may be dropped while packets are being carried.
         self._members: list[SwitchPort] = list(bus_ports)
         self._bus_ports = tuple(bus_ports)
+        self._guests = Guests()
         self._bulk_readers = False
         #: Event mask with which each port is registered; 0 means that it is not registered.
         self._watched: dict[SwitchPort, int] = {}
@@ -107,6 +109,10 @@ class Switch:
                     self._flush(port)
             if self._model is not None:
                 self._deliver_due(self._model)
+            if self._guests:
+                # After the events: a hello that has arrived while this process stood still is in time.
+                for port in self._guests.late():
+                    self._drop(port, f"no hello within {HELLO_S:g} s")
         self._drain()
 
     def close(self) -> None:
@@ -124,7 +130,7 @@ class Switch:
     # --- the hot path -------------------------------------------------------------------------------------
 
     def _wait(self) -> list[tuple[int, int]]:
-        if self._model is not None or self._bus_ports:
+        if self._model is not None or self._bus_ports or self._guests:
             due_ns = self._next_due_ns()
             if due_ns is not None:
                 # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
@@ -141,12 +147,12 @@ class Switch:
         return self._epoll.poll()
 
     def _next_due_ns(self) -> int | None:
-        """Next time at which the model or a bus must be served without an event on a descriptor.
+        """Next time at which the model, a bus or a silent client must be served without an event on a descriptor.
 
         While packets are held for clients that read in bulk, their due time is included; otherwise the epoll time-out
         is enough for it.
         """
-        times_ns = [port.due_ns for port in self._bus_ports]
+        times_ns = [self._guests.due_ns, *(port.due_ns for port in self._bus_ports)]
         if self._model is not None:
             times_ns.append(self._model.next_due_ns())
         due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
@@ -259,13 +265,13 @@ class Switch:
             self._epoll.unregister(self._listener.fileno())
             self._is_accepting = False
             return
-        if len(self._ports) >= MAX_PORTS:
-            self._report(f"a client is refused: {MAX_PORTS} are connected, no more are allowed")
-            sock.close()
-            return
         self._accepted += 1
         kind = SocketPort if sock.family == socket.AF_UNIX else StreamPort
-        self._watch(kind(sock, f"client {self._accepted}", self._queue_limit_bytes))
+        port = kind(sock, f"client {self._accepted}", self._queue_limit_bytes)
+        self._watch(port)
+        oldest = self._guests.add(port)
+        if oldest is not None:
+            self._drop(oldest, "no hello yet, and others want to connect")
 
     def _watch(self, port: SwitchPort) -> None:
         self._ports[port.fileno()] = port
@@ -277,7 +283,9 @@ class Switch:
         try:
             hello = decode_hello(packet)
             port.coalescer = coalescer_of(hello)
-            port.role = role_of(hello)
+            role = role_of(hello)
+            if sum(member.is_client for member in self._members) >= MAX_CLIENTS:
+                raise ValueError(f"{MAX_CLIENTS} clients are connected, no more are allowed")
         except ValueError as error:
             port.send(encode_hello(error=str(error)))
             self._drop(port, str(error))
@@ -285,10 +293,12 @@ class Switch:
         name = hello.get("name")
         if isinstance(name, str) and name:
             port.name += f" {name[:80]!r}"
+        port.role = role
         port.receive_own = hello.get("receive_own") is True
         port.hears_roles = hello.get("hears_roles") is True
         port.send(encode_hello(**self._properties))
         port.is_member = True
+        self._guests.remove(port)
         self._had_member = True
         self._members = [*self._members, port]
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
@@ -316,6 +326,7 @@ class Switch:
         if self._watched.pop(port):
             self._epoll.unregister(fd)
         port.close()
+        self._guests.remove(port)
         if not self._is_accepting:
             self._epoll.register(self._listener.fileno(), _READ)
             self._is_accepting = True

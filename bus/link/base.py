@@ -12,6 +12,7 @@ import can
 
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
+from railhil.bus.sent import SentFrames
 from railhil.common.patience import Lifelines
 
 #: Exceptions that python-can and its drivers raise when an interface fails.
@@ -70,6 +71,8 @@ class Link(ABC):
         self.while_waiting: Callable[[], None] = lambda: None
         #: Pipes to the other nodes, if they were started together.
         self.lifelines = Lifelines()
+        #: Notes what this node sends, if it is asked to.
+        self.sent: SentFrames | None = None
         self._say = say or (lambda line: None)
 
     @property
@@ -120,6 +123,10 @@ class Link(ABC):
     def has_ended(self, node: str) -> bool:
         """See :meth:`Endpoint.has_ended`."""
         return self.lifelines.has_ended(node)
+
+    def may_deliver(self, node: str) -> bool:
+        """Whether frames of a node that has ended may still be on their way; False where that cannot be known."""
+        return False
 
     def take_gap_ns(self) -> int:
         """Wall time without frames because of an outage that is now over; 0 when there was none since the last call."""

@@ -23,14 +23,21 @@ class BatchLink(Link):
         self._send_batch: Callable[[Sequence[Frame]], None] = hub.send_frames
         self._offer_batch: Callable[[Sequence[Frame]], int] = hub.offer_frames
         self._has_left: Callable[[str], bool] = hub.has_left
+        self._is_here: Callable[[str], bool] = hub.is_here
         self._receive_batch: Callable[[float | None], list[Frame]] = hub.recv_frames
 
     def has_ended(self, node: str) -> bool:
         """See :meth:`Link.has_ended`; who has left the hub has ended."""
         return super().has_ended(node) or self._has_left(node)
 
+    def may_deliver(self, node: str) -> bool:
+        """See :meth:`Link.may_deliver`; the hub tells that a node has left after all its frames."""
+        return self._is_here(node)
+
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`."""
+        if self.sent is not None:
+            self.sent.note(frames)
         try:
             self._send_batch(frames)
         except FAILURES as error:

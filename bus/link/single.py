@@ -72,6 +72,8 @@ class SingleLink(Link):
 
     def send(self, frames: Sequence[Frame]) -> None:
         """See :meth:`Link.send`."""
+        if self.sent is not None:
+            self.sent.note(frames)
         give_up_s = self._wall.monotonic() + (
             self._timeouts.give_up_s if self.lossless else self._timeouts.queue_full_s
         )

@@ -101,7 +101,7 @@ def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
     )  # fmt: skip
     assert (done.returncode, done.stderr) == (130, "")
     assert {path.name for path in (tmp_path / "run").iterdir()} == {
-        "frames.log", "frames.blf", "signals.csv", "score.json", "junit.xml", "certificate.json",
+        "frames.log", "frames.blf", "signals.csv", "events.csv", "score.json", "junit.xml", "certificate.json",
         "scenario.json", "ports.toml", "railhil.dbc", "telemetry.json", "hub.txt", "plant.txt", "controller.txt",
     }  # fmt: skip
     assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
@@ -180,7 +180,8 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     trace.add(SimTruth.PORT, 0, SimTruth().encode())
     write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])
     kept = sorted(path.name for path in tmp_path.iterdir())
-    assert kept == ["certificate.json", "frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
+    results = ["frames.blf", "frames.log", "junit.xml", "score.json", "signals.csv"]
+    assert kept == ["certificate.json", "events.csv", *results]
 
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")

@@ -136,7 +136,8 @@ def test_same_tick_is_one_instant_for_the_assembly(lvshun):
 
 def test_time_and_end_of_the_run_do_not_wait_for_the_task(lvshun):
     feeder = Feeder(lvshun, 10_000)
-    feeder.tick(TimeSync(seconds_s=7))
+    for life in range(2):
+        feeder.tick(TimeSync(seconds_s=7, life=life))
     assert feeder.node.responder.clock.now_ns == 7_000 * MS
     feeder.tick(RunEvent(Event.ENDED_COMPLETE, 0, 0), speed=False)
     assert feeder.node.ended is Event.ENDED_COMPLETE

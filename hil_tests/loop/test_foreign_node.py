@@ -16,6 +16,7 @@ from hil_tests.support.foreign import (
     twin_run,
     without_telemetry,
 )
+from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
 from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
@@ -337,6 +338,13 @@ def test_three_bad_speeds_count_within_ten(exported, bad: tuple[int, ...], level
 
     run = faulty_run(exported, "ipfc", wire)
     assert (max(run.levels), run.c["check_variable"]) == (level, 3)
+
+
+@pytest.mark.parametrize("choice", [choice for choice, _ in TIME_ATTACKS], ids=lambda choice: choice.__name__)
+def test_replayed_and_forged_times_are_refused_as_by_our_node(exported, choice: Choice) -> None:
+    run = faulty_run(exported, "ipfc", TimeAttack(512, choice))
+    assert max(run.levels) == SpeedWatchLevel.EMERGENCY
+    assert any(cause.startswith("time_") for cause in run.c)
 
 
 def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> None:

@@ -11,12 +11,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bus.telegrams import NotchCmd, SimTruth
+from railhil.bus.telegrams import Event, NotchCmd, SimTruth
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.jitter import LATE_SHARE_MAX
@@ -161,6 +162,43 @@ def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenari
     braked = (truth_s > times_s[widest] + 0.29) & (truth_s < times_s[widest] + 0.6)
     assert trace.values(SimTruth.PORT, "BrakeForce")[braked].max() > 0.0
     assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "time goes on without the controller"
+
+
+@pytest.mark.faults
+def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenarios: Path, tmp_path: Path) -> None:
+    out = tmp_path / "run"
+    options = ("--pace", "realtime", "--rate", "4", "--quiet", "--no-report", "--out", out)
+    run = Started("run", scenarios / "long.toml", *options)
+    wait_for(lambda: (out / "frames.log").stat().st_size > 200_000)
+    hub, plant = run.child("railhil.bus.hub"), run.child("railhil.plant_sim")
+    hub.send_signal(signal.SIGSTOP)
+    wait_for(lambda: not plant.is_running() or plant.status() == psutil.STATUS_ZOMBIE)
+    hub.send_signal(signal.SIGCONT)
+    done, _ = run.finish()
+    lateness = score(out)["run"]["timing"]["lateness"]
+    assert (done.exit_code == 3) is (lateness["late_share"] > LATE_SHARE_MAX), done.out
+    trace = trace_of(read_log(out / "frames.log"))
+    assert trace.raw("RUN_EVENT", "RunEvent")[-1] == Event.ENDED_COMPLETE
+    assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "nothing is missing in the record"
+
+
+@pytest.mark.faults
+def test_a_controller_suspended_for_good_is_named(scenarios: Path, tmp_path: Path) -> None:
+    """The train stops by its own watch; nobody waits for the end of a process that cannot end."""
+    out = tmp_path / "run"
+    options = ("--pace", "realtime", "--rate", "10", "--quiet", "--no-report", "--out", out)
+    run = Started("run", scenarios / "long.toml", *options)
+    wait_for(lambda: (out / "frames.log").stat().st_size > 60_000)
+    controller = run.child("railhil.controller_node")
+    controller.send_signal(signal.SIGSTOP)
+    done, _ = run.finish()
+    assert done.exit_code == 3
+    assert "INVALID: controller lost at simulation time" in done.out
+    assert "suspended by a signal (SIGSTOP)" in done.out
+    assert not controller.is_running()
+    trace = trace_of(read_log(out / "frames.log"))
+    assert trace.raw("RUN_EVENT", "RunEvent")[-1] == Event.ENDED_CONTROLLER_LOST
+    assert trace.values("SIM_TRUTH", "TrueSpeed")[-1] == 0
 
 
 def test_a_plant_that_is_elsewhere_is_judged_by_its_arrivals(scenarios: Path, tmp_path: Path, socket_folder) -> None:

@@ -128,6 +128,16 @@ def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_
     assert runs[1][2] != runs[0][2]
 
 
+def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) -> None:
+    """The run over the hub, again in one process; each node driven by its record."""
+    done = railhil(site, "rerun", str(recorded))
+    assert (done.returncode, done.stdout.split(":")[0]) == (0, "same bytes"), done.stdout
+    for node in ("controller", "plant"):
+        done = railhil(site, "replay", str(recorded), "--node", node, "--json")
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert json.loads(done.stdout)["same"]
+
+
 @pytest.mark.parametrize("unit", [0, 1])
 @pytest.mark.parametrize(
     ("what", "refused"),

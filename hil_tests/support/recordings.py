@@ -1,7 +1,9 @@
-"""Run folders like those of ``railhil run``, made without sockets and processes."""
+"""Run folders like those of ``railhil run``, made without sockets and processes; changed ones."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 from pathlib import Path
 
 from railhil.bench import local_run
@@ -9,6 +11,7 @@ from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.folder import write_folder
+from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.json_file import write_json
@@ -41,3 +44,31 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
     )
     write_folder(folder, scenario, spec, StartUp(), result, run.trace, [])
     return recorded_run(folder, read_certificate(folder) or {}, scenario, run.trace, run.score)
+
+
+def tampered(folder: Path, address: int, number: int, byte: int) -> int:
+    """Change a byte of the frame with this number among those of an identifier, as if recorded so; returns its line."""
+    lines, seen, changed = [], 0, 0
+    for line, (time_ns, frame) in enumerate(read_log(folder / "frames.log"), 1):
+        if frame.can_id == address:
+            seen += 1
+            if seen == number:
+                data = bytearray(frame.data)
+                data[byte] ^= 1
+                frame, changed = frame._replace(data=bytes(data)), line
+        lines.append(log_line(time_ns, frame))
+    rewritten(folder, lines)
+    return changed
+
+
+def rewritten(folder: Path, lines: list[str]) -> None:
+    """Make these lines the certified record."""
+    text = "".join(lines).encode("ascii")
+    (folder / "frames.log").write_bytes(text)
+    certified(folder, frames_sha256=hashlib.sha256(text).hexdigest())
+
+
+def certified(folder: Path, **keys: object) -> None:
+    """Set keys of the certificate."""
+    path = folder / "certificate.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | keys))

@@ -29,8 +29,8 @@ _LOADED = (
     "matplotlib.backends.backend_agg", "matplotlib.backends.backend_svg", "railhil.audit.result",
     "railhil.audit.tables", "railhil.bench", "railhil.campaign.command", "railhil.cli.bus_run",
     "railhil.cli.compare", "railhil.cli.new", "railhil.cli.plot", "railhil.cli.ports", "railhil.cli.report",
-    "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle", "railhil.local_run",
-    "railhil.supervisor.report.page", "railhil.supervisor.report.panels",
+    "railhil.cli.rerun", "railhil.cli.run", "railhil.cli.score", "railhil.controller_node.export.bundle",
+    "railhil.local_run", "railhil.replay", "railhil.supervisor.report.page", "railhil.supervisor.report.panels",
 )  # fmt: skip
 _SERVE = f"from {__name__} import serve; serve()"
 

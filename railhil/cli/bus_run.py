@@ -24,10 +24,11 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_set_argument
 from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
+from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import keep_memory, memory_after, with_memory
@@ -57,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""
     add_run_arguments(parser)
     add_set_argument(parser)
+    add_fault_argument(parser)
     add_law_arguments(parser)
     parser.add_argument(
         "--no-rt", action="store_true", help="realtime: normal scheduling, no locked memory, even where permitted"
@@ -83,7 +85,7 @@ def run_system(namespace: argparse.Namespace) -> System:
 
     :raises InputError: it cannot be loaded.
     """
-    return system_named(load_any(namespace.scenario, namespace.set).system)
+    return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
 
 
 def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
@@ -169,6 +171,7 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
+        result.events = events_of(scenario, run.trace)
         result.memory = memory_after(spec, folder, result)
         given = [] if choice.needs_hub else choice.arguments
         write_folder(folder, scenario, spec, start_up, result, run.trace, given)
@@ -182,7 +185,8 @@ def recorded(
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:
     """A run that has just ended, as recorded in its folder."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
-    return recorded_run(folder, read_certificate(folder) or {}, run.scenario, run.trace, result.score, invalid)
+    certificate = read_certificate(folder) or {}
+    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, result.events)
 
 
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:

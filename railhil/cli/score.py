@@ -7,6 +7,8 @@ import argparse
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.summary import explained, summary, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.facts import memory_sentence
@@ -24,7 +26,9 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
-    found = judging_of(record.scenario).score(record.scenario, record.trace)
+    scenario, trace = record.scenario, record.trace
+    found, events = judging_of(scenario).score(scenario, trace), events_of(scenario, trace)
+    reason = why(scenario, events)
     verdict, line = found.verdict, "; ".join(found.failures)
     if record.invalid:
         # The reason why the run was INVALID (its timing, a killed node) need not be visible in the log.
@@ -32,6 +36,7 @@ def work(namespace: argparse.Namespace) -> int:
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
         beside = {"watch_weakened": record.scenario.watch_weakened, "memory": record.certificate.get("memory")}
+        beside |= {"why": reason, "events": summary(scenario, events)}
         print_json({**found.as_json(), **beside, "verdict": verdict, "line": line})
     else:
         console = Output()
@@ -39,5 +44,5 @@ def work(namespace: argparse.Namespace) -> int:
         print_watch(console, record.scenario)
         if memory := memory_sentence(record.certificate):
             console.say(f"memory: {memory}")
-        print_verdict(console, verdict, line)
+        print_verdict(console, verdict, explained(line, reason))
     return {"PASS": PASS, "FAIL": FAIL}.get(verdict, INVALID)

@@ -97,6 +97,6 @@ def print_result(
         console.say(report)
     if run.caution:
         console.say(run.caution, style="bold yellow")
-    print_verdict(console, run.verdict, result.line)
+    print_verdict(console, run.verdict, run.line)
     if advice := next_step(run, folder):
         console.say(advice)

@@ -10,11 +10,12 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
+from railhil.supervisor.ato_events import INTERLOCKS, WATCHES, received
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.notes import note_values, notes_of
 from railhil.supervisor.report.deviations import deviations
-from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.report.recorded import RecordedRun, wanted_mps
 from railhil.supervisor.score import STATUS, Score, score
 from railhil.supervisor.status import WRAP_FAILURE
 from railhil.supervisor.trace import FloatArray, Trace
@@ -40,6 +41,11 @@ def told(trace: Trace, notes: Any) -> list[tuple[str, str, FloatArray]]:
     """The law's notes and the ladder."""
     found = [(note.name, CtlStat.PORT, note_values(trace, note)) for note in notes_of(trace, notes)]
     return [*found, ("ladder_level", CtlStat.PORT, trace.values(CtlStat.PORT, "LadderLevel"))]
+
+
+def reckoned(scenario: Scenario, trace: Trace) -> list[tuple[str, str, FloatArray]]:
+    """The speed that the law was to follow."""
+    return [("target_speed_mps", "m/s", wanted_mps(scenario, trace))]
 
 
 def asked(scenario: Scenario) -> str:
@@ -132,4 +138,8 @@ JUDGING = Judging(
     published="Published: Table 2 of the paper, on another train model",
     deviations=deviations,
     advice=advice,
+    reckoned=reckoned,
+    watches=WATCHES,
+    interlocks=INTERLOCKS,
+    received=received,
 )

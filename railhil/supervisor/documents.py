@@ -64,6 +64,7 @@ class _Certificate(_Part):
     scenario_sha256: str | None = None
     judged_sha256: str | None = None
     settings: list[str] = []
+    faults: list[str] = []
     controller: str | None = None
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
@@ -85,6 +86,7 @@ class _Certificate(_Part):
     bus: str | None = None
     attached: bool | None = None
     foreign: bool | None = None
+    not_witnessed: list[str] = []
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None
@@ -222,11 +224,11 @@ def _read(path: Path, model: type[_Part], allowed: str) -> dict[str, Any] | None
 
 
 def read_certificate(folder: Path, allowed: str = _WRITTEN) -> dict[str, Any] | None:
-    """``certificate.json`` of a run folder; None if there is none.
+    """``certificate.json`` of a run folder, or the certificate itself; None if there is none.
 
     :raises InputError: it cannot be read, or one of its keys has a value that no certificate has.
     """
-    return _read(folder / CERTIFICATE, _Certificate, allowed)
+    return _read(folder if folder.is_file() else folder / CERTIFICATE, _Certificate, allowed)
 
 
 def read_score(folder: Path) -> dict[str, Any] | None:

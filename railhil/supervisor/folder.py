@@ -28,6 +28,10 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
+from railhil.supervisor.events.declared import Watch
+from railhil.supervisor.events.event import EVENTS, LOST, MISSED_POLL, REFUSED, write_events
+from railhil.supervisor.events.levels import ranks, reports
+from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import Judging, judging_of
@@ -45,7 +49,7 @@ _CODE = (
 #: takes 6 MB.
 ROOM_MIN_BYTES = 128 * 1024
 #: Files computed from ``frames.log`` after the run; removed again unless all of them could be written.
-_DERIVED = ("signals.csv", "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
+_DERIVED = ("signals.csv", EVENTS, "frames.blf", SCORE, "junit.xml", MEMORY_AFTER, CERTIFICATE)
 
 
 def run_folder(out: str | None, scenario: str, controller: str) -> tuple[Path, bool]:
@@ -150,6 +154,8 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document = result.score.as_json()
     document["verdict"] = result.verdict
     document["line"] = result.line
+    document["why"] = why(scenario, result.events)
+    document["events"] = summary(scenario, result.events)
     parameters = spec.law.parameters
     document["run"] = spec.as_json() | {
         # Their values are in the certificate.
@@ -199,6 +205,8 @@ def certificate(
         "transport": result.transport,
         "frames": result.frames,
         "frames_sha256": result.frames_sha256,
+        # Ports whose owner was not started by this command and has not said which frames it sent.
+        "not_witnessed": list(result.not_witnessed),
         "verdict": result.verdict,
         "line": result.line,
         "command": run_command(spec, start_up, bus_arguments),
@@ -219,6 +227,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
     """JUnit report with one case per limit of the scenario, and one per stop if the run has several.
 
     A missed limit is a ``failure``; a bench that cannot be trusted is an ``error``, and no limit is judged.
+    The messages also say what the watches did, the properties have it for each watch.
     ``time`` is wall time in s: that of the run in ``bench_valid``, 0 for the limits, which are judged from its record.
     """
     found, judging = result.score, judging_of(scenario)
@@ -246,16 +255,19 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
         ("frames_sha256", result.frames_sha256),
         ("controller", spec.law.label),
         ("arithmetic", spec.law.arithmetic),
+        *((f"reaction.{item.watch.name}", item.sentence()) for item in reactions(scenario, result.events)),
+        *((kind, said) for kind in (REFUSED, LOST, MISSED_POLL) if (said := counts_said(result.events, kind))),
     ):
         ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
     classname = _xml(f"railhil.{scenario.name}")
     bench = ET.SubElement(suite, "testcase", classname=classname, name="bench_valid", time=suite.attrib["time"])
+    reason = why(scenario, result.events)
     if not result.trusted:
-        ET.SubElement(bench, "error", message=_xml(result.line))
+        ET.SubElement(bench, "error", message=_xml(explained(result.line, reason)))
     for name, text in cases:
         case = ET.SubElement(suite, "testcase", classname=classname, name=_xml(name), time="0.000")
         if text:
-            ET.SubElement(case, "failure", message=_xml(text))
+            ET.SubElement(case, "failure", message=_xml(explained(text, reason)))
     return ET.ElementTree(suite)
 
 
@@ -264,18 +276,22 @@ def _xml(text: str) -> str:
     return plain(" ".join(text.split()))
 
 
-def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
     """Header and rows ``(n, columns)`` of the signals: one row per telegram of the truth port, with the last known
     values.
 
     :param notes: the law's declaration of its notes, as in the certificate; None: not known.
     """
+    judging = judging_of(scenario)
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
     if judging.status is not None:
         port = judging.status.port
         found += [(note.name, port, note_values(trace, note, port)) for note in judging.status.notes]
     found += judging.told(trace, notes)
+    watches = _watches(judging, trace)
+    found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
+    found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
     columns = [time_s]
     for _, port, values in found:
         if port == judging.truth:
@@ -286,8 +302,14 @@ def signal_table(judging: Judging, trace: Trace, notes: Any = None) -> tuple[lis
     return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
 
 
-def signal_units(judging: Judging, trace: Trace, notes: Any = None) -> dict[str, str]:
+def _watches(judging: Judging, trace: Trace) -> list[Watch]:
+    """The watches of which the record has the levels."""
+    return [watch for watch in judging.watches if reports(trace, watch)]
+
+
+def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict[str, str]:
     """Unit of each column of :func:`signal_table`, empty for numbers without one."""
+    judging = judging_of(scenario)
 
     def unit(port: str, signal: str) -> str:
         return next(item.unit for item in trace.contract.port(port).signals if item.name == signal)
@@ -298,13 +320,15 @@ def signal_units(judging: Judging, trace: Trace, notes: Any = None) -> dict[str,
         **{note.name: note.unit for note in (judging.status.notes if judging.status else ())},
         **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
         **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
+        **dict.fromkeys((f"{watch.name}_level" for watch in _watches(judging, trace)), ""),
+        **{header: unit for header, unit, _ in judging.reckoned(scenario, trace)},
     }
 
 
-def write_signals(judging: Judging, trace: Trace, path: Path, notes: Any = None) -> None:
+def write_signals(scenario: AnyScenario, trace: Trace, path: Path, notes: Any = None) -> None:
     """Write ``signals.csv``: header with units, then one row per telegram of the truth port; unknown values are
     ``nan``."""
-    header, rows = signal_table(judging, trace, notes)
+    header, rows = signal_table(scenario, trace, notes)
     np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
@@ -323,10 +347,11 @@ def write_folder(
         measurements of the nodes) and nothing that looks like a result.
     """
     try:
-        judging = judging_of(scenario)
-        if trace.count(judging.truth):
+        if trace.count(judging_of(scenario).truth):
             with whole_file(folder / "signals.csv") as draft:
-                write_signals(judging, trace, draft, _notes(result))
+                write_signals(scenario, trace, draft, _notes(result))
+        with whole_file(folder / EVENTS) as draft:
+            write_events(result.events, draft)
         with whole_file(folder / "frames.blf") as draft:
             write_blf(folder / "frames.log", draft)
         write_json(folder / SCORE, score_json(scenario, result, spec))

@@ -9,6 +9,7 @@ from typing import Any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion, Extra
+from railhil.supervisor.events.declared import Interlocks, Received, Watch, interface_received
 from railhil.supervisor.score import Score
 from railhil.supervisor.status import Status, interface_status
 from railhil.supervisor.trace import FloatArray, Trace
@@ -44,7 +45,11 @@ class Judging:
     reports on its arithmetic and its laws; None: the one named in the system's part ``interface``, if it has one.
     ``published``: description of the published rows; ``deviations``: their source and how it is interpreted here.
     ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
-    in a good run.
+    in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
+
+    For the events (:mod:`railhil.supervisor.events.declared`): ``watches``: the reaction ladders on the bus.
+    ``interlocks``: states of the train, reported when they are not as usual. ``received``: (scenario) -> the telegrams
+    that a receiver judges by their content; by default those of the system's part ``interface``, if it has one.
     """
 
     criteria: tuple[Criterion, ...]
@@ -62,6 +67,10 @@ class Judging:
     published: str = ""
     deviations: Callable[[], tuple[str, Sequence[Any]]] | None = None
     advice: Callable[[Any, Any], str] = _no_text
+    reckoned: Callable[[Any, Trace], Sequence[tuple[str, str, FloatArray]]] = _nothing
+    watches: tuple[Watch, ...] = ()
+    interlocks: tuple[Interlocks, ...] = ()
+    received: Callable[[Any], Sequence[Received]] = _nothing
 
 
 def judging_of(scenario: AnyScenario) -> Judging:
@@ -71,6 +80,10 @@ def judging_of(scenario: AnyScenario) -> Judging:
     """
     system = system_named(scenario.system)
     judging: Judging = system.part("judging")
-    if judging.status is None and "interface" in system.own:
-        judging = replace(judging, status=interface_status(system.part("interface")))
+    if "interface" in system.own:
+        interface = system.part("interface")
+        if judging.status is None:
+            judging = replace(judging, status=interface_status(interface))
+        if judging.received is _nothing:
+            judging = replace(judging, received=lambda scenario: interface_received(interface))
     return judging

@@ -9,6 +9,7 @@ from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
+from railhil.supervisor.senders import sent_file
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 
@@ -34,10 +35,12 @@ def start_nodes(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice
         # Without the option a plant would request it by itself.
         plant += _scheduling(run, start_up, NODE_PRIORITY) or ["--realtime-priority", "0"]
         plant += ["--timing-file", str(folder / TIMING)]
+    plant += ["--sent-file", str(sent_file(folder, "plant"))]
     ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
     nodes.start("plant", "railhil.plant_sim", plant + choice.arguments, watches=ours)
     if start_up.foreign:
         return
     law = [*run.law.words, "--telemetry", str(folder / TELEMETRY), *patience]
+    law += ["--sent-file", str(sent_file(folder, "controller"))]
     law += _scheduling(run, start_up, NODE_PRIORITY)
     nodes.start("controller", "railhil.controller_node", [*run.scenario_words, *law, *choice.arguments])

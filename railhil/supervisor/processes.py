@@ -57,6 +57,18 @@ class Node:
         return reasons[-1] if reasons else f"exit code {code}"
 
     @property
+    def is_suspended(self) -> bool:
+        """True while a signal (SIGSTOP, SIGTSTP) or a debugger keeps it from running; it then neither acts nor ends."""
+        if self.exit_code() is not None:
+            return False
+        try:
+            status = Path(f"/proc/{self.process.pid}/stat").read_text(encoding="ascii", errors="replace")
+        except OSError:
+            # It has just ended.
+            return False
+        return status.rpartition(")")[2].split()[0] in ("T", "t")
+
+    @property
     def was_killed(self) -> bool:
         """True when a signal has ended it, caught or not: the others have then ended as a consequence."""
         code = self.exit_code() or 0
@@ -130,11 +142,18 @@ class Nodes:
         roles = ("hub", "plant", "controller")
         return min(self.ended(), key=lambda node: (not node.was_killed, roles.index(node.role)), default=None)
 
+    def suspended(self) -> str:
+        """Role of a node that is suspended, the hub before all others; empty if none is."""
+        return next((node.role for node in self.nodes if node.is_suspended), "")
+
     def wait(self, roles: Sequence[str], timeout_s: float) -> bool:
-        """Wait until the nodes of these roles have ended; False after the time-out."""
+        """Wait until the nodes of these roles have ended; False after the time-out, and when one is suspended, which
+        cannot end by itself."""
         deadline_s = time.monotonic() + timeout_s
         for node in self.nodes:
             if node.role in roles:
+                if node.is_suspended:
+                    return False
                 try:
                     node.process.wait(max(0.0, deadline_s - time.monotonic()))
                 except subprocess.TimeoutExpired:
@@ -150,6 +169,8 @@ class Nodes:
         running = [node for node in self.nodes if node.exit_code() is None]
         for node in running:
             node.process.terminate()
+            # A suspended process takes the signal only when it continues.
+            node.process.send_signal(signal.SIGCONT)
         deadline_s = time.monotonic() + TERMINATE_S
         for node in running:
             try:

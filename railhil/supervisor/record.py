@@ -70,7 +70,7 @@ def _recorded_scenario(log: Path, name: str | None) -> AnyScenario:
     earlier = earlier_scenario(str(document.get("scenario_sha256")))
     if earlier is not None:
         return earlier
-    return load_any(str(scenario), document.get("settings", ()))
+    return load_any(str(scenario), document.get("settings", ()), document.get("faults", ()))
 
 
 def checked_record(text: str, name: str | None) -> Record:

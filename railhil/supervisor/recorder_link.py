@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from railhil.bus.errors import BusOccupied, BusUnavailable
+from railhil.bus.errors import BusLost, BusOccupied, BusUnavailable
 from railhil.bus.ident import Role, SupIdent
 from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
@@ -31,6 +31,7 @@ def open_recorder(
 
     :param open_bus: makes the link from the arguments of ``can.Bus`` and the name of the node.
     :raises BusUnavailable: it cannot be opened; if the hub has ended, the reason is the hub's.
+    :raises BusLost: a signal has ended the hub.
     """
 
     def look() -> None:
@@ -42,6 +43,8 @@ def open_recorder(
         link = open_bus(choice.config | waiting | (_bulk_reading(choice) if lockstep else {}), "supervisor")
     except BusUnavailable:
         if (node := nodes.blamed()) is not None:
+            if node.was_killed:
+                raise BusLost(f"{node.role} lost before the run: {node.last_words()}") from None
             raise BusUnavailable(node.last_words()) from None
         raise
     link.lossless = lockstep

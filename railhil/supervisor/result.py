@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.scenarios.memory import Memory
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -31,8 +33,12 @@ class RunResult:
     origin: LawOrigin | None = None
     counters: dict[str, int] = field(default_factory=dict)
     timing: RunTiming | None = None
+    #: Ports whose owner has not said what it sent.
+    not_witnessed: Sequence[str] = ()
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
     memory: Memory | None = None
+    #: What happened in the run, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = ()
 
     @property
     def trusted(self) -> bool:

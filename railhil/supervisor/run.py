@@ -31,9 +31,10 @@ from railhil.supervisor.jitter import (
 )
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import start_hub, start_nodes
-from railhil.supervisor.processes import Nodes, process_start_ns
+from railhil.supervisor.processes import Node, Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.senders import Senders
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
@@ -45,6 +46,8 @@ from railhil.supervisor.trace import Trace, trace_of
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost.
 AFTER_LOSS_S = 4.0
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost.
+SUSPENDED_S = 5.0
 _LOOK_S = 0.05
 #: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
 FLUSH_S = 0.2
@@ -129,6 +132,8 @@ class Run:
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
+                if self.session.ended is Event.ENDED_CONTROLLER_LOST:
+                    self._lost = self._lost or self._who_died(nodes)
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
@@ -174,6 +179,8 @@ class Run:
         flush_s = time.monotonic() + FLUSH_S
         opened_s = open_s = time.monotonic()
         give_up_s: float | None = None
+        # Looks in a row, not wall time: this process may have been suspended together with the others.
+        suspended_looks = 0
         silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
         # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
         # time.
@@ -201,19 +208,26 @@ class Run:
                 ended = nodes.ended()
                 failed = any(node.exit_code() for node in ended)
                 # A node may end normally just before its last frames are read here.
-                if failed or (ended and not self._drain(link, stop)):
+                if failed or (ended and not self._drain(link, stop, ended)):
                     self._lost = self._who_died(nodes)
                     give_up_s = now_s + self._after_loss_s
-                    if ended[0].role != "controller":
+                    # Without a train in motion there is nothing more to record.
+                    if ended[0].role != "controller" or not session.recording:
                         return
             elif now_s > give_up_s:
                 return
+            if self.spec.is_realtime:
+                suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
+                if suspended_looks * _LOOK_S > SUSPENDED_S:
+                    self._lost = self._who_died(nodes)
+                    return
             # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
             if not session.recording and now_s - opened_s > self.start_up.appear_s + LATER_S:
                 self._lost = self._lost or f"no plant on {self.choice.transport} within {self.start_up.appear_s:g} s"
                 return
             if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
-                self._lost = self._lost or f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
+                stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
+                self._lost = self._lost or self._who_died(nodes) or stuck
                 return
 
     def _has_left(self, link: Link, heard: bool) -> bool:
@@ -224,14 +238,17 @@ class Run:
             self._lost = f"{gone[0]} left the bus at simulation time {self.session.sim_time_s:.2f} s"
         return over
 
-    def _drain(self, link: Link, stop: StopSignals) -> bool:
-        """Read the frames still queued after a node has ended; True if the run ended normally with them.
+    def _drain(self, link: Link, stop: StopSignals, ended: list[Node]) -> bool:
+        """Read the frames still queued after nodes have ended; True if the run ended normally with them.
 
-        Frames of other nodes may keep arriving.
+        Frames of other nodes may keep arriving, and a hub that stands still delivers later.
         """
         give_up_s = time.monotonic() + self._after_loss_s
-        while self.session.ended is None and time.monotonic() < give_up_s and self._take(link, _LOOK_S):
+        while self.session.ended is None and time.monotonic() < give_up_s:
+            heard = self._take(link, _LOOK_S)
             stop.check()
+            if not heard and not any(link.may_deliver(node.role) for node in ended):
+                break
         return self.session.ended is not None
 
     def _take(self, link: Link, timeout_s: float) -> bool:
@@ -249,16 +266,22 @@ class Run:
 
     def _who_died(self, nodes: Nodes) -> str:
         dead = nodes.blamed()
+        at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
+        if (dead is None or not dead.was_killed) and (role := nodes.suspended()):
+            return f"{role} lost {at}: suspended by a signal (SIGSTOP) or a debugger"
         if dead is None:
             return ""
-        at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
+        if dead.exit_code() == PASS:
+            return f"{dead.role} lost {at}: it has ended, but the end of the run has not arrived here"
         # A node that ends by itself names the node that it waited for, so it is not itself the missing one.
         how = "gave up" if dead.exit_code() == INVALID else "lost"
         return f"{dead.role} {how} {at}: {dead.last_words()}"
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""
-        refusals = [node for node in nodes.ended() if node.exit_code() == USAGE]
+        blamed = nodes.blamed()
+        killed = blamed is not None and blamed.was_killed
+        refusals = [] if killed else [node for node in nodes.ended() if node.exit_code() == USAGE]
         if refusals and not (self.start_up.foreign and self.session.disagreements):
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
@@ -275,7 +298,14 @@ class Run:
 
     def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
         session = self.session
-        self.trace = trace_of(read_log(self.log.path), self.trace.contract) if session.frames else self.trace
+        # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
+        complete = self.choice.needs_hub and not self.spec.is_realtime and not line
+        senders = Senders(self.folder, self.trace.contract, complete=complete)
+        if session.frames:
+            self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)
+        found = senders.findings()
+        said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
+        line = "; ".join(filter(None, (line, *said)))
         result = self._judging.score(self.scenario, self.trace)
         timing = self._timing()
         if timing.missed_polls and counters.get("outages") and not self.spec.is_realtime:
@@ -302,6 +332,7 @@ class Run:
             origin=read_origin(self.folder),
             counters=counters,
             timing=timing,
+            not_witnessed=found.not_witnessed,
         )
 
     def _shown(self) -> ShownTelemetry | None:

@@ -6,7 +6,7 @@ run, and the verdict.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,6 +16,7 @@ from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
+from railhil.supervisor.invariants import broken
 from railhil.supervisor.journey import Journey, stop_of
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.status import Status, wrap_failure
@@ -87,7 +88,8 @@ class Measured:
     """Measurements of a complete run.
 
     ``values``: by criterion, with their sign if they have one. ``stop``: its one stop; ``emergency_s``: instant of the
-    first emergency brake; ``wrap``: the failure text if the controller's arithmetic has wrapped.
+    first emergency brake; ``wrap``: the failure text if the controller's arithmetic has wrapped; ``broken``: the rules
+    of :mod:`railhil.supervisor.invariants` that the run breaks.
     """
 
     ended: Event
@@ -96,6 +98,7 @@ class Measured:
     stop: ScoredStop
     emergency_s: float | None
     wrap: str = ""
+    broken: Sequence[str] = ()
 
 
 def judged(scenario: Scenario, run: Measured) -> Score:
@@ -112,6 +115,7 @@ def judged(scenario: Scenario, run: Measured) -> Score:
         failures.append(f"emergency brake at {run.emergency_s:.2f} s")
     if run.wrap:
         failures.append(run.wrap)
+    failures += run.broken
     values, signed = scores(run.values)
     return Score(
         verdict="FAIL" if failures else "PASS",
@@ -186,5 +190,6 @@ def score(scenario: Scenario, trace: Trace) -> Score:
             stop=run.stop,
             emergency_s=emergency[0][0] if emergency else None,
             wrap=wrap_failure(trace, STATUS),
+            broken=broken(scenario, trace),
         ),
     )

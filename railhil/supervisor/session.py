@@ -21,6 +21,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
+from railhil.supervisor.senders import Strangers
 
 
 class Session:
@@ -82,6 +83,15 @@ class Session:
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
+        #: Frames under the supervisor's own identifiers that came from the bus, by port.
+        self.strangers = {port.name: Strangers() for port in contract.ports if port.source == "supervisor"}
+        self._own_ids = {
+            can_id: self.strangers[port.name]
+            for port in contract.ports
+            if port.name in self.strangers
+            for can_id in (*port.can_ids, port.fd_id)
+        }
+        self._seen_ids |= self._own_ids.keys()
 
     @property
     def sim_time_s(self) -> float:
@@ -119,6 +129,9 @@ class Session:
                     self.wall_ns.append(time.monotonic_ns())
             elif can_id == self._status_id:
                 return []
+            elif can_id in self._own_ids:
+                if self.recording:
+                    self._own_ids[can_id].add(self._clock.now_ns)
             else:
                 return self._handle_own(frame)
         if self.recording:

@@ -3,18 +3,32 @@
 from __future__ import annotations
 
 from array import array
+from collections import Counter
 from collections.abc import Iterable
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Ident
-from railhil.bus.mvb import master_tail
+from railhil.bus.mvb import master_tail, parse_master_frame
 from railhil.bus.store import TrafficStore
 from railhil.dbc import Contract, wire_contract
 
 FloatArray = npt.NDArray[np.float64]
+#: Source of refused frames that belong to no port.
+BUS = "bus"
+#: Causes that say nothing about the port whose identifier the frame may have.
+_OF_THE_BUS = ("error_frame", "remote_frame", "extended_id")
+
+
+class Noted(NamedTuple):
+    """A telegram or frame that was refused, or a poll that was missed: when, its port, and the cause."""
+
+    time_ns: int
+    source: str
+    cause: str
 
 
 class Trace:
@@ -30,19 +44,41 @@ class Trace:
         self._data: dict[str, bytearray] = {}
         #: Polls in the record.
         self.polls = 0
-        self._missed_polls = 0
-        self._awaited: set[str] = set()
+        #: Refused frames and telegrams, in the order of the record.
+        self.refused: list[Noted] = []
+        #: Time of the last frame, in ns.
+        self.end_ns = 0
+        self._missed: list[Noted] = []
+        # Ports whose last poll has no good answer yet, with its time and what is wrong with the answer.
+        self._awaited: dict[str, Noted] = {}
 
     @property
     def missed_polls(self) -> int:
         """Polls without a good telegram before the port was polled again or the record ended."""
-        return self._missed_polls + len(self._awaited)
+        return len(self._missed) + len(self._awaited)
 
-    def polled(self, port: str) -> None:
+    @property
+    def missed(self) -> list[Noted]:
+        """The missed polls, with the cause ``no_answer`` or ``answer_refused``."""
+        return [*self._missed, *self._awaited.values()]
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last frame, in s."""
+        return self.end_ns / 1e9
+
+    def polled(self, port: str, time_ns: int) -> None:
         """Take a poll of a port."""
         self.polls += 1
-        self._missed_polls += port in self._awaited
-        self._awaited.add(port)
+        if port in self._awaited:
+            self._missed.append(self._awaited[port])
+        self._awaited[port] = Noted(time_ns, port, "no_answer")
+
+    def refuse(self, source: str, time_ns: int, cause: str) -> None:
+        """Note a refused frame or telegram."""
+        self.refused.append(Noted(time_ns, source, cause))
+        if source in self._awaited:
+            self._awaited[source] = self._awaited[source]._replace(cause="answer_refused")
 
     def add(self, port: str, time_ns: int, data: bytes) -> None:
         """Append one telegram."""
@@ -51,20 +87,31 @@ class Trace:
             times_ns = self._times_ns[port] = array("q")
             self._data[port] = bytearray()
         times_ns.append(time_ns)
-        self._awaited.discard(port)
+        self._awaited.pop(port, None)
         self._data[port] += data
 
     def count(self, port: str) -> int:
         """Number of telegrams of a port."""
         return len(self._times_ns.get(port, ()))
 
+    def times_ns(self, port: str) -> array[int]:
+        """Simulation time of each telegram of a port in ns, shape (n,)."""
+        return self._times_ns.get(port, array("q"))
+
     def times_s(self, port: str) -> FloatArray:
         """Simulation time of each telegram of a port in s, shape (n,)."""
-        return np.array(self._times_ns.get(port, ()), dtype=np.int64) / 1e9
+        return np.array(self.times_ns(port), dtype=np.int64) / 1e9
 
     def has(self, port: str, signal: str) -> bool:
         """Whether the contract of the record has this signal; that of an earlier version may not."""
-        return any(item.name == signal for item in self.contract.port(port).signals)
+        return any(item.name == signal for entry in self.contract.ports if entry.name == port for item in entry.signals)
+
+    def word(self, port: str, signal: str, raw: int) -> str:
+        """A raw value as the wire contract names it, else as a number; KeyError for an unknown port or signal."""
+        found = next((item for item in self.contract.port(port).signals if item.name == signal), None)
+        if found is None:
+            raise KeyError(f"{port}.{signal}")
+        return found.values.get(raw, str(raw))
 
     def raw(self, port: str, signal: str) -> npt.NDArray[np.int64]:
         """Raw values of a signal, shape (n,); KeyError for an unknown port or signal."""
@@ -114,14 +161,26 @@ def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = No
     contract = trace.contract
     store = TrafficStore(contract.ports)
     polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
-    poll_id, feed = contract.poll_id, store.feed
+    poll_id, check, feed = contract.poll_id, store.check, store.feed
+    names = {can_id: port.name for port in contract.ports for can_id in (*port.can_ids, port.fd_id)}
+    time_ns, counted = 0, Counter(store.counters)
     for time_ns, frame in frames:
-        can_id, data, _ = frame
+        can_id, data, flags = frame
         if can_id == poll_id:
             if (asked := polls.get(data)) is not None:
-                trace.polled(asked)
+                trace.polled(asked, time_ns)
+            elif flags or parse_master_frame(data) is None:
+                trace.refuse(BUS, time_ns, "wrong_master_word")
             continue
-        port = feed(frame, time_ns)
+        checked = check(frame)
+        port = feed(frame, time_ns, checked)
         if port is not None:
             trace.add(port, time_ns, store.raw(port))
+        elif checked.cause or checked.part < 0:
+            # A block that only waits for its trailer is not refused.
+            cause = checked.cause or next(iter(store.counters - counted))
+            counted[cause] += 1
+            source = names.get(can_id, f"{BUS} {can_id:03X}") if cause not in _OF_THE_BUS else BUS
+            trace.refuse(source, time_ns, cause)
+    trace.end_ns = time_ns
     return trace

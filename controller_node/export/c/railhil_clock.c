@@ -8,7 +8,7 @@
 void railhil_clock_init(railhil_clock_t *clock)
 {
     memset(clock, 0, sizeof *clock);
-    clock->life = clock->expected = -1;
+    clock->life = clock->expected = clock->sync_life = clock->ahead_life = -1;
 }
 
 int64_t railhil_now_ns(const railhil_clock_t *clock)
@@ -76,17 +76,48 @@ void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks)
     clock->polls++;
 }
 
-void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process)
+/* Why a TIME_SYNC is refused; 0: it is not. */
+static unsigned implausible(railhil_clock_t *clock, const unsigned char *process, int64_t off)
+{
+    const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
+    const int life = process[7] & 0xF;
+    const railhil_life_t judged = railhil_life(clock->sync_life, life);
+    const int confirming = clock->ahead_life >= 0 && life == ((clock->ahead_life + 1) & 0xF) &&
+                           off - clock->ahead_ticks <= near_ticks && off - clock->ahead_ticks >= -near_ticks;
+    if (process[7] >> 6 != RAILHIL_CHECK_CORRECT) {
+        return RAILHIL_TIME_CHECK;
+    }
+    if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
+        return judged == RAILHIL_OLD ? RAILHIL_TIME_OUT_OF_ORDER : RAILHIL_TIME_DUPLICATE;
+    }
+    clock->ahead_life = -1;
+    if (off < 0) {
+        return RAILHIL_TIME_BACKWARD;
+    }
+    if (off > near_ticks && !confirming) {
+        clock->ahead_life = life;
+        clock->ahead_ticks = off;
+        return RAILHIL_TIME_AHEAD;
+    }
+    return 0;
+}
+
+int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint32_t *counts)
 {
     const int64_t fraction_ns = (int64_t)railhil_get16(process + 4) * NS_PER_S / 65536;
     const int64_t now_ns = (int64_t)railhil_get32(process) * NS_PER_S + fraction_ns;
     const int64_t tick = (now_ns + RAILHIL_BASE_TICK_NS / 2) / RAILHIL_BASE_TICK_NS;
     const int64_t off = tick - clock->tick;
-    const int64_t near_ticks = RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
+    const unsigned cause = implausible(clock, process, off);
     /* If only clock frames have been missing, since before the last poll, their count continues. */
-    const int known = clock->life >= 0 && clock->polls > 0 && off <= near_ticks && off >= -near_ticks;
+    const int known = clock->life >= 0 && clock->polls > 0 && off <= RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS;
+    if (cause != 0) {
+        counts[cause]++;
+        return 0;
+    }
+    clock->sync_life = process[7] & 0xF;
     if (off == 0 && clock->running) {
-        return;
+        return 1;
     }
     clock->running = 1;
     clock->tick = tick;
@@ -95,4 +126,5 @@ void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process)
         clock->life = clock->expected = -1;
         clock->polls = 0;
     }
+    return 1;
 }

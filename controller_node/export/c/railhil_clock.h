@@ -7,6 +7,16 @@
 /* The clock port is the first of the received ports. */
 enum { RAILHIL_CLOCK_PORT = 0 };
 
+/* Counters of refused TIME_SYNC, after those of railhil_outcome_t. */
+enum {
+    RAILHIL_TIME_CHECK = RAILHIL_MVB_OUTCOMES, /* check variable not correct */
+    RAILHIL_TIME_DUPLICATE,                    /* life sign repeated */
+    RAILHIL_TIME_OUT_OF_ORDER,                 /* older than the last telegram */
+    RAILHIL_TIME_BACKWARD,                     /* a time that has passed already */
+    RAILHIL_TIME_AHEAD,                        /* further ahead than the clock's own count, and not confirmed */
+    RAILHIL_CLOCK_OUTCOMES
+};
+
 /* Simulation time in base ticks, counted from the life sign of the clock port. */
 typedef struct {
     int64_t tick;
@@ -15,6 +25,9 @@ typedef struct {
     int64_t polls;      /* polls since then */
     int life;     /* of the last clock frame, -1: not known */
     int expected; /* life sign that would confirm that an apparently old frame is a new one; -1: none */
+    int sync_life;  /* of the last TIME_SYNC taken, -1 before the first */
+    int ahead_life; /* of a TIME_SYNC refused as too far ahead, -1: none; the next one may confirm it */
+    int64_t ahead_ticks;
     int running;
 } railhil_clock_t;
 
@@ -44,9 +57,11 @@ void railhil_clock_init(railhil_clock_t *clock);
 int64_t railhil_now_ns(const railhil_clock_t *clock);
 
 /* Take a frame of the clock port, before it is handled as a telegram; a poll that comes every period_ticks; a
- * TIME_SYNC. */
+ * TIME_SYNC: returns 1 if it is taken. A repeated or forged TIME_SYNC must not stop the ageing of the last speed: it is
+ * refused, and counted in counts, when its check variable is wrong, its life sign is not new, its time lies in the
+ * past, or further ahead than life signs can bridge and the next TIME_SYNC has not confirmed it. */
 void railhil_clock_frame(railhil_clock_t *clock, unsigned length, const unsigned char *data);
 void railhil_clock_poll(railhil_clock_t *clock, int64_t period_ticks);
-void railhil_time_sync(railhil_clock_t *clock, const unsigned char *process);
+int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint32_t *counts);
 
 #endif

@@ -6,7 +6,7 @@
 
 enum { F_DEVICE_STATUS = 15, POLL_LENGTH = 3 };
 
-static const char *const count_names[RAILHIL_MVB_OUTCOMES] = {
+static const char *const count_names[RAILHIL_CLOCK_OUTCOMES] = {
     "part",
     "complete",
     "wrong_length",
@@ -15,11 +15,16 @@ static const char *const count_names[RAILHIL_MVB_OUTCOMES] = {
     "wrong_block_count",
     "missing_block",
     "assembly_timeout",
+    "time_check",
+    "time_duplicate",
+    "time_out_of_order",
+    "time_backward",
+    "time_ahead",
 };
 
 const char *railhil_count_name(unsigned index)
 {
-    return index < RAILHIL_MVB_OUTCOMES ? count_names[index] : railhil_law_outcome(index);
+    return index < RAILHIL_CLOCK_OUTCOMES ? count_names[index] : railhil_law_outcome(index);
 }
 
 void railhil_init(railhil_control_t *control)
@@ -89,8 +94,9 @@ static unsigned answer_poll(railhil_control_t *control, unsigned length, const u
 static void take_telegram(railhil_control_t *control, int port, const unsigned char *process)
 {
     if (port == RAILHIL_TIME_SYNC) {
-        railhil_time_sync(&control->clock, process);
-        control->rate_10th = process[6];
+        if (railhil_time_sync(&control->clock, process, control->counts)) {
+            control->rate_10th = process[6];
+        }
     } else if (port == RAILHIL_RUN_EVENT && process[0] >= RAILHIL_ENDED && process[0] <= RAILHIL_EVENT_MAX) {
         control->ended = process[0];
     }

@@ -5,19 +5,26 @@ from __future__ import annotations
 import contextlib
 import resource
 import socket
+import threading
+from pathlib import Path
 
 import pytest
 
 from hil_tests.support.hub import PATIENCE_S, running_hub
 from railhil.bus.frame import Frame
+from railhil.bus.hub import guests
+from railhil.bus.hub.address import listen, parse_channel
+from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
+from railhil.bus.hub.switch import MAX_CLIENTS, Switch
 from railhil.bus.hub.wire import encode_hello, pack_frame
 
 
 def _raw_client(channel: str, *packets: bytes) -> socket.socket:
     sock = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    sock.settimeout(PATIENCE_S)
+    # With a time-out it would not wait for a place in the queue of the listener.
     sock.connect(channel)
+    sock.settimeout(PATIENCE_S)
     for packet in packets:
         sock.send(packet)
     return sock
@@ -111,3 +118,47 @@ def test_a_client_far_behind_is_cut_off_with_one_line_and_nobody_waits_for_it() 
             read_to_the_end()
         assert 0 < len(received) < sent
         assert [int.from_bytes(frame.data, "big") for frame in received] == list(range(len(received)))
+
+
+def test_silent_sockets_keep_nobody_out() -> None:
+    with running_hub() as hub, hub.bus() as one:
+        silent = [_raw_client(hub.channel) for _ in range(MAX_CLIENTS + 44)]
+        with hub.bus() as other:
+            one.send_frames([Frame(0x200, b"alive")])
+            assert other.recv_frames(PATIENCE_S) == [Frame(0x200, b"alive")]
+        for sock in silent:
+            sock.close()
+        assert hub.stderr().count("no hello yet, and others want to connect") >= MAX_CLIENTS + 44 - guests.MAX_GUESTS
+
+
+def test_a_client_without_hello_is_disconnected_in_time(socket_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(guests, "HELLO_S", 0.1)
+    listener, address = listen(parse_channel(str(socket_folder / "hub.sock")))
+    lines: list[str] = []
+    switch = Switch(listener, queue_limit_bytes=1 << 20, properties={}, report=lines.append)
+    thread = threading.Thread(target=switch.run)
+    thread.start()
+    try:
+        with HubBus(str(address)), _raw_client(str(address)) as silent:
+            # Nothing else happens on this hub: it must wake by itself.
+            assert silent.recv(4096) == b""
+        assert lines == ["client 2 is disconnected: no hello within 5 s"]
+    finally:
+        switch.stop()
+        thread.join(PATIENCE_S)
+        switch.close()
+        listener.close()
+
+
+def test_a_client_too_many_is_refused_with_the_number() -> None:
+    with running_hub() as hub:
+        members = [_raw_client(hub.channel, encode_hello(name=str(number))) for number in range(MAX_CLIENTS)]
+        for member in members:
+            assert member.recv(4096)
+        with pytest.raises(HubUnavailable, match=f": {MAX_CLIENTS} clients are connected, no more are allowed$"):
+            hub.bus()
+        members[0].close()
+        with hub.bus():
+            pass
+        for member in members[1:]:
+            member.close()

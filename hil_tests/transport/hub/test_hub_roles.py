@@ -87,6 +87,7 @@ def test_the_link_of_a_node_says_its_name() -> None:
         tool.close()
         controller.close()
         wait_for(lambda: plant.receive(0.01) == [] and plant.has_ended("controller"))
+        assert (plant.may_deliver("controller"), plant.may_deliver("plant")) == (False, True)
         assert not plant.has_ended("supervisor")
         plant.close()
 

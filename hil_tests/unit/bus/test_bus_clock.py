@@ -12,7 +12,7 @@ from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.responder import Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, TimeSync, TrnSpeed
 
 TICK_NS = 10_000_000
 POLL_TICKS = 2
@@ -171,14 +171,76 @@ def test_time_sync_round_trip_for_an_hour(base_tick_ns: int, tick: int) -> None:
 
 
 @pytest.mark.parametrize("base_tick_ns", [10_000_000, 16_000_000])
-@pytest.mark.parametrize("target", [0, 1, 39, 41, 128, 359_999])
+@pytest.mark.parametrize("target", [41, 47, 48, 128, 359_999])
 def test_resynchronisation(base_tick_ns: int, target: int) -> None:
+    """Ahead at once as far as life signs can bridge, further when the next TIME_SYNC confirms it."""
     clock = started(40, base_tick_ns)
-    clock.synchronise(to_time_sync(target, base_tick_ns))
+    taken = clock.synchronise(to_time_sync(target, base_tick_ns, life=3))
+    assert taken == (target <= 47)
+    if not taken:
+        assert (clock.tick, clock.counters) == (40, {"time_ahead": 1})
+        assert clock.feed(TELEGRAMS[41 % 16])
+        target += 1
+        assert clock.synchronise(to_time_sync(target, base_tick_ns, life=4))
     assert clock.now_ns == target * base_tick_ns
     # The frame of that tick may have been lost or not: the next one is one tick later in both cases.
-    assert clock.feed(TELEGRAMS[41 % 16])
+    assert clock.feed(TELEGRAMS[42 % 16])
     assert clock.tick == target + 1
+
+
+@pytest.mark.parametrize(
+    ("telegram", "cause"),
+    [
+        (to_time_sync(40, TICK_NS, life=5), "time_duplicate"),
+        (to_time_sync(40, TICK_NS, life=4), "time_out_of_order"),
+        (to_time_sync(40, TICK_NS, life=13), "time_out_of_order"),
+        (to_time_sync(40, TICK_NS, life=6, check=0), "time_check"),
+        (to_time_sync(39, TICK_NS, life=6), "time_backward"),
+        (to_time_sync(0, TICK_NS, life=12), "time_backward"),
+        (to_time_sync(48, TICK_NS, life=6), "time_ahead"),
+    ],
+)
+def test_an_implausible_time_sync_is_refused_and_counted(telegram: TimeSync, cause: str) -> None:
+    clock = started(40)
+    assert clock.synchronise(to_time_sync(40, TICK_NS, life=5, rate_10th=10))
+    telegram.rate_10th = 0
+    assert not clock.synchronise(telegram)
+    assert (clock.tick, clock.rate, clock.counters) == (40, 1.0, {cause: 1})
+    assert clock.feed(TELEGRAMS[41 % 16])
+    assert clock.tick == 41
+    # What was refused has taken no life sign from the next right one.
+    assert clock.synchronise(to_time_sync(41, TICK_NS, life=6))
+
+
+@pytest.mark.parametrize(
+    ("second", "taken"),
+    [
+        (to_time_sync(1128, TICK_NS, life=1), True),
+        (to_time_sync(1135, TICK_NS, life=1), True),
+        (to_time_sync(1136, TICK_NS, life=1), False),
+        (to_time_sync(1000, TICK_NS, life=1), False),
+        (to_time_sync(1128, TICK_NS, life=2), False),
+    ],
+)
+def test_only_the_next_time_sync_confirms_a_time_far_ahead(second: TimeSync, taken: bool) -> None:
+    clock = started(40)
+    assert not clock.synchronise(to_time_sync(1000, TICK_NS, life=0))
+    for tick in range(41, 169):
+        clock.feed(TELEGRAMS[tick % 16])
+    assert clock.synchronise(second) == taken
+    assert clock.tick == (from_time_sync(second, TICK_NS) if taken else 168)
+
+
+def test_the_estimate_of_an_outage_is_corrected_but_not_to_before_it() -> None:
+    clock = started(40)
+    assert clock.synchronise(to_time_sync(40, TICK_NS, life=0, rate_10th=10))
+    clock.silence(2_000_000_000)
+    clock.silence(1_000_000_000)
+    assert clock.tick == 340
+    assert not clock.synchronise(to_time_sync(40, TICK_NS, life=1, rate_10th=10))
+    assert clock.synchronise(to_time_sync(128, TICK_NS, life=1, rate_10th=10))
+    assert clock.tick == 128
+    assert not clock.synchronise(to_time_sync(127, TICK_NS, life=2, rate_10th=10))
 
 
 @pytest.mark.parametrize("lost", [[], [128], [127, 128], [126, 127, 128], [0], [0, 128]])
@@ -188,7 +250,7 @@ def test_loss_of_the_clock_frame_of_a_time_sync_tick(lost: list[int]) -> None:
         if tick not in lost:
             clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
-            clock.synchronise(to_time_sync(tick, TICK_NS))
+            clock.synchronise(to_time_sync(tick, TICK_NS, life=tick // 128))
         if tick not in lost:
             assert clock.tick == tick
 
@@ -202,7 +264,7 @@ def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
         if not lost:
             clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
-            clock.synchronise(to_time_sync(tick, TICK_NS))
+            clock.synchronise(to_time_sync(tick, TICK_NS, life=tick // 128))
         if tick % POLL_TICKS == 0:
             clock.polled(POLL_TICKS)
             assert clock.tick == tick
@@ -210,13 +272,13 @@ def test_burst_loss_across_a_time_sync(first: int, count: int) -> None:
             assert clock.tick == tick
 
 
-def test_joining_late_takes_the_time_of_the_first_time_sync() -> None:
+def test_joining_late_takes_the_time_that_two_time_syncs_agree_on() -> None:
     clock = BusClock(TICK_NS)
-    for tick in range(1000, 1200):
+    for tick in range(1000, 1300):
         clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
-            clock.synchronise(to_time_sync(tick, TICK_NS))
-        if tick >= 1024:
+            clock.synchronise(to_time_sync(tick, TICK_NS, life=tick // 128))
+        if tick >= 1152:
             assert clock.tick == tick
 
 

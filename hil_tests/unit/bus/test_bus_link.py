@@ -156,6 +156,9 @@ class Batched:
     def has_left(self, role: str) -> bool:
         return False
 
+    def is_here(self, role: str) -> bool:
+        return False
+
     def shutdown(self) -> None:
         self.bus.shutdown()
 

@@ -265,7 +265,8 @@ def test_error_frames_in_words():
 def clock_at(tick: int, rate_10th: int) -> BusClock:
     clock = BusClock(_TICK_NS)
     clock.feed(speeds(tick % 16)[0].data)
-    clock.synchronise(to_time_sync(tick, _TICK_NS, rate_10th=rate_10th))
+    for life in range(2):
+        clock.synchronise(to_time_sync(tick, _TICK_NS, rate_10th=rate_10th, life=life))
     clock.feed(speeds((tick + 1) % 16)[0].data)
     return clock
 
@@ -294,8 +295,8 @@ def test_only_lockstep_is_lockstep_to_a_controller(lvshun, rate):
     """Whatever the telegram can hold: a realtime answer that met a full queue would wait for ever."""
     node = ControllerNode(lvshun, LawSpec())
     node.handle(speeds(0)[0])
-    for pace, lockstep in ((0.0, True), (rate, False)):
-        node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=rate_to_10th(pace)))
+    for life, (pace, lockstep) in enumerate(((0.0, True), (rate, False))):
+        node.responder.clock.synchronise(to_time_sync(0, _TICK_NS, rate_10th=rate_to_10th(pace), life=life))
         assert node.lockstep is lockstep
 
 

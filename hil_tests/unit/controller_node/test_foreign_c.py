@@ -60,7 +60,7 @@ static unsigned draw(unsigned below)
     return (unsigned)((state >> 33) % below);
 }
 /* Any frame; every other one with an identifier of the bench, most of those with right check sequences. */
-static void make(railhil_frame_t *frame, const railhil_sink_t *sinks)
+static void make(railhil_frame_t *frame, const railhil_sink_t *sinks, int64_t now_ns)
 {
     const unsigned port_number = draw(RAILHIL_SINK_COUNT + 4);
     unsigned i;
@@ -86,6 +86,13 @@ static void make(railhil_frame_t *frame, const railhil_sink_t *sinks)
             frame->can_id = port->address + part;
             if (port_number == RAILHIL_RUN_EVENT && part == 0) {
                 frame->data[0] &= 0xFu; /* else hardly ever an event that there is */
+            }
+            if (port_number == RAILHIL_TIME_SYNC && part == 0 && draw(2)) {
+                /* The present: hardly any other time is taken. */
+                railhil_put16(frame->data, (uint32_t)(now_ns / 1000000000 >> 16));
+                railhil_put16(frame->data + 2, (uint32_t)(now_ns / 1000000000));
+                railhil_put16(frame->data + 4, (uint32_t)(now_ns % 1000000000 * 65536 / 1000000000));
+                frame->data[7] = (unsigned char)(0x40u | draw(16));
             }
         } else {
             frame->can_id = port->address + RAILHIL_TRAILER;
@@ -113,7 +120,7 @@ int main(void)
     railhil_init(&control);
     for (n = 0; n < @COUNT@ul; n++) {
         unsigned count;
-        make(&frame, control.sinks);
+        make(&frame, control.sinks, railhil_now_ns(&control.clock));
         count = railhil_receive(&control, frame.can_id, frame.length, frame.data, answer);
         if (count > 3 || control.law.guard.watch.level > RAILHIL_EMERGENCY || control.law.guard.watch.level < 0) {
             return 1;

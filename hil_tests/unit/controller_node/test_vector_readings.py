@@ -104,7 +104,8 @@ def test_a_telegram_without_life_sign_and_check_variable_counts_whenever_it_come
 
 def test_time_sync_is_a_reading_and_still_sets_the_clock() -> None:
     node = Node((TimeSync, "seconds_s"))
-    node.feed(to_time_sync(700, TICK_NS, life=1))
+    for life in range(2):
+        node.feed(to_time_sync(700, TICK_NS, life=life))
     assert node.responder.clock.tick == 700
     assert node.seen == ([7], {})
     node.ticks(AGE_MAX_MS // 10)

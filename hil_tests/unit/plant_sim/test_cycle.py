@@ -82,7 +82,7 @@ def test_order_of_a_tick() -> None:
     assert noting.notes == [
         *("0 begin", "0 TRN_SPEED", "0 TIME_SYNC", "0 SIM_TRUTH", "0 balise"),
         *("0 SUP_CMD?", "0 NOTCH_CMD?", "0 CTL_STAT?", "0 finish"),
-        *("1 begin", "1 TRN_SPEED", "1 finish"),
+        *("1 begin", "1 TRN_SPEED", "1 watch", "1 finish"),
         *("2 begin", "2 TRN_SPEED", "2 SIM_TRUTH", "2 NOTCH_CMD?", "2 finish", "2 ENDED_NOT_STOPPED"),
     ]
     assert plant.tick == 2, "time goes on only while the run does"

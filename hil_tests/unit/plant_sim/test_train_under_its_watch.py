@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import pytest
 
+from railhil.bus.telegrams import WatchCause
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.plant import Plant
@@ -67,7 +68,9 @@ def test_a_silent_controller_stops_the_train_for_good() -> None:
     for _ in range(2500):
         plant.advance()
         events += plant.drain_events()
-    assert [event.kind for event in events] == ["emergency", "stopped"]
+    kinds = [event.kind for event in events]
+    assert kinds == ["watch", "watch", "watch", "watch", "emergency", "stopped"], "each level on the way, then the stop"
+    assert plant.watch_cause is WatchCause.COMMAND_AGE
     assert plant.true_speed_01mmps == 0
     commanded(plant, 1500, 500)
     assert plant.watch_level is CommandWatchLevel.EMERGENCY
@@ -154,8 +157,12 @@ def test_an_emergency_command_acts_at_once_and_is_latched() -> None:
     plant.advance()
     assert plant.brake_n == 270e3
     events = commanded(plant, 1500, 2500)
-    assert [(event.kind, event.instant_01ms) for event in events[:1]] == [("emergency", instant_01ms)]
-    assert [event.kind for event in events] == ["emergency", "stopped"]
+    assert [(event.kind, event.instant_01ms) for event in events[:2]] == [
+        ("watch", instant_01ms),
+        ("emergency", instant_01ms),
+    ]
+    assert [event.kind for event in events] == ["watch", "emergency", "stopped"]
+    assert plant.watch_cause is WatchCause.EMERGENCY_COMMAND
     assert plant.true_speed_01mmps == 0
 
 

@@ -12,14 +12,17 @@ from typing import Any
 
 import pytest
 
+from hil_tests.support.cli import wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bus.errors import BusLost
+from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
+from railhil.bus.telegrams import Event
 from railhil.plant_sim import command as plant_program
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.processes import Node, Nodes
+from railhil.supervisor.recorder_link import open_recorder
 from railhil.supervisor.run import Run
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
@@ -48,6 +51,9 @@ class Bus:
     def take_gap_ns(self) -> int:
         return 0
 
+    def may_deliver(self, _role: str) -> bool:
+        return False
+
 
 FOREIGN = [Frame(0x7FF, b"\0")]
 
@@ -74,13 +80,29 @@ def run(tmp_path: Path) -> Run:
 
 def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
     bus = Bus(FOREIGN)
-    assert run._drain(bus, StopSignals()) is False
-    assert run._drain(Bus([]), StopSignals()) is False
+    assert run._drain(bus, StopSignals(), []) is False
+    assert run._drain(Bus([]), StopSignals(), []) is False
+
+
+@pytest.mark.parametrize(("delivered", "looks"), [(True, 1), (False, 3)])
+def test_what_a_hub_still_holds_is_waited_for(run: Run, tmp_path: Path, delivered: bool, looks: int) -> None:
+    """A hub that stands still across the end of the plant delivers the last second afterwards."""
+    seen: list[str] = []
+
+    def looked() -> None:
+        seen.append("")
+        if len(seen) == 3:
+            run.session.ended = Event.ENDED_COMPLETE
+
+    bus = Bus([], looked)
+    bus.may_deliver = lambda role: not delivered and role == "plant"  # type: ignore[method-assign]
+    assert run._drain(bus, StopSignals(), [node_that(0, "", tmp_path, "plant")]) is not delivered
+    assert len(seen) == looks
 
 
 def test_the_end_of_a_run_can_be_stopped(run: Run) -> None:
     with StopSignals() as stop, pytest.raises(KeyboardInterrupt):
-        run._drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop)
+        run._drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop, [])
 
 
 @pytest.mark.parametrize("is_down", [False, True])
@@ -179,6 +201,7 @@ def test_the_one_that_was_ended_is_blamed_and_the_hub_before_all(tmp_path: Path)
         (-9, CHATTER, "plant lost before the run: killed by SIGKILL"),
         (3, "plant: bus administrator waits for controller: no answer within 120 s\n",
          "plant gave up before the run: plant: bus administrator waits for controller: no answer within 120 s"),
+        (0, CHATTER, "plant lost before the run: it has ended, but the end of the run has not arrived here"),
     ],
 )  # fmt: skip
 def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
@@ -187,6 +210,72 @@ def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
     nodes = Nodes(tmp_path)
     nodes.nodes = [node_that(code, said, tmp_path, "plant")]
     assert run._who_died(nodes) == line
+
+
+def test_a_suspended_node_is_blamed_unless_one_was_killed(run: Run, tmp_path: Path) -> None:
+    """It cannot end by itself, so the others give up in front of it."""
+    with Nodes(tmp_path) as nodes:
+        hangs = nodes.start("controller", "timeit", ["-n", "1", "import time; time.sleep(600)"])
+        hangs.process.send_signal(signal.SIGSTOP)
+        wait_for(lambda: hangs.is_suspended)
+        line = "controller lost before the run: suspended by a signal (SIGSTOP) or a debugger"
+        assert run._who_died(nodes) == line
+        nodes.nodes.append(node_that(3, "plant: gave up\n", tmp_path, "plant"))
+        assert run._who_died(nodes) == line
+        assert nodes.wait(("controller",), BOUND_S) is False, "nobody waits for its end"
+        nodes.nodes[1] = node_that(-9, "", tmp_path, "plant")
+        assert run._who_died(nodes) == "plant lost before the run: killed by SIGKILL"
+    assert hangs.exit_code() is not None
+    assert not hangs.is_suspended
+
+
+@pytest.mark.parametrize("is_suspended", [True, False])
+def test_in_real_time_a_suspended_controller_is_not_waited_for_forever(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_suspended: bool
+) -> None:
+    monkeypatch.setattr("railhil.supervisor.run.SUSPENDED_S", 0.1)
+    run = made(tmp_path, 0.5)
+    run.session.recording = True
+    run.session.first_frame_ns = time.monotonic_ns()
+    nodes = Nodes(tmp_path)
+    monkeypatch.setattr(nodes, "suspended", lambda: "controller" if is_suspended else "")
+    run._record(Bus(FOREIGN), nodes, StopSignals())
+    blame = "controller lost at simulation time 0.00 s: suspended by a signal (SIGSTOP) or a debugger"
+    assert run._lost == (blame if is_suspended else "no tick for 0.5 s of wall time: bench is deadlocked")
+
+
+def test_a_controller_that_refuses_its_input_ends_a_run_that_has_not_begun(tmp_path: Path) -> None:
+    """At once: there is no train whose reaction would have to be recorded."""
+    run = made(tmp_path, 0.1)
+    run._after_loss_s = 2 * BOUND_S
+    nodes = Nodes(tmp_path)
+    nodes.nodes = [
+        node_that(None, "", tmp_path, "plant"),
+        node_that(2, "controller: parameters: no such file\n", tmp_path),
+    ]
+    nodes.nodes[0].process.pid = 0
+    run._record(Bus([]), nodes, StopSignals())
+    assert run._verdict_line(nodes, {}) == ("controller: parameters: no such file", True)
+
+
+@pytest.mark.parametrize("killed", [-9, None])
+def test_who_ends_because_the_hub_was_killed_has_refused_nothing(run: Run, tmp_path: Path, killed: int | None) -> None:
+    nodes = Nodes(tmp_path)
+    nodes.nodes = [
+        node_that(killed, "", tmp_path, "hub"),
+        node_that(2, "plant: no hub at hub.sock\n", tmp_path, "plant"),
+    ]
+    nodes.nodes[0].process.pid = 0
+    run._lost = run._who_died(nodes)
+    line = "hub lost before the run: killed by SIGKILL" if killed else "plant: no hub at hub.sock"
+    assert run._verdict_line(nodes, {}) == (line, not killed)
+    if killed:
+        with pytest.raises(BusLost, match=rf"^{line}$"):
+            open_recorder(BusChoice({"interface": "railhil"}, "test", needs_hub=True), nodes, False, unavailable)
+
+
+def unavailable(_config: dict[str, Any], _name: str) -> Any:
+    raise BusUnavailable("no hub")
 
 
 def test_the_plant_says_what_went_wrong_on_its_connection(

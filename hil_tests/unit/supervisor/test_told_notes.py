@@ -10,7 +10,6 @@ import pytest
 from hil_tests.support.recordings import recorded_folder
 from railhil.bus.telegrams import CtlStat
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.ato import JUDGING
 from railhil.supervisor.folder import signal_table
 from railhil.supervisor.notes import note_values, notes_of, told_notes
 from railhil.supervisor.report.figures import ATO_PANELS, Panel, Picture
@@ -38,9 +37,10 @@ def run(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> RecordedR
 def test_certificate_and_signals_name_what_the_controller_said(run: RecordedRun) -> None:
     told = run.certificate["notes"]
     assert [one["name"] for one in told] == ["basis_in_use", "softening_factor", "satisfaction"]
-    header, rows = signal_table(JUDGING, run.trace, told)
-    assert header[-4:] == ["basis_in_use", "softening_factor", "satisfaction", "ladder_level"]
-    assert np.nanmax(rows[:, -3]) == pytest.approx(0.85, abs=1e-4)
+    header, rows = signal_table(run.scenario, run.trace, told)
+    first = header.index("basis_in_use")
+    assert header[first : first + 4] == ["basis_in_use", "softening_factor", "satisfaction", "ladder_level"]
+    assert np.nanmax(rows[:, first + 1]) == pytest.approx(0.85, abs=1e-4)
 
 
 def test_a_record_of_an_unknown_law_has_numbered_notes(run: RecordedRun) -> None:

@@ -146,6 +146,9 @@ def facts_of(run: RecordedRun) -> list[tuple[str, str]]:
         rows.append(("Other controller", "a board or another program; law and arithmetic are as it reported them"))
     if certificate.get("attached"):
         rows.append(("Attached", "plant and controller were started elsewhere"))
+    if certificate.get("not_witnessed"):
+        ports = ", ".join(certificate["not_witnessed"])
+        rows.append(("Not witnessed", f"{ports}: their owners did not say which frames they sent"))
     if certificate.get("command_needs"):
         rows.append(("The command needs", said("command_needs")))
     return rows

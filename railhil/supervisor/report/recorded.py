@@ -15,6 +15,9 @@ from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.target import Target
 from railhil.supervisor.documents import read_score
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import RecordedEvent
+from railhil.supervisor.events.summary import explained, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.measures import KMH
 from railhil.supervisor.notes import ToldNote, note_values, notes_of
@@ -43,6 +46,8 @@ class RecordedRun:
     line: str
     certificate: dict[str, Any]
     score_document: dict[str, Any]
+    #: What happened, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = ()
 
     @property
     def controller(self) -> str:
@@ -75,17 +80,27 @@ class RecordedRun:
 
 
 def recorded_run(
-    folder: Path, certificate: dict[str, Any], scenario: AnyScenario, trace: Trace, score: Score, invalid: str = ""
+    folder: Path,
+    certificate: dict[str, Any],
+    scenario: AnyScenario,
+    trace: Trace,
+    score: Score,
+    invalid: str = "",
+    events: tuple[RecordedEvent, ...] | None = None,
 ) -> RecordedRun:
-    """The run of a folder.
+    """The run of a folder; its line is the verdict's reason, and what the watches did.
 
     :param certificate: that of the run; empty if there is none, and then no document of the folder belongs to the log.
     :param invalid: why the bench could not be trusted, empty if it could.
+    :param events: what happened; None: from the record.
     :raises InputError: ``score.json`` is damaged.
     """
     verdict, line = score.verdict, "; ".join(score.failures)
     if invalid:
         verdict, line = "INVALID", invalid
+    if events is None:
+        events = events_of(scenario, trace)
+    line = explained(line, why(scenario, events))
     document = read_score(folder) if certificate else None
     label = str(certificate.get("controller") or folder.name)
     if parameters := certificate.get("parameters"):
@@ -93,7 +108,7 @@ def recorded_run(
     if memory := certificate.get("memory"):
         label += f"@{memory['sha256'][:DIGEST_DIGITS]}"
     label += " (on this seed)" if certificate.get("seed_was_trained") else ""
-    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {})
+    return RecordedRun(label, scenario, trace, score, verdict, line, certificate, document or {}, events)
 
 
 def told_apart(runs: Sequence[RecordedRun]) -> list[RecordedRun]:
@@ -141,6 +156,16 @@ class Curves:
         return [(note, values) for note, values in self.notes if bool(note.bits) == flags and np.any(values)]
 
 
+def wanted_mps(scenario: Scenario, trace: Trace) -> FloatArray:
+    """The set-point that the law followed, at each SIM_TRUTH: by time, or by the train's position; shape (n,)."""
+    target = Target(scenario.target)
+    ident = trace.ident(CtlIdent)
+    over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
+    time_s = target.time_s(trace.values(SimTruth.PORT, "TruePos")) if over_distance else trace.times_s(SimTruth.PORT)
+    # After the planned stop the target continues below zero, which no train can follow.
+    return np.maximum(np.asarray(target.speed_mps(time_s)), 0.0)
+
+
 def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | None = None) -> Curves:
     """Curves of a record; the speed error is set-point minus speed, with the set-point that the law followed.
 
@@ -149,16 +174,11 @@ def curves(scenario: Scenario, trace: Trace, told: Sequence[dict[str, Any]] | No
     time_s = trace.times_s(SimTruth.PORT)
     position_m = trace.values(SimTruth.PORT, "TruePos")
     speed_kmh = trace.values(SimTruth.PORT, "TrueSpeed") * KMH
-    target = Target(scenario.target)
-    ident = trace.ident(CtlIdent)
-    over_distance = ident is not None and ident.indexing == INDEXINGS.index("distance")
-    wanted_mps = np.asarray(target.speed_mps(target.time_s(position_m) if over_distance else time_s))
     return Curves(
         time_s=time_s,
         position_m=position_m,
         speed_kmh=speed_kmh,
-        # After the planned stop the target continues below zero, which no train can follow.
-        error_kmh=np.maximum(wanted_mps, 0.0) * KMH - speed_kmh,
+        error_kmh=wanted_mps(scenario, trace) * KMH - speed_kmh,
         traction_kn=trace.values(SimTruth.PORT, "TractionForce") / 1e3,
         brake_kn=trace.values(SimTruth.PORT, "BrakeForce") / 1e3,
         notch_s=trace.times_s(NotchCmd.PORT),

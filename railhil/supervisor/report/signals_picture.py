@@ -8,7 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from railhil.supervisor.folder import signal_table, signal_units
-from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import panels
 from railhil.supervisor.trace import Trace
 
@@ -17,10 +16,9 @@ _HEIGHT_IN = 2.2
 
 def draw(scenario: Any, trace: Trace, out: Path) -> None:
     """Draw the signals of ``signals.csv`` into a file whose bytes depend only on the record (fixed ids, no date)."""
-    judging = judging_of(scenario)
-    header, rows = signal_table(judging, trace)
+    header, rows = signal_table(scenario, trace)
     by_unit: dict[str, list[int]] = {}
-    for column, unit in enumerate(signal_units(judging, trace).values()):
+    for column, unit in enumerate(signal_units(scenario, trace).values()):
         by_unit.setdefault(unit, []).append(column)
     time_s, by_unit["s"] = rows[:, 0], by_unit["s"][1:]
     shown = {unit: columns for unit, columns in by_unit.items() if columns}

@@ -4,7 +4,7 @@
 /* Overflow flags of the status. */
 enum { SATURATED = 2, DIVIDED_BY_ZERO = 4 };
 
-static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = {
+static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "duplicate",
     "out_of_order",
     "gap",
@@ -14,7 +14,7 @@ static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = 
 
 const char *railhil_law_outcome(unsigned index)
 {
-    return outcome_names[index - RAILHIL_MVB_OUTCOMES];
+    return outcome_names[index - RAILHIL_CLOCK_OUTCOMES];
 }
 
 void railhil_law_init(railhil_law_t *law)

@@ -6,9 +6,9 @@
 #include "@LAW@_node.h"
 #include "railhil_clock.h"
 
-/* Counters after those of railhil_outcome_t. */
+/* Counters after those of the clock. */
 enum {
-    RAILHIL_READING_DUPLICATE = RAILHIL_MVB_OUTCOMES, /* telegram of readings: life sign repeated */
+    RAILHIL_READING_DUPLICATE = RAILHIL_CLOCK_OUTCOMES, /* telegram of readings: life sign repeated */
     RAILHIL_READING_OUT_OF_ORDER,                     /* older than the last telegram */
     RAILHIL_READING_GAP,                              /* new, but telegrams before it are missing */
     RAILHIL_READING_CHECK,                            /* a check variable is not correct */
@@ -41,7 +41,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
 void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int port, unsigned char *process,
                         uint32_t *counts);
 
-/* Name of an outcome; index >= RAILHIL_MVB_OUTCOMES. */
+/* Name of an outcome; index >= RAILHIL_CLOCK_OUTCOMES. */
 const char *railhil_law_outcome(unsigned index);
 
 #endif

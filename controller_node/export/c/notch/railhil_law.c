@@ -5,7 +5,7 @@ enum { FLAG_FALSE = 1, FLAG_TRUE = 2, MODE_INITIALISING = 0, MODE_RUNNING = 1 };
 /* CTL_STAT: no quantity with its headroom is reported; bits of OverflowFlags. */
 enum { NO_QUANTITY = 127, HEADROOM_UNUSED = 31, SATURATED = 2, DIVIDED_BY_ZERO = 4 };
 
-static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = {
+static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] = {
     "position_duplicate",
     "position_out_of_order",
     "position_check",
@@ -22,7 +22,7 @@ static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_MVB_OUTCOMES] = 
 
 const char *railhil_law_outcome(unsigned index)
 {
-    return outcome_names[index - RAILHIL_MVB_OUTCOMES];
+    return outcome_names[index - RAILHIL_CLOCK_OUTCOMES];
 }
 
 void railhil_law_init(railhil_law_t *law)

@@ -6,9 +6,9 @@
 
 #include "railhil_clock.h"
 
-/* Counters of refusals, after those of railhil_outcome_t. */
+/* Counters of refusals, after those of the clock. */
 enum {
-    RAILHIL_POSITION_DUPLICATE = RAILHIL_MVB_OUTCOMES, /* TRN_POS: life sign repeated */
+    RAILHIL_POSITION_DUPLICATE = RAILHIL_CLOCK_OUTCOMES, /* TRN_POS: life sign repeated */
     RAILHIL_POSITION_OUT_OF_ORDER,                     /* older than the last telegram */
     RAILHIL_POSITION_CHECK,                            /* check variable not correct */
     RAILHIL_POSITION_JUMP,                             /* inconsistent with the speeds */

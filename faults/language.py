@@ -1,0 +1,331 @@
+"""The fault language: one line of text <-> :class:`railhil.faults.model.Fault`.
+
+``WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT] [until EVENT] [after WORD] [seed N] [units 1,3] [combine] [id NAME]
+[expect LEVEL within TIME by CAUSE verdict VERDICT]``, such as ``speed stuck @60s for 2s`` or ``TRN_SPEED loss 30% @20s
+for 5s``. Places, words and values are in :mod:`railhil.faults.words`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Protocol
+
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.faults.model import Draw, Expect, Fault, Place, Trigger, Value
+from railhil.faults.places import allowed_places, place_hint, place_of, place_text
+from railhil.faults.quantities import UNITS, allowed_text, number_of, number_text, value_of, value_text
+from railhil.faults.triggers import ALLOWED, trigger_of, trigger_text
+from railhil.faults.words import NAME, TIME, Parameter, Word, word_of, words_at
+
+#: Shown instead of a file for a fault of the command line.
+FAULT = Path("--fault")
+#: Faults of one run; SUP_CMD numbers them in 8 bits.
+FAULTS_MAX = 255
+_SEED_MAX = 0xFFFF_FFFF
+_TAIL = ("for", "until", "after", "seed", "unit", "units", "combine", "id", "expect")
+_VERDICTS = ("PASS", "FAIL", "INVALID")
+_EVENT = re.compile(r"[a-z][a-z0-9_]*")
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.\-]*")
+_BARE = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)")
+_UNIT_WORDS = {unit for units in UNITS.values() for unit in units if unit} | {"km/h"}
+_SHOWN_MAX = 60
+
+
+class Complain(Protocol):
+    """Makes the error for a part of a fault."""
+
+    def __call__(self, found: str, allowed: str, hint: str | None = None) -> InputError:
+        """``found`` is empty for something that is missing."""
+
+
+class _Reader:
+    """The words of one text, from left to right."""
+
+    def __init__(self, text: str, source: str | Path) -> None:
+        flat = re.sub(r"\(([^()]*)\)", lambda match: "(" + "".join(match.group(1).split()) + ")", text)
+        # Brackets belong to the word before them.
+        words = re.sub(r"\s+\(", "(", flat).replace("@", " @ ").split()
+        self._words: list[str] = []
+        for word in words:
+            if word in _UNIT_WORDS and self._words and _BARE.fullmatch(self._words[-1]):
+                self._words[-1] += word
+            else:
+                self._words.append(word)
+        self._source = source
+        flat = " ".join(text.split())
+        self._key = flat if len(flat) <= _SHOWN_MAX else f"{flat[: _SHOWN_MAX - 3]}..."
+
+    @property
+    def next(self) -> str:
+        """The next word; empty at the end."""
+        return self._words[0] if self._words else ""
+
+    def take(self) -> str:
+        """The next word, which is then behind us."""
+        return self._words.pop(0) if self._words else ""
+
+    def refused(self, found: str, allowed: str, hint: str | None = None) -> InputError:
+        """The error for a word."""
+        return InputError(self._source, self._key, found or Words(), allowed, hint)
+
+
+def parse(text: str, source: str | Path = FAULT, trigger: Trigger | None = None) -> Fault:
+    """The fault of a text.
+
+    :param source: where it comes from, for errors.
+    :param trigger: used if the text has no ``@WHEN``; None: it must have one.
+    :raises InputError: it is not in the language: what was found, what is allowed.
+    """
+    reader = _Reader(text, source)
+    where = reader.take()
+    place = place_of(where)
+    if place is None:
+        raise reader.refused(where, allowed_places(), place_hint(where))
+    what = reader.take()
+    word = _word(reader, place, what)
+    values = _values(reader, word)
+    count = int(reader.take()[1:]) if _is_count(reader.next) else None
+    if reader.next == "@":
+        reader.take()
+        trigger = _when(reader)
+    elif reader.next or trigger is None:
+        raise reader.refused(reader.next, _expected(word, values))
+    return checked(_tail(reader, Fault(place, what, trigger, values, count=count)), reader.refused)
+
+
+def _word(reader: _Reader, place: Place, what: str) -> Word:
+    word = word_of(place.level, place.name, place.part, what)
+    if word is None:
+        known = [one.name for one in words_at(place.level, place.name, place.part)]
+        raise reader.refused(what, f"{place_text(place)} with one of {', '.join(known)}", did_you_mean(what, known))
+    return word
+
+
+def _expected(word: Word, values: dict[str, Value]) -> str:
+    left = [
+        f"{one.keyword} " * bool(one.keyword) + allowed_text(one.unit)
+        for one in word.parameters
+        if one.name not in values
+    ]
+    return " or ".join([*left, "@WHEN"])
+
+
+def _values(reader: _Reader, word: Word) -> dict[str, Value]:
+    """Parameters by name: those without a keyword by their place, then those with one in any order."""
+    values: dict[str, Value] = {}
+    for one in word.parameters:
+        if not one.keyword and not _ends(reader, word):
+            values[one.name] = _value(reader, one)
+    while reader.next not in ("@", "", *_TAIL) and not _is_count(reader.next):
+        keyword = reader.next
+        group = [one for one in word.parameters if keyword and one.keyword == keyword]
+        if not group or any(one.name in values for one in group):
+            raise reader.refused(keyword, _expected(word, values))
+        reader.take()
+        for one in group:
+            values[one.name] = _value(reader, one)
+    return values
+
+
+def _ends(reader: _Reader, word: Word) -> bool:
+    """Whether no value by place comes next."""
+    keywords = (one.keyword for one in word.parameters if one.keyword)
+    return reader.next in ("@", "", *_TAIL, *keywords) or _is_count(reader.next)
+
+
+def _value(reader: _Reader, parameter: Parameter) -> Value:
+    text = reader.take()
+    found = value_of(text, parameter.unit)
+    if found is None:
+        raise reader.refused(text, f"{parameter.meaning}, such as {allowed_text(parameter.unit)}")
+    return found
+
+
+def _when(reader: _Reader) -> Trigger:
+    text = ""
+    while reader.next and reader.next not in _TAIL and not _is_count(reader.next):
+        text += reader.take()
+    found = trigger_of(text)
+    if found is None:
+        raise reader.refused(f"@{text}", f"@ and {ALLOWED}")
+    return found
+
+
+def _is_count(word: str) -> bool:
+    return word[:1] == "x" and word[1:].isascii() and word[1:].isdigit()
+
+
+def _tail(reader: _Reader, fault: Fault) -> Fault:
+    said = {"count"} if fault.count is not None else set()
+    while reader.next:
+        word = reader.take()
+        kind = "count" if _is_count(word) else "units" if word == "unit" else word
+        if kind in said:
+            raise reader.refused(word, f"{word} only once")
+        said.add(kind)
+        if kind == "count":
+            fault = replace(fault, count=int(word[1:]))
+        elif word == "combine":
+            fault = replace(fault, combine=True)
+        elif word == "expect":
+            fault = replace(fault, expect=_expect(reader))
+        elif word in _TAIL:
+            fault = _with(reader, fault, word, reader.take())
+        else:
+            raise reader.refused(word, f"x5, {', '.join(_TAIL)}", did_you_mean(word, _TAIL))
+    return fault
+
+
+def _with(reader: _Reader, fault: Fault, word: str, text: str) -> Fault:
+    if word == "for":
+        duration_s = number_of(text, TIME)
+        if duration_s is None or duration_s <= 0 or text[-1:].isdigit():
+            raise reader.refused(text, "a duration above 0, such as for 500ms or for 2s")
+        return replace(fault, duration_s=duration_s)
+    if word == "until":
+        if not _EVENT.fullmatch(text):
+            raise reader.refused(text, "an event, such as until standstill")
+        return replace(fault, until=text)
+    if word == "after":
+        return replace(fault, after=text)
+    if word == "seed":
+        if not (text.isascii() and text.isdigit() and len(text) <= 10 and int(text) <= _SEED_MAX):
+            raise reader.refused(text, f"a seed from 0 to {_SEED_MAX}")
+        return replace(fault, seed=int(text))
+    if word == "id":
+        if not _NAME.fullmatch(text):
+            raise reader.refused(text, "a name of letters and digits, such as T3")
+        return replace(fault, id=text)
+    numbers = text.split(",")
+    if not all(one.isascii() and one.isdigit() and 1 <= int(one[:4]) <= 255 and len(one) <= 3 for one in numbers):
+        raise reader.refused(text, "units from 1, such as units 1,3")
+    return replace(fault, units=tuple(sorted({int(one) for one in numbers})))
+
+
+def _expect(reader: _Reader) -> Expect:
+    level, within_s, by, verdict = "", None, "", ""
+    if reader.next not in ("within", "by", "verdict", ""):
+        level = reader.take().replace("_", " ").upper()
+    while reader.next in ("within", "by", "verdict"):
+        word, text = reader.take(), reader.take()
+        if word == "within":
+            within_s = number_of(text, TIME)
+            if within_s is None or within_s < 0:
+                raise reader.refused(text, "a time, such as within 500ms")
+        elif word == "by":
+            by = text
+        else:
+            verdict = text
+    return Expect(level, within_s, by, verdict)
+
+
+def checked(fault: Fault, complain: Complain) -> Fault:
+    """The fault with the usual values of all parameters that are not given.
+
+    :param complain: makes the error from what was found, what is allowed and a hint.
+    :raises InputError: word, value or combination is not allowed.
+    """
+    place = fault.place
+    word = word_of(place.level, place.name, place.part, fault.what)
+    if word is None:
+        known = [one.name for one in words_at(place.level, place.name, place.part)]
+        raise complain(
+            fault.what, f"{place_text(place)} with one of {', '.join(known)}", did_you_mean(fault.what, known)
+        )
+    values = dict(_complete(fault, word, complain))
+    ends = [name for name, on in (("for", fault.duration_s), ("x", fault.count), ("until", fault.until)) if on]
+    if len(ends) > 1:
+        raise complain(" and ".join(ends), "one of for, xCOUNT and until")
+    if fault.count is not None and fault.count < 1:
+        raise complain(f"x{fault.count}", "a count from x1")
+    if ends and not word.lasts:
+        raise complain(ends[0], f"{fault.what} without a duration")
+    if fault.after and fault.after not in word.after:
+        allowed = f"after {' or '.join(word.after)}" if word.after else f"{fault.what} without after"
+        raise complain(fault.after, allowed, did_you_mean(fault.after, word.after))
+    if fault.trigger.kind == "telegram" and place.level not in ("telegram", "command"):
+        raise complain(f"@{trigger_text(fault.trigger)}", "the number of a telegram only for a port")
+    if fault.expect is not None:
+        _check_expect(fault.expect, complain)
+    return replace(fault, values=MappingProxyType(values))
+
+
+def _complete(fault: Fault, word: Word, complain: Complain) -> Iterator[tuple[str, Value]]:
+    known = {one.name: one for one in word.parameters}
+    for name in fault.values:
+        if name not in known:
+            raise complain(name, f"{fault.what} with {', '.join(known) or 'no values'}", did_you_mean(name, known))
+    for name, one in known.items():
+        value = fault.values.get(name, one.usual)
+        if value is None:
+            raise complain("", f"{fault.what} with {one.meaning}, such as {allowed_text(one.unit)}")
+        if isinstance(value, str) != (one.unit == NAME):
+            raise complain(str(value), f"{one.meaning}, such as {allowed_text(one.unit)}")
+        numbers = () if isinstance(value, str) else (value.a, value.b) if isinstance(value, Draw) else (value,)
+        if isinstance(value, Draw) and value.kind == "normal":
+            numbers = (value.a,)
+        for number in numbers:
+            if not one.low <= number <= one.high:
+                span = f"{number_text(one.low, one.unit)} to {number_text(one.high, one.unit)}"
+                raise complain(number_text(number, one.unit), f"{one.meaning}: {span}")
+        yield name, value
+
+
+def _check_expect(expect: Expect, complain: Complain) -> None:
+    if expect == Expect():
+        raise complain("", "expect with a level, within, by or verdict")
+    if expect.verdict and expect.verdict not in _VERDICTS:
+        raise complain(expect.verdict, f"verdict {', '.join(_VERDICTS)}", did_you_mean(expect.verdict, _VERDICTS))
+    for text in (expect.level.replace(" ", "_"), expect.detected_by):
+        if text and not _NAME.fullmatch(text):
+            raise complain(text, "a level or a cause of the watches")
+
+
+def fault_text(fault: Fault, *, judging: bool = True) -> str:
+    """The canonical text of a fault: :func:`parse` reads it back.
+
+    :param judging: with ``id`` and ``expect``, which change nothing in the run.
+    """
+    place = fault.place
+    word = word_of(place.level, place.name, place.part, fault.what)
+    assert word is not None
+    words = [place_text(place), fault.what, *_value_words(fault, word), f"@{trigger_text(fault.trigger)}"]
+    words += [f"for {number_text(fault.duration_s, TIME)}"] if fault.duration_s is not None else []
+    words += [f"x{fault.count}"] if fault.count is not None else []
+    words += [f"until {fault.until}"] if fault.until else []
+    words += [f"after {fault.after}"] if fault.after else []
+    words += [f"seed {fault.seed}"] if fault.seed is not None else []
+    words += [f"units {','.join(map(str, fault.units))}"] if fault.units else []
+    words += ["combine"] * fault.combine
+    if judging:
+        words += [f"id {fault.id}"] if fault.id else []
+        words += _expect_words(fault.expect)
+    return " ".join(words)
+
+
+def _value_words(fault: Fault, word: Word) -> Iterator[str]:
+    """Values up to the last one that is not the usual one; with a keyword only if one of its values is not."""
+    placed = [one for one in word.parameters if not one.keyword]
+    given = [index for index, one in enumerate(placed) if fault.values.get(one.name, one.usual) != one.usual]
+    for one in placed[: max(given, default=-1) + 1]:
+        yield value_text(fault.values[one.name], one.unit)
+    for keyword in dict.fromkeys(one.keyword for one in word.parameters if one.keyword):
+        group = [one for one in word.parameters if one.keyword == keyword]
+        if any(fault.values.get(one.name, one.usual) != one.usual for one in group):
+            yield keyword
+            for one in group:
+                usual = "" if one.usual is None else one.usual
+                yield value_text(fault.values.get(one.name, usual), one.unit)
+
+
+def _expect_words(expect: Expect | None) -> list[str]:
+    if expect is None:
+        return []
+    words = ["expect"] + ([expect.level.replace(" ", "_")] if expect.level else [])
+    words += [f"within {number_text(expect.within_s, TIME)}"] if expect.within_s is not None else []
+    words += [f"by {expect.detected_by}"] if expect.detected_by else []
+    return words + ([f"verdict {expect.verdict}"] if expect.verdict else [])

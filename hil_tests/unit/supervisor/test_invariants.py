@@ -1,0 +1,171 @@
+"""The rules that hold in every run: each is kept by real runs and found broken in records made to break it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import pytest
+
+from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.plant_sim.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
+from railhil.plant_sim.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
+from railhil.scenarios.load import load
+from railhil.supervisor.invariants import GOOD_NEEDED, broken
+from railhil.supervisor.score import score
+from railhil.supervisor.trace import Trace
+
+SCENARIO = load("lvshun_tieshan")
+TICK_NS = 10_000_000
+
+
+@dataclass
+class Story:
+    """One second of a run, tick by tick; each field gives a value for a tick."""
+
+    train_level: Callable[[int], int] = lambda tick: 0
+    controller_level: Callable[[int], int] = lambda tick: 0
+    notch_256th: Callable[[int], int] = lambda tick: 256
+    traction_20n: Callable[[int], int] = lambda tick: 0
+    speed_01mmps: Callable[[int], int] = lambda tick: 100_000
+    check: Callable[[int], int] = lambda tick: 1
+    without: set[int] = field(default_factory=set)
+    watch_lost: set[int] = field(default_factory=set)
+
+    def trace(self) -> Trace:
+        made, told, life = Trace(), -1, 0
+        for tick in range(100):
+            now_ns = tick * TICK_NS
+            if tick not in self.without:
+                speed = TrnSpeed(self.speed_01mmps(tick), check=self.check(tick), life=tick & 15)
+                made.add(TrnSpeed.PORT, now_ns, speed.encode())
+            level = self.train_level(tick)
+            if level != told or tick % 16 == 0:
+                told, life = level, life + 1 & 15
+                if tick not in self.watch_lost:
+                    made.add(TrnWatch.PORT, now_ns, TrnWatch(level, life=life).encode())
+            if tick % 2 == 0:
+                truth = SimTruth(0, self.speed_01mmps(tick), life=tick // 2 & 15, traction_20n=self.traction_20n(tick))
+                made.add(SimTruth.PORT, now_ns, truth.encode())
+                mode = CtlMode(CtlMode.RUNNING + self.controller_level(tick))
+                if tick not in self.without:
+                    command = NotchCmd(self.notch_256th(tick), mode, life=tick // 2 & 15)
+                    made.add(NotchCmd.PORT, now_ns, command.encode())
+        return made
+
+
+def found(story: Story) -> list[str]:
+    return broken(SCENARIO, story.trace())
+
+
+def test_a_quiet_run_breaks_no_rule() -> None:
+    assert found(Story(traction_20n=lambda tick: 500)) == []
+
+
+def test_the_numbers_are_those_of_the_watches() -> None:
+    assert GOOD_NEEDED == {1: 1, 2: TRAIN_AFTER_CUT, 3: TRAIN_AFTER_BRAKE}
+
+
+@pytest.mark.parametrize("level", [2, 3, 4])
+def test_traction_at_a_level_that_cuts_it(level: int) -> None:
+    at = {"train_level": lambda tick: level if 30 <= tick < 50 else 0, "controller_level": lambda tick: 0}
+    if level < 4:
+        assert found(Story(**at)) == []
+    (said, *_) = found(Story(**at, traction_20n=lambda tick: 500 if tick == 40 else 0))
+    assert said.startswith("invariant 2: the train applies 10.0 kN")
+    assert "at 0.40 s" in said
+    late = {"controller_level": lambda tick: level if tick >= 50 else 0}
+    (said, *_) = found(Story(**late, notch_256th=lambda tick: 256 if tick <= 60 else 0))
+    assert said.startswith("invariant 2: the controller commands notch 1.00")
+    assert "at 0.50 s" in said
+
+
+def test_traction_on_the_way_out_is_none() -> None:
+    """At the instant of the new level, and while the level is not in the record."""
+    hold = Story(train_level=lambda tick: 1 if tick >= 30 else 0, traction_20n=lambda tick: 500)
+    assert found(hold) == []
+    cut = Story(train_level=lambda tick: 2 if tick >= 30 else 0, traction_20n=lambda tick: 500 if tick < 30 else 0)
+    assert found(cut) == []
+    unknown = Story(
+        train_level=lambda tick: 2 if 30 <= tick < 36 else 0,
+        traction_20n=lambda tick: 500 if not 30 <= tick < 36 else 0,
+        watch_lost={36},
+    )
+    assert found(unknown) == [], "a level that may have changed unseen is not judged"
+
+
+@pytest.mark.parametrize(("from_tick", "emergency_tick", "breaks"), [(20, 21, False), (20, 60, True), (90, 999, False)])
+def test_beyond_the_margin_the_emergency_brake_is_applied(from_tick: int, emergency_tick: int, breaks: bool) -> None:
+    """At the end of a record there is no time left to react."""
+    most_01mmps = round((78 + 5) / 3.6 * 1e4)
+    story = Story(
+        train_level=lambda tick: 4 if tick >= emergency_tick else 0,
+        notch_256th=lambda tick: -256,
+        speed_01mmps=lambda tick: most_01mmps + (500 if tick >= from_tick else -500),
+    )
+    assert [text[:11] for text in found(story)] == (["invariant 3"] if breaks else [])
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("missing", [0, 1])
+def test_the_train_leaves_a_level_after_good_commands(level: int, missing: int) -> None:
+    """Commands come every second tick."""
+    ticks = 2 * (GOOD_NEEDED[level] - missing)
+    story = Story(
+        train_level=lambda tick: level if 20 <= tick < 20 + max(ticks, 1) else 0, without={20} if not ticks else set()
+    )
+    said = found(story)
+    assert bool(said) is bool(missing)
+    assert all(text.startswith("invariant 4: the train left") for text in said)
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("missing", [0, 1])
+def test_the_controller_leaves_a_level_after_good_speeds(level: int, missing: int) -> None:
+    """Speeds come every tick; those that a check refuses do not count. The level is told every second tick."""
+    end = 40 + -(-GOOD_NEEDED[level] // 2) * 2
+    surplus = end - 40 + 2 - GOOD_NEEDED[level]
+    bad = set(range(39, 39 + surplus + missing))
+    story = Story(
+        controller_level=lambda tick: level if 40 <= tick < end else 0,
+        notch_256th=lambda tick: 0,
+        check=lambda tick: 0 if tick in bad else 1,
+    )
+    said = found(story)
+    assert bool(said) is bool(missing)
+    assert all(text.startswith("invariant 4: the controller left") for text in said)
+
+
+def test_the_service_brake_is_left_at_a_standstill() -> None:
+    def of(speed_01mmps: int) -> Story:
+        return Story(
+            train_level=lambda tick: 3 if 20 <= tick < 24 else 0,
+            controller_level=lambda tick: 3 if 20 <= tick < 24 else 0,
+            notch_256th=lambda tick: -256,
+            speed_01mmps=lambda tick: speed_01mmps,
+        )
+
+    assert found(of(0)) == []
+    assert [text[:11] for text in found(of(1000))] == ["invariant 4", "invariant 4"]
+
+
+def test_emergency_is_never_left() -> None:
+    story = Story(
+        train_level=lambda tick: 4 if 20 <= tick < 70 else 0,
+        controller_level=lambda tick: 4 if 20 <= tick < 70 else 0,
+        notch_256th=lambda tick: -256,
+    )
+    assert found(story) == [
+        "invariant 4: the controller left EMERGENCY at 0.70 s",
+        "invariant 4: the train left EMERGENCY at 0.70 s",
+    ]
+
+
+def test_a_record_without_the_trains_watch_is_judged_by_the_rest() -> None:
+    trace = Story(controller_level=lambda tick: 2, traction_20n=lambda tick: 500).trace()
+    trace._times_ns.pop(TrnWatch.PORT)
+    assert [text[:30] for text in broken(SCENARIO, trace)] == ["invariant 2: the controller co"]
+
+
+def test_an_unfinished_record_stays_invalid() -> None:
+    assert score(SCENARIO, Story(notch_256th=lambda tick: 256).trace()).verdict == "INVALID"

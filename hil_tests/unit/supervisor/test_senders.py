@@ -1,0 +1,152 @@
+"""The record compared with what its nodes say that they have sent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from railhil.bus.frame import EXTENDED, FD, Frame
+from railhil.bus.layout import Telegram
+from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
+from railhil.bus.sent import SentFrames
+from railhil.bus.telegrams import NotchCmd, PltStat, SimTruth, TrnSpeed
+from railhil.dbc import wire_contract
+from railhil.supervisor.senders import Findings, Senders, sent_file
+
+TICK_NS = 10_000_000
+POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
+
+
+def frames_of(telegram: Telegram, fd: bool = False) -> list[Frame]:
+    return TelegramSource(telegram.port(), fd).frames(telegram.encode())
+
+
+def bench(ticks: int = 100, fd: bool = False) -> list[tuple[str, Frame]]:
+    """Owner and frame in bus order, one telegram of each kind per tick; PLT_STAT repeats itself every 16 ticks."""
+    found: list[tuple[str, Frame]] = []
+    for tick in range(ticks):
+        for telegram in (TrnSpeed(tick, life=tick % 16), PltStat(life=tick % 16), SimTruth(tick, 5)):
+            found += [("plant", frame) for frame in frames_of(telegram, fd)]
+        found.append(("plant", POLL))
+        found += [("controller", frame) for frame in frames_of(NotchCmd(tick, life=tick % 16), fd)]
+    return found
+
+
+def compared(
+    folder: Path,
+    sent: Sequence[tuple[str, Frame]],
+    recorded: Sequence[Frame],
+    *,
+    complete: bool = True,
+    witnesses: Sequence[str] = ("plant", "controller"),
+) -> Findings:
+    """Each recorded frame is one tick later than the one before."""
+    for node in witnesses:
+        own = SentFrames(sent_file(folder, node), node)
+        for owner, frame in sent:
+            if owner == node:
+                own.note([frame])
+        own.write()
+    senders = Senders(folder, wire_contract(), complete=complete)
+    assert len(list(senders.passing((place * TICK_NS, frame) for place, frame in enumerate(recorded)))) == len(recorded)
+    return senders.findings()
+
+
+@pytest.fixture(autouse=True)
+def signals_stay(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("railhil.bus.sent.finish_undisturbed", lambda: None)
+
+
+@pytest.mark.parametrize("fd", [False, True])
+@pytest.mark.parametrize("complete", [False, True])
+def test_a_record_of_what_was_sent_is_in_order(tmp_path: Path, fd: bool, complete: bool) -> None:
+    """More frames than are sorted at once; the polls of the device status are not recorded."""
+    sent = bench(1000, fd)
+    scan = [("plant", master_frame(F_DEVICE_STATUS, 1))] * 3
+    found = compared(tmp_path, scan + sent, [frame for _, frame in sent], complete=complete)
+    assert found == Findings([], [])
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("complete", [False, True])
+@pytest.mark.parametrize(
+    ("frames", "words"),
+    [
+        (frames_of(SimTruth(9, 5)), "3 frames on SIM_TRUTH that the plant did not send, first at 4.00 s"),
+        (frames_of(TrnSpeed(3, life=3)), "1 frame on TRN_SPEED that the plant did not send, first at 4.00 s"),
+        (frames_of(NotchCmd(99, life=3)), "1 frame on NOTCH_CMD that the controller did not send, first at 4.00 s"),
+        (frames_of(SimTruth(9, 5), fd=True), "1 frame on SIM_TRUTH that the plant did not send, first at 4.00 s"),
+        ([Frame(TrnSpeed.port().address, b"")], "1 frame on TRN_SPEED that the plant did not send, first at 4.00 s"),
+    ],
+)
+def test_a_frame_that_its_owner_did_not_send_is_found(
+    tmp_path: Path, frames: list[Frame], words: str, complete: bool
+) -> None:
+    sent = bench()
+    record = [frame for _, frame in sent]
+    found = compared(tmp_path, sent, [*record[:400], *frames, *record[400:]], complete=complete)
+    assert found.said == [words]
+    assert len(list(tmp_path.iterdir())) == 2, "the lists are evidence"
+
+
+@pytest.mark.parametrize("complete", [False, True])
+@pytest.mark.parametrize("again", [frames_of(PltStat(life=3)), [POLL]])
+def test_a_frame_that_looks_like_one_sent_later_is_counted_all_the_same(
+    tmp_path: Path, again: list[Frame], complete: bool
+) -> None:
+    sent = bench()
+    record = [frame for _, frame in sent]
+    found = compared(tmp_path, sent, [*record[:400], *again, *record[400:]], complete=complete)
+    (said,) = found.said
+    assert "that the plant did not send" in said
+    assert not complete or said.startswith("1 frame on ")
+
+
+def test_changed_and_missing_frames_are_found_where_none_can_be_lost(tmp_path: Path) -> None:
+    sent = bench()
+    record = [frame for _, frame in sent]
+    speeds = [place for place, frame in enumerate(record) if frame.can_id == TrnSpeed.port().address]
+    changed = list(record)
+    (changed[speeds[50]],) = frames_of(TrnSpeed(7777, life=2))
+    foreign = f"1 frame on TRN_SPEED that the plant did not send, first at {speeds[50] / 100:.2f} s"
+    assert compared(tmp_path, sent, changed).said == [
+        foreign,
+        "1 frame on TRN_SPEED that the plant sent is missing",
+    ]
+    assert compared(tmp_path, sent, changed, complete=False).said == [foreign]
+    holed = [frame for place, frame in enumerate(record) if place not in speeds[50:60] and place not in speeds[-1:]]
+    assert compared(tmp_path, sent, holed).said == ["11 frames on TRN_SPEED that the plant sent are missing"]
+    assert compared(tmp_path, sent, holed, complete=False).said == []
+
+
+def test_a_controller_that_says_nothing_answers_at_most_each_poll(tmp_path: Path) -> None:
+    """A board, or one that was killed."""
+    sent = bench()
+    record = [frame for _, frame in sent]
+    names = [port.name for port in wire_contract().ports if port.source == "controller"]
+    found = compared(tmp_path, sent, record, witnesses=("plant",))
+    assert found == Findings([], names)
+    record[400:400] = frames_of(NotchCmd(99, life=3)) * 2
+    found = compared(tmp_path, sent, record, witnesses=("plant",))
+    assert found == Findings(["2 frames on NOTCH_CMD more than the plant has polled"], names)
+
+
+def test_without_any_list_nothing_is_said(tmp_path: Path) -> None:
+    found = compared(tmp_path, [], [frame for _, frame in bench()], witnesses=())
+    assert found == Findings([], [port.name for port in wire_contract().ports if port.source != "supervisor"])
+
+
+def test_frames_that_are_no_telegrams_belong_to_nobody(tmp_path: Path) -> None:
+    sent = bench()
+    record = [frame for _, frame in sent]
+    record[400:400] = [Frame(TrnSpeed.port().address, bytes(8), EXTENDED), Frame(0x7E0, b"x"), Frame(0x7E1, b"y", FD)]
+    assert compared(tmp_path, sent, record).said == []
+
+
+def test_a_list_that_cannot_be_written_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    own = SentFrames(tmp_path / "none" / "plant.sent", "plant")
+    own.note([POLL])
+    own.write()
+    assert capsys.readouterr().err == "plant: list of sent frames is lost: no such file or directory\n"

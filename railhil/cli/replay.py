@@ -1,0 +1,110 @@
+"""``railhil replay``: a recorded log drives one node, whose answers are compared with the recorded ones."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from railhil.bus.ident import PACES, PltIdent, is_perturbed
+from railhil.common.choices import ARITHMETICS
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.output import Output, add_json_argument, print_json
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.record import Record, checked_record
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("replay", help="drive one node with a recorded log, compare its answers")
+    parser.add_argument("log", help="frames.log, frames.blf, or the run folder that holds them")
+    parser.add_argument("--node", choices=("controller", "plant"), required=True, help="the node that is driven")
+    parser.add_argument("--scenario", help="shipped name or TOML file (default: that of the run folder)")
+    parser.add_argument("--controller", metavar="LAW", help="law of the controller (default: that of the certificate)")
+    parser.add_argument("--arithmetic", choices=ARITHMETICS, help="its arithmetic (default: that of the certificate)")
+    parser.add_argument(
+        "--port", action="append", default=[], metavar="PORT", help="compare only this port (default: all of the node)"
+    )
+    add_json_argument(parser)
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Replay, compare, print; exit code 0 for equal frames, 1 for others."""
+    # Laws and plant are loaded only by processes that compute with them.
+    from railhil.replay import facts, replay
+
+    record = checked_record(namespace.log, namespace.scenario)
+    spec = _spec(record, namespace.controller, namespace.arithmetic)
+    _check(record, namespace.node, spec)
+    replayed = replay(namespace.node, list(read_log(record.log)), record.scenario, spec)
+    ports = _ports(record.log, namespace.port, sorted(replayed.ports))
+    first = replayed.first(ports)
+    if namespace.json:
+        print_json(facts(replayed, ports))
+        return PASS if replayed.same(ports) else FAIL
+    console = Output()
+    law = f" ({spec.law.label} {spec.law.arithmetic})" if namespace.node == "controller" else f" (seed {spec.seed})"
+    console.say(
+        f"{namespace.node}{law} driven by {record.log}: {replayed.frames} frames, {replayed.sim_time_s:.2f} s in "
+        f"{replayed.wall_time_s:.2f} s = {replayed.speed_factor:.0f} times real time"
+    )
+    for name in ports:
+        found = replayed.ports[name]
+        more = f", {found.unrecorded} answers to polls without a recorded one" if found.unrecorded else ""
+        console.say(f"{name}: {found.equal} of {found.recorded} frames equal{more}")
+    if first is not None:
+        console.say(f"first difference: {first.sentence}")
+    return PASS if replayed.same(ports) else FAIL
+
+
+def _spec(record: Record, controller: str | None, arithmetic: str | None) -> RunSpec:
+    """The run of a record: from its certificate, else from its handshake and the command line.
+
+    :raises InputError: no such law.
+    """
+    system = system_named(record.scenario.system)
+    if record.certificate:
+        spec = RunSpec.from_json(record.certificate, record.log)
+    else:
+        ident = record.trace.ident(PltIdent)
+        assert ident is not None, "checked_record has read it"
+        pace = PACES[ident.pace] if 0 < ident.pace < len(PACES) else "lockstep"
+        spec = RunSpec(law=LawSpec(system.law), seed=ident.seed, perturbed=is_perturbed(ident), pace=pace)
+    law = spec.law
+    if controller is not None and controller != law.controller:
+        # Parameters and memory are those of the other law.
+        law = LawSpec(controller, law.arithmetic, law.indexing, task_period_ms=law.task_period_ms)
+    if arithmetic is not None:
+        law = replace(law, arithmetic=arithmetic)
+    system.check_law(law.controller, "command line", "--controller")
+    return replace(spec, law=law)
+
+
+def _check(record: Record, node: str, spec: RunSpec) -> None:
+    """Refuse a record that the nodes of this version cannot be driven with.
+
+    :raises InputError: another wire contract; for the plant, a run in real time.
+    """
+    now = system_named(record.scenario.system).contract.sha256
+    if record.trace.contract.sha256 != now:
+        raise InputError(record.log, "DBC", record.trace.contract.sha256, f"{now}: the wire contract of this version")
+    if node == "plant" and spec.is_realtime:
+        found = Words("a run in real time")
+        raise InputError(record.log, "pace", found, "lockstep: which answers came in time is not in the record")
+
+
+def _ports(log: Path, asked: list[str], there: list[str]) -> list[str]:
+    """The ports to compare.
+
+    :raises InputError: the record has no frame of one of them.
+    """
+    for name in asked:
+        if name not in there:
+            raise InputError("command line", "--port", name, ", ".join(there), did_you_mean(name, there))
+    if not there:
+        raise InputError(log, "file", Words("no frame of the node"), "a record of a run with its answers")
+    return asked or there

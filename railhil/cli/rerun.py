@@ -1,0 +1,91 @@
+"""``railhil rerun``: repeats a recorded run and compares the two records."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+from can.cli import add_bus_arguments
+
+from railhil.bus.select import LOCAL, config_from_namespace
+from railhil.cli.bus_run import chosen_bus, recorded
+from railhil.common.choices import BUSES
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.output import Output, add_json_argument, print_json
+from railhil.dbc import recorded_contract
+from railhil.scenarios.system import system_named
+from railhil.supervisor import again
+from railhil.supervisor.difference import Difference, first_difference
+from railhil.supervisor.folder import run_folder
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.start_up import StartUp
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("rerun", help="repeat a recorded run, name the first frame that differs")
+    parser.add_argument("run", help="run folder, or its certificate.json")
+    parser.add_argument(
+        "--bus", choices=BUSES, help="auto: over a bus, as railhil run (default: local, without -i and the like)"
+    )
+    parser.add_argument("--out", metavar="DIR", help="folder of the repeated run (default: kept only if it differs)")
+    add_json_argument(parser)
+    add_bus_arguments(parser)
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Repeat, compare, print; exit code 0 for the same bytes, 1 for others."""
+    run = again.recorded(namespace.run)
+    again.repeatable(run)
+    console = Output(stderr=namespace.json)
+    spec = replace(run.spec, bus=namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL))
+    notes = again.changes(run)
+    scenario, changed = again.scenario_now(run, spec.is_local)
+    notes += [changed] if changed else []
+    for note in notes:
+        console.say(f"note: {note}")
+    with chosen_bus(namespace, spec) as choice:
+        kept = namespace.out is not None
+        place = namespace.out if kept else tempfile.mkdtemp(prefix="railhil-rerun-")
+        folder, made = run_folder(place, scenario.name, spec.law.controller)
+        done, result = recorded(scenario, spec, StartUp(), choice, folder, made or not kept, console, True)
+    if done.stopped_exit_code:
+        console.say(f"not compared: {result.line}; the repeated run is in {folder}")
+        return done.stopped_exit_code
+    same = result.frames_sha256 == run.sha256
+    found = None if same else _difference(run, folder / "frames.log", scenario.system)
+    if same and not kept:
+        shutil.rmtree(folder)
+    if namespace.json:
+        print_json(
+            {
+                "same": same,
+                "recorded_sha256": run.sha256,
+                "frames_sha256": result.frames_sha256,
+                "notes": notes,
+                "difference": None if found is None else found.as_json(),
+                "folder": str(folder) if kept or not same else None,
+            }
+        )
+    elif same:
+        said = f"{result.frames} frames, {run.spec.scenario}, seed {spec.seed}, on {result.transport}"
+        console.say(f"same bytes: frames.log sha256 {result.frames_sha256} ({said})")
+    else:
+        console.say(f"other bytes: frames.log sha256 {result.frames_sha256}, recorded {run.sha256}")
+        where = f"no frames.log beside {run.certificate_path} to compare with"
+        console.say(f"first difference: {where if found is None else found.sentence}")
+        console.say(f"the repeated run is in {folder}" + (f": {result.line}" if result.line else ""))
+    return PASS if same else FAIL
+
+
+def _difference(run: again.Recorded, repeated: Path, system: str) -> Difference | None:
+    """Where the records differ first; None without the record."""
+    if run.log is None:
+        return None
+    now = system_named(system).contract
+    was = recorded_contract(run.log.parent, run.certificate.get("dbc_sha256"), now)
+    return first_difference(read_log(run.log), read_log(repeated), was, now)

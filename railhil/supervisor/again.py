@@ -1,0 +1,116 @@
+"""Repeating a recorded run: its certificate and log, and what has changed since."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.stored import SCENARIO, read_scenario
+from railhil.scenarios.system import DEFAULT, system_named
+from railhil.supervisor.documents import CERTIFICATE, read_certificate
+from railhil.supervisor.folder import code_sha256
+from railhil.supervisor.framelog import BLF_SUFFIX, log_sha256
+
+_CERTIFICATE = "a run folder with its certificate, or certificate.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """A certified run.
+
+    ``log``: its record, checked against the certificate; None if it is not beside it.
+    """
+
+    certificate_path: Path
+    certificate: dict[str, Any]
+    spec: RunSpec
+    log: Path | None
+
+    @property
+    def sha256(self) -> str:
+        """Of its ``frames.log``, from the certificate."""
+        return str(self.certificate["frames_sha256"])
+
+
+def recorded(text: str) -> Recorded:
+    """The run of a run folder or of a certificate.
+
+    :raises InputError: there is no certificate, it describes no run, or the log beside it is another one.
+    """
+    given = Path(text)
+    path = given / CERTIFICATE if given.is_dir() else given
+    document = read_certificate(path, _CERTIFICATE)
+    if document is None:
+        raise InputError(path, "file", Words("no such file"), _CERTIFICATE)
+    wanted = document.get("frames_sha256")
+    if not wanted:
+        raise InputError(path, "frames_sha256", Words("no such key"), _CERTIFICATE)
+    log = next((log for log in _logs(path.parent) if log.is_file()), None)
+    if log is not None and (found := log_sha256(log)) != wanted:
+        raise InputError(log, "sha256", found, f"{wanted} ({path.name} beside it): a log that nobody changed")
+    return Recorded(path, document, RunSpec.from_json(document, path), log)
+
+
+def _logs(folder: Path) -> tuple[Path, ...]:
+    return folder / "frames.log", folder / f"frames{BLF_SUFFIX}"
+
+
+def repeatable(run: Recorded) -> None:
+    """Refuse a run that nobody can repeat with the same bytes.
+
+    :raises InputError: it kept real time, or its controller was not railhil's.
+    """
+    path = run.certificate_path
+    if run.spec.is_realtime:
+        allowed = "lockstep: a run in real time has other bytes each time (railhil replay compares its answers)"
+        raise InputError(path, "pace", run.spec.pace, allowed)
+    if run.certificate.get("foreign"):
+        allowed = "a controller of railhil (railhil replay compares the answers of another one with it)"
+        raise InputError(path, "foreign", Words("a controller of somebody else"), allowed)
+
+
+def scenario_now(run: Recorded, stored: bool) -> tuple[AnyScenario, str]:
+    """The scenario with which to repeat a run, and in what it differs from the record's; empty: in nothing.
+
+    :param stored: if the scenario named in the certificate has changed or is gone, use that of the run folder.
+    :raises InputError: there is none.
+    """
+    wanted, path = run.certificate.get("scenario_sha256"), run.certificate_path.parent / SCENARIO
+    kept = stored and path.is_file()
+    try:
+        scenario = run.spec.load()
+    except InputError as error:
+        if not kept:
+            raise
+        return read_scenario(path), f"scenario {run.spec.scenario} cannot be loaded ({error}): {SCENARIO} is used"
+    if scenario.sha256 == wanted:
+        return scenario, ""
+    said = f"scenario {run.spec.scenario} has changed since the record"
+    return (read_scenario(path), f"{said}: {SCENARIO} beside the certificate is used") if kept else (scenario, said)
+
+
+def changes(run: Recorded) -> list[str]:
+    """One sentence for each part of the bench that is not that of the record; a cause of other bytes."""
+    then, system = run.certificate, system_named(str(run.certificate.get("system") or DEFAULT))
+    now = {
+        "railhil": version("railhil"),
+        "code_sha256": code_sha256(),
+        "system_sha256": system.code_sha256(),
+        "dbc_sha256": system.contract.sha256,
+    }
+    differ = {key for key, value in now.items() if then.get(key) not in (None, value)}
+    found = []
+    if "railhil" in differ:
+        found.append(f"recorded by railhil {then['railhil']}, this is {now['railhil']}")
+    if "dbc_sha256" in differ:
+        found.append("recorded with another wire contract (dbc_sha256): frames differ from the handshake on")
+    if "code_sha256" in differ:
+        found.append("the code of the bench has changed since the record (code_sha256)")
+    if "system_sha256" in differ and "code_sha256" not in differ:
+        found.append(f"the code of system {system.name} has changed since the record (system_sha256)")
+    return found

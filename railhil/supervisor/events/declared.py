@@ -1,0 +1,75 @@
+"""Where a system reports its reactions, and which telegrams its receivers judge: declarations in its ``Judging``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from railhil.bus.acceptance import checks_of, life_of
+from railhil.bus.layout import Telegram
+
+
+def _in_words(scenario: Any, level: str, cause: str) -> str:
+    return cause.replace("_", " ")
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """A reaction ladder whose level is on the bus.
+
+    ``name``: source of its events, and of a column of ``signals.csv``. ``title``: stands before its levels in
+    sentences; empty: nothing. ``port``, ``level``, ``cause``: the telegram and its signals; the words of both are those
+    of the wire contract. ``ladder``: raw values of the level from normal to the strongest reaction; others are no
+    reaction (a controller that initialises). ``start``: causes for which the first level of a run is no reaction but
+    the normal start. ``said``: (scenario, level, cause) -> the cause in words.
+    """
+
+    name: str
+    title: str
+    port: str
+    level: str
+    cause: str
+    ladder: tuple[int, ...]
+    start: frozenset[str] = frozenset()
+    said: Callable[[Any, str, str], str] = _in_words
+
+
+@dataclass(frozen=True, slots=True)
+class Received:
+    """Telegrams of one port whose receiver judges their content: life sign, check variables, values in range.
+
+    Names of signals; ``life`` is empty for a telegram without one. ``ranges``: smallest and largest raw value.
+    """
+
+    port: str
+    life: str
+    checks: tuple[str, ...]
+    ranges: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, kind: type[Telegram], ranges: Mapping[str, tuple[int, int]] | None = None) -> Received:
+        """What :class:`railhil.bus.acceptance.Acceptance` checks in a telegram, and ``ranges``.
+
+        :raises InputError: its life sign is not a number of 4 bits.
+        """
+        life = life_of(kind)
+        checks = tuple(signal.name for signal in checks_of(kind).values())
+        return cls(kind.PORT, "" if life is None else life.name, checks, ranges or {})
+
+
+@dataclass(frozen=True, slots=True)
+class Interlocks:
+    """Signals of one port with the raw value that each has in normal operation."""
+
+    port: str
+    normal: Mapping[str, int]
+
+
+def interface_received(interface: Any) -> tuple[Received, ...]:
+    """The telegrams of a system whose laws use the signals of an ``Interface``: its readings and its commands.
+
+    :param interface: a :class:`railhil.controller_node.vector.law.Interface`.
+    """
+    kinds = dict.fromkeys(item.telegram for item in (*interface.readings, *interface.commands))
+    return tuple(Received.of(kind) for kind in kinds)

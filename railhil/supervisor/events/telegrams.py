@@ -1,0 +1,103 @@
+"""Telegrams that were refused, lost or not sent: what receivers would not have taken from the recorded bus."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import LifeSign
+from railhil.bus.schedule import Schedule
+from railhil.supervisor.events.declared import Received
+from railhil.supervisor.events.event import LOST, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.supervisor.trace import Noted, Trace
+
+#: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
+BURST_NS = 2_000_000_000
+_LIFE_VALUES = 16
+
+
+def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
+    """Telegrams refused by the traffic store, and those refused by their receiver for what they say."""
+    judged = (noted for item in received for noted in _judged(trace, item))
+    return _bursts(REFUSED, sorted([*trace.refused, *judged]))
+
+
+def missed_polls(trace: Trace) -> Iterator[RecordedEvent]:
+    """Polls without a good answer."""
+    return _bursts(MISSED_POLL, sorted(trace.missed))
+
+
+def _bursts(kind: str, found: Iterable[Noted]) -> Iterator[RecordedEvent]:
+    """One event for all that are close together.
+
+    :param found: in the order of time.
+    """
+    bursts: dict[tuple[str, str], list[int]] = {}
+    for time_ns, source, cause in found:
+        burst = bursts.get((source, cause))
+        if burst is not None and time_ns - burst[1] <= BURST_NS:
+            burst[1], burst[2] = time_ns, burst[2] + 1
+            continue
+        if burst is not None:
+            yield _burst(kind, source, cause, *burst)
+        bursts[source, cause] = [time_ns, time_ns, 1]
+    for (source, cause), burst in bursts.items():
+        yield _burst(kind, source, cause, *burst)
+
+
+def _burst(kind: str, source: str, cause: str, first_ns: int, last_ns: int, count: int) -> RecordedEvent:
+    until_s = last_ns / 1e9 if count > 1 else None
+    return RecordedEvent(first_ns / 1e9, source, kind, cause, count=count, until_s=until_s)
+
+
+def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
+    """Telegrams of one port that its receiver refuses, by the causes of its counters."""
+    port = item.port
+    if not trace.has(port, item.life or next(iter((*item.checks, *item.ranges)), "")):
+        return
+    check_failed = np.zeros(trace.count(port), dtype=bool)
+    for name in item.checks:
+        check_failed |= trace.raw(port, name) != CHECK_CORRECT
+    outside = np.zeros_like(check_failed)
+    for name, (lowest, highest) in item.ranges.items():
+        raw = trace.raw(port, name)
+        outside |= (raw < lowest) | (raw > highest)
+    signs = trace.raw(port, item.life) if item.life else np.zeros(len(outside), dtype=np.int64)
+    steady = not item.life or bool(np.all(np.diff(signs) % _LIFE_VALUES == 1))
+    if steady and not (check_failed.any() or outside.any()):
+        return
+    life = LifeSign()
+    for time_ns, sign, wrong, beyond in zip(trace.times_ns(port), signs.tolist(), check_failed, outside, strict=True):
+        if item.life:
+            verdict = life.judge(sign)
+            if not verdict.fresh:
+                yield Noted(time_ns, port, verdict.value)
+                continue
+            life.accept(sign)
+        if wrong or beyond:
+            yield Noted(time_ns, port, "check_variable" if wrong else "out_of_range")
+
+
+def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
+    """Periodic telegrams of the plant that are neither in the record nor refused: an outage, or frames that were lost.
+
+    One event for each gap; its instant is that of the first missing telegram.
+    """
+    refusals: dict[str, list[int]] = {}
+    for time_ns, source, _ in trace.refused:
+        refusals.setdefault(source, []).append(time_ns)
+    for port in trace.contract.ports:
+        if port.mode != "publish" or port.name not in schedule.periods_ns:
+            continue
+        times_ns: npt.NDArray[np.int64] = np.array(trace.times_ns(port.name), dtype=np.int64)
+        if port.name in refusals:
+            times_ns = np.sort(np.concatenate([times_ns, np.array(refusals[port.name], dtype=np.int64)]))
+        period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
+        steps_ns = np.diff(times_ns)
+        for index in np.flatnonzero(steps_ns > 1.5 * period_ns).tolist():
+            begun_s, until_s = (int(times_ns[index]) + period_ns) / 1e9, int(times_ns[index + 1]) / 1e9
+            count = round(int(steps_ns[index]) / period_ns) - 1
+            yield RecordedEvent(begun_s, port.name, LOST, "gap", count=count, until_s=until_s)

@@ -1,0 +1,169 @@
+"""Rules that hold in every run of a train, faulty or not, checked on the record.
+
+2. No traction at level TRACTION CUT or above, neither commanded by the controller nor applied by the train.
+3. Beyond the overspeed margin the emergency brake is applied.
+4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
+
+The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
+(sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.supervisor.counters`. The checks use
+neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from railhil.bus.layout import CHECK_CORRECT
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.scenarios.model import Scenario
+from railhil.supervisor.measures import limits_under_train
+from railhil.supervisor.trace import FloatArray, Trace
+
+LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
+_TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = 2, 3, 4
+#: Good telegrams after which a level may be left.
+GOOD_NEEDED = {1: 1, _TRACTION_CUT: 5, _SERVICE_BRAKE: 10}
+#: Time that the watches may take to notice an overspeed, and the record to show it: the period of TRN_WATCH.
+NOTICE_S = 0.16
+#: Resolution of SIM_TRUTH's force; anything above half of it is traction.
+_FORCE_MIN_N = 10.0
+_SPEED_SLACK_MPS = 1e-3
+
+BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.int64]
+
+
+def broken(scenario: Scenario, trace: Trace) -> list[str]:
+    """One sentence for the first breach of each rule; empty for a run that keeps them.
+
+    A record of an earlier version, without the level of the train's watch, is checked only for the controller's.
+    """
+    has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
+    found = [*_commanded_traction(trace), *_left_early_by_controller(trace)]
+    if has_watch and trace.count(TrnWatch.PORT):
+        found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace)]
+    return found
+
+
+def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
+    """Level of the train's watch at each instant: that of the newest TRN_WATCH; -1 where it is not known.
+
+    It is not known before the first one, and where a life sign is missing from the record.
+    """
+    told_s, level = trace.times_s(TrnWatch.PORT), trace.raw(TrnWatch.PORT, "WatchLevel")
+    life = trace.raw(TrnWatch.PORT, "WatchLife")
+    after_gap = np.append((np.diff(life) & 0xF) != 1, False)
+    index = np.searchsorted(told_s, time_s, side="right") - 1
+    known = (index >= 0) & ~after_gap[np.maximum(index, 0)]
+    return np.where(known, level[np.maximum(index, 0)], -1)
+
+
+def _controller_levels(trace: Trace) -> IntArray:
+    return np.maximum(trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING), 0)
+
+
+def _commanded_traction(trace: Trace) -> Iterator[str]:
+    level, notch = _controller_levels(trace), trace.values(NotchCmd.PORT, "NotchCmd")
+    wrong = np.flatnonzero((level >= _TRACTION_CUT) & (notch > 0))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 2: the controller commands notch {notch[first]:.2f} at {LEVELS[level[first]]}, "
+            f"at {trace.times_s(NotchCmd.PORT)[first]:.2f} s"
+        )
+
+
+def _applied_traction(trace: Trace) -> Iterator[str]:
+    time_s, force_n = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce")
+    level = _level_at(trace, time_s)
+    wrong = np.flatnonzero((level >= _TRACTION_CUT) & (force_n > _FORCE_MIN_N))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 2: the train applies {force_n[first] / 1e3:.1f} kN of traction at {LEVELS[level[first]]}, "
+            f"at {time_s[first]:.2f} s"
+        )
+
+
+def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
+    time_s, speed_mps = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TrueSpeed")
+    position_m = trace.values(SimTruth.PORT, "TruePos")
+    limits_mps = limits_under_train(scenario.line.speed_limit_mps, position_m, scenario.train.length_m)
+    most_mps = np.minimum(limits_mps, scenario.train.speed_limit_mps) + scenario.watch.overspeed_margin_mps
+    beyond = speed_mps > most_mps + _SPEED_SLACK_MPS
+    if not beyond.any():
+        return
+    # Only what lasts: the level stands in the record some ticks after the speed.
+    later = _level_at(trace, time_s + NOTICE_S)
+    ends = np.minimum(np.searchsorted(time_s, time_s + NOTICE_S), len(time_s) - 1)
+    noticed = time_s + NOTICE_S <= time_s[-1]
+    wrong = np.flatnonzero(beyond & beyond[ends] & noticed & (later >= 0) & (later < _EMERGENCY))
+    if len(wrong):
+        first = wrong[0]
+        yield (
+            f"invariant 3: {speed_mps[first] * 3.6:.1f} km/h at {time_s[first]:.2f} s, beyond the margin, "
+            f"and the train's watch is at {LEVELS[later[first]]}"
+        )
+
+
+def _good(trace: Trace, port: str, check: str, life: str, also: BoolArray | None = None) -> FloatArray:
+    """Instants of the good telegrams of a port: correct check variable, and a life sign that moves on."""
+    steps = np.diff(trace.raw(port, life), prepend=-1) & 0xF
+    if len(steps):
+        steps[0] = 1
+    good = (trace.raw(port, check) == CHECK_CORRECT) & (steps >= 1) & (steps <= MAX_STEP)
+    times_s: FloatArray = trace.times_s(port)[good if also is None else good & also]
+    return times_s
+
+
+def _left_early(
+    who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, stands: BoolArray
+) -> Iterator[str]:
+    """The first breach of rule 4.
+
+    :param level: at each instant; -1: not known. The good telegrams are numbered in their order: ``first`` is the
+        first one that can count for a level entered at an instant, ``past`` the first that is too late for one left.
+    :param stands: whether the train stands at each instant.
+    """
+    for index in np.flatnonzero(np.diff(level) < 0) + 1:
+        left, entered = int(level[index - 1]), index - 1
+        if level[index] < 0 or left == 0:
+            continue
+        if left == _EMERGENCY:
+            yield f"invariant 4: {who} left EMERGENCY at {time_s[index]:.2f} s"
+            return
+        while entered > 0 and level[entered - 1] == left:
+            entered -= 1
+        count = int(past[index] - first[entered])
+        if count < GOOD_NEEDED[left] and not (left == _SERVICE_BRAKE and stands[index]):
+            yield (
+                f"invariant 4: {who} left {LEVELS[left]} at {time_s[index]:.2f} s after {count} good telegrams, "
+                f"needed {GOOD_NEEDED[left]}"
+            )
+            return
+
+
+def _left_early_by_controller(trace: Trace) -> Iterator[str]:
+    """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll."""
+    time_s = trace.times_s(NotchCmd.PORT)
+    speed = trace.raw(TrnSpeed.PORT, "TrainSpeed")
+    good_s = _good(trace, TrnSpeed.PORT, "SpeedChk", "SpeedLife", speed >= 0)
+    past = np.searchsorted(good_s, time_s, side="right")
+    first = np.concatenate([[0], past[:-1]])
+    newest = np.searchsorted(trace.times_s(TrnSpeed.PORT), time_s, side="right") - 1
+    stands = (newest >= 0) & (speed[np.maximum(newest, 0)] == 0) if len(speed) else np.ones(len(time_s), dtype=bool)
+    yield from _left_early("the controller", time_s, _controller_levels(trace), first, past, stands)
+
+
+def _left_early_by_train(trace: Trace) -> Iterator[str]:
+    """The level is told one tick after it was entered, and commands follow it in the tick."""
+    told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
+    at = np.searchsorted(_good(trace, NotchCmd.PORT, "NotchChk", "NotchLife"), told_s, side="left")
+    speed = trace.raw(SimTruth.PORT, "TrueSpeed")
+    index = np.clip(np.searchsorted(truth_s, told_s) - 1, 0, max(len(truth_s) - 1, 0))
+    stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
+    yield from _left_early("the train", told_s, _level_at(trace, told_s), at, at, stands)

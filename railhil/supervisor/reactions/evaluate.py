@@ -1,0 +1,130 @@
+"""What a run with a fault of the catalogue did, beside what it should have done."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from railhil.supervisor.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.supervisor.reactions.catalogue import LEVELS, Entry
+
+#: A watch that is back at NORMAL for less than this before the end of the record has not resumed.
+RESUMED_S = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The facts of one run.
+
+    ``begun_s``: the first fault became active; ``effective_s``: it first changed something; None: never. ``events``:
+    those of the run. ``stands``: the train stands at the end of the record, at ``end_s``. ``ended``: the milestone that
+    ended the run. ``verdict``: PASS, FAIL, INVALID or TOOL ERROR; ``line``: its reason.
+    """
+
+    begun_s: float | None
+    effective_s: float | None
+    events: Sequence[RecordedEvent]
+    stands: bool
+    end_s: float
+    ended: str
+    verdict: str
+    line: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the table of reactions. Times in s of simulation; None: did not happen.
+
+    ``detected_by``: cause or refusal that showed first, ``detected_s`` when; ``reaction``: strongest level after the
+    first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
+    demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: how the run
+    differs from the entry, empty if it does not.
+    """
+
+    entry: Entry
+    begun_s: float | None = None
+    effective_s: float | None = None
+    detected_by: str = ""
+    detected_s: float | None = None
+    reaction: str = "NORMAL"
+    reaction_s: float | None = None
+    verdict: str = ""
+    failures: list[str] = field(default_factory=list)
+
+    @property
+    def after_ms(self) -> float | None:
+        """From the first effect to the reaction, in ms."""
+        if self.reaction_s is None or self.effective_s is None:
+            return None
+        return (self.reaction_s - self.effective_s) * 1e3
+
+    @property
+    def margin_ms(self) -> float | None:
+        """What is left of the bound, in ms; None without a bound or a reaction."""
+        after_ms = self.after_ms
+        return None if after_ms is None or self.entry.within_ms is None else self.entry.within_ms - after_ms
+
+
+def _cause(event: RecordedEvent) -> str:
+    if event.kind == LEVEL:
+        return event.cause
+    return f"refused:{event.cause}" if event.kind == REFUSED else "missed_polls" if event.kind == MISSED_POLL else ""
+
+
+def evaluated(entry: Entry, seen: Seen) -> Row:
+    """The row of an entry for the run that was made for it."""
+    failures = []
+    if entry.verdict and seen.verdict != entry.verdict:
+        failures.append(f"verdict {seen.verdict} ({seen.line}), expected {entry.verdict}")
+    if not entry.verdict and seen.verdict not in ("PASS", "FAIL"):
+        failures.append(f"verdict {seen.verdict}: {seen.line}")
+    if seen.effective_s is None:
+        return Row(entry, seen.begun_s, verdict=seen.verdict, failures=[*failures, "the fault changed nothing"])
+    after = [event for event in seen.events if (event.until_s or event.time_s) >= seen.effective_s]
+    levels = [event for event in after if event.kind == LEVEL and event.time_s >= seen.effective_s]
+    strongest = max(levels, key=lambda event: event.rank, default=None)
+    reached = None
+    if entry.reaction is not None:
+        wanted = LEVELS.index(entry.reaction)
+        reached = next((event for event in levels if event.rank >= wanted), None)
+        if reached is None:
+            failures.append(f"reached {LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}")
+    shown = reached if entry.reaction is not None else strongest
+    if strongest is not None and strongest.rank > LEVELS.index(entry.at_most):
+        failures.append(f"reached {LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
+    causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
+    of_entry = [found for found in causes if found[1] in entry.detected] if entry.detected else causes
+    detected_s, detected_by = min(of_entry, default=(None, ""))
+    if entry.detected and detected_s is None:
+        failures.append(f"not detected by {' or '.join(entry.detected)}")
+    row = Row(
+        entry,
+        seen.begun_s,
+        seen.effective_s,
+        detected_by,
+        detected_s,
+        LEVELS[strongest.rank] if strongest is not None else "NORMAL",
+        shown.time_s if shown is not None else None,
+        seen.verdict,
+        failures,
+    )
+    margin_ms = row.margin_ms
+    if margin_ms is not None and margin_ms < -1e-6:
+        failures.append(f"{entry.reaction} after {row.after_ms:.0f} ms, allowed {entry.within_ms} ms")
+    failures += _ending(entry, seen, levels)
+    return row
+
+
+def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[str]:
+    """How the end of the run differs from the one expected."""
+    if entry.ends == "resumes":
+        late = [event for event in levels if (event.until_s or event.time_s) > seen.end_s - RESUMED_S]
+        if late:
+            return [f"{late[-1].source} at {LEVELS[late[-1].rank]} until the end"]
+        return [] if seen.ended == "ended_complete" else [f"run {seen.ended}, expected to go on and stop"]
+    if entry.ends and not seen.stands:
+        return ["the train does not stand at the end"]
+    if entry.ends == "lost" and seen.ended != "ended_controller_lost":
+        # A train that has stopped by itself ends the run complete; the verdict names the lost controller.
+        return [] if "controller" in seen.line else [f"run {seen.ended}: {seen.line}, expected the controller lost"]
+    return []

@@ -1,0 +1,183 @@
+"""The faults of a scenario: from tables and texts to canonical texts that its system can inject."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from railhil.common.errors import InputError, did_you_mean
+from railhil.dbc import Port
+from railhil.faults.language import FAULTS_MAX, fault_text, parse
+from railhil.faults.model import Draw, Fault, Value
+from railhil.faults.places import place_text
+from railhil.faults.tables import fault_of
+from railhil.faults.words import CLEAR, kind_of_part
+from railhil.scenarios import streams
+from railhil.scenarios.system import System
+
+#: Events that every run has: milestones of the bench.
+_MILESTONES = ("departed", "stopped", "emergency")
+#: Ports of the bench itself, which judges by them: never disturbed. The system's truth port is another one.
+_INSTRUMENT = ("SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
+
+
+def fault_texts(
+    rows: Sequence[Mapping[str, Any] | str], system: System, origin: Callable[[int], Path]
+) -> tuple[str, ...]:
+    """Canonical texts of the rows of ``fault``, tables and texts.
+
+    :param origin: file of a row.
+    :raises InputError: a row is not in the language, its system cannot inject it, or two of them act on one target.
+    """
+    found: list[Fault] = []
+    for index, row in enumerate(rows):
+        refuse = _Refuse(origin(index), row if isinstance(row, str) else f"fault[{index}]")
+        if index >= FAULTS_MAX:
+            raise refuse(f"{len(rows)} faults", f"at most {FAULTS_MAX}")
+        fault = fault_of(row, refuse, origin(index))
+        _check(fault, system, refuse)
+        for other in found:
+            if _collide(fault, other):
+                allowed = "combine in both, or one after the other: one fault at a time on a target"
+                raise refuse(f"{fault_text(other)} on the same target", allowed)
+        found.append(fault)
+    return tuple(map(fault_text, found))
+
+
+class _Refuse:
+    """Makes the errors of one row."""
+
+    def __init__(self, file: Path, key: str) -> None:
+        self._file = file
+        self._key = key
+
+    def __call__(self, found: str, allowed: str, hint: str | None = None) -> InputError:
+        return InputError(self._file, self._key, found, allowed, hint)
+
+
+def _check(fault: Fault, system: System, refuse: _Refuse) -> None:
+    place, trigger = fault.place, fault.trigger
+    if place.level == "telegram":
+        for port in fault_ports(fault, system, refuse):
+            _check_port(fault, port, system, refuse)
+        if fault.what == "masquerade":
+            _port(str(fault.values["port"]), system, refuse)
+    elif place.level == "command":
+        if place.name not in system.named:
+            known = ", ".join(f"command.{name}" for name in system.named) or "no command of this system has a name"
+            raise refuse(place_text(place), known)
+    elif place.level in ("train", "sensor", "actuator") and f"{place.level}.{place.name}" not in system.injects:
+        allowed = ", ".join(system.injects) or f"none: the plant of system {system.name} has no faults of its own"
+        raise refuse(place_text(place), allowed, did_you_mean(place_text(place), system.injects))
+    if fault.units and place.level not in ("telegram",) and not system.units:
+        raise refuse(f"units {fault.units}", f"no units: a train of system {system.name} has one")
+    if fault.units and max(fault.units) > max(1, len(system.units)):
+        raise refuse(f"unit {max(fault.units)}", f"units 1 to {max(1, len(system.units))}")
+    truth = system.truth
+    if trigger.kind in ("position", "speed") and not (truth and getattr(truth, trigger.kind)):
+        raise refuse(f"@ a {trigger.kind}", f"no {trigger.kind}: system {system.name} does not say where it is sent")
+    for event in filter(None, (trigger.value if trigger.kind == "event" else "", fault.until)):
+        known_events = events_of(system)
+        if event not in known_events:
+            raise refuse(str(event), f"one of {', '.join(known_events)}", did_you_mean(str(event), known_events))
+
+
+def _port(name: str, system: System, refuse: _Refuse) -> Port:
+    names = [port.name for port in system.contract.ports]
+    if name not in names:
+        raise refuse(name, f"a port: {', '.join(names)}", did_you_mean(name, names))
+    return system.contract.port(name)
+
+
+def _check_port(fault: Fault, port: Port, system: System, refuse: _Refuse) -> None:
+    instrument = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
+    if port.name in instrument or port.source == "supervisor":
+        raise refuse(port.name, "a port of the vehicle: the bench itself needs this one to observe the run")
+    part = fault.place.part
+    if kind_of_part("telegram", part) == "signal":
+        names = [signal.name for signal in port.signals]
+        if part not in names:
+            raise refuse(part, f"counter, checksum, {', '.join(names)}", did_you_mean(part, names))
+    if part == "counter" and life_signal(port) is None:
+        raise refuse(f"{port.name}.counter", "a port with a life sign")
+
+
+def life_signal(port: Port) -> str | None:
+    """Name of the life sign of a port; None: it has none."""
+    return next((signal.name for signal in port.signals if signal.name.endswith("Life")), None)
+
+
+def fault_ports(fault: Fault, system: System, refuse: _Refuse | None = None) -> list[Port]:
+    """The ports of a fault at the level of telegrams; with units, the name is what follows the unit's in the port.
+
+    :raises InputError: there is no such port.
+    """
+    refuse = refuse or _Refuse(Path("fault"), fault_text(fault))
+    name, units = fault.place.name, system.units
+    names = [port.name for port in system.contract.ports]
+    if name in names or not units:
+        return [_port(name, system, refuse)]
+    chosen = [units[number - 1] for number in fault.units if number <= len(units)] if fault.units else list(units)
+    return [_port(f"{unit}_{name}", system, refuse) for unit in chosen]
+
+
+def events_of(system: System) -> list[str]:
+    """Events by which a fault of this system may begin or end."""
+    found = [*_MILESTONES, *system.events]
+    truth = system.truth
+    if truth is not None:
+        found += ["standstill"] * bool(truth.speed) + ["braking"] * bool(truth.acceleration)
+        found += ["traction"] * bool(truth.traction)
+        for port, name in truth.levels.items():
+            signal = next(one for one in system.contract.port(port).signals if one.name == name)
+            found += signal.values.values()
+    return list(dict.fromkeys(found))
+
+
+def _collide(one: Fault, other: Fault) -> bool:
+    """Whether two faults may be active on one target at the same time, and do not both say ``combine``."""
+    if one.place != other.place or CLEAR in (one.what, other.what) or (one.combine and other.combine):
+        return False
+    if one.units and other.units and not {*one.units} & {*other.units}:
+        return False
+    first, second = sorted((one, other), key=lambda fault: _start_s(fault) or 0.0)
+    begins_s, next_s = _start_s(first), _start_s(second)
+    if begins_s is None or next_s is None or first.duration_s is None:
+        return True
+    return begins_s + first.duration_s > next_s
+
+
+def _start_s(fault: Fault) -> float | None:
+    trigger = fault.trigger
+    return float(trigger.value) + trigger.delay_s if trigger.kind == "time" else None
+
+
+def drawn(fault: Fault, number: int, seed: int) -> Fault:
+    """A fault with its distributions drawn for one run.
+
+    :param number: its place in the run's list, from 1.
+    :param seed: of the run.
+    """
+    if not any(isinstance(value, Draw) for value in fault.values.values()):
+        return fault
+    source = streams.fault_generator(streams.FAULT_VALUES, seed, number, fault.seed)
+
+    def one(value: Value) -> Value:
+        if not isinstance(value, Draw):
+            return value
+        return float(source.uniform(value.a, value.b) if value.kind == "uniform" else source.normal(value.a, value.b))
+
+    values = {name: one(fault.values[name]) for name in sorted(fault.values)}
+    return replace(fault, values=MappingProxyType(values))
+
+
+def drawn_faults(texts: Sequence[str], seed: int) -> list[Fault]:
+    """The faults of a scenario as one run injects them, in their order: number n is the n-th.
+
+    :param texts: the scenario's ``faults``.
+    :raises InputError: a text that is not in the language, as in a stored scenario that was changed.
+    """
+    return [drawn(parse(text, "faults"), number, seed) for number, text in enumerate(texts, start=1)]
