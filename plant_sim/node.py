@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
@@ -12,10 +11,9 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import Event, SupCmd, SupCommand
+from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
-from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
@@ -44,7 +42,6 @@ class PlantNode:
     :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
     :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
         the limit is longer.
-    :param faults: of the run; those of the plant's levels are injected here.
     """
 
     def __init__(
@@ -57,12 +54,12 @@ class PlantNode:
         appear_s: float = APPEAR_S,
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
-        faults: Sequence[Fault] = (),
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
         self._own_events = system.events
-        self.plant: AnyPlant = make_plant(system, scenario, run, faults)
+        self.plant: AnyPlant
+        self.plant, self.injections = make_plant(scenario, run)
         self._ident = make_ident(
             Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
         )
@@ -241,6 +238,8 @@ class PlantNode:
             order, _ = self._store.read(SupCmd, now_ns)
             if order is not None and order.command == SupCommand.STOP:
                 self.end(Event.ENDED_BY_SUPERVISOR)
+            elif order is not None and order.fault_order and self.injections is not None:
+                self.injections.order(order.fault_number, order.fault_order == FaultOrder.INJECT)
 
     def _controller_silent(self) -> bool:
         """True when the plant stands because it got no commands."""

@@ -8,6 +8,7 @@ from railhil.faults.model import Fault, Place, Trigger, Value
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.plant import Plant
+from railhil.scenarios.fault_list import drawn
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
@@ -29,7 +30,7 @@ def fault(
 
 def faulty(*faults: Fault, scenario: Scenario = SCENARIO, seed: int = 0) -> FaultyTrain:
     """A train with these faults, in their order."""
-    return FaultyTrain(scenario, seed, False, 0.0, list(enumerate(faults, 1)))
+    return FaultyTrain(scenario, seed, False, 0.0, [(n, drawn(one, n, seed)) for n, one in enumerate(faults, 1)])
 
 
 def commanded(plant: Plant, code: int, ticks: int) -> list[PlantEvent]:

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from railhil.plant_sim.faults.injections import CLEAR, Injections, number_of
+from railhil.plant_sim.faults.injections import Injections, number_of
 from railhil.scenarios.model import Balise
-
-#: Words of its places.
-WORDS = ("missed", "doubled", "wrong", "off", "intermittent", CLEAR)
 
 
 @dataclass(frozen=True, slots=True)

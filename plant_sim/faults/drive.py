@@ -2,6 +2,7 @@
 
 ========== ==========================================================================================
 weak, off  a share of the force, whoever commands it (notch or the watch's service brake); none
+scale      the same with any factor: a train that is stronger or weaker than its data
 slow       the actuator's pole is multiplied while the side acts
 dead_time  the notch acts later, in whole ticks
 stuck      the force of its first instant stays
@@ -20,12 +21,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railhil.bus.injector.activity import Activity
-from railhil.plant_sim.faults.injections import CLEAR, Injections, number_of
+from railhil.plant_sim.faults.injections import Injections, number_of
 from railhil.plant_sim.forces import EffortLimit
-
-#: Words of its places.
-WORDS = ("weak", "off", "slow", "dead_time", "stuck", "full", CLEAR)
-
 
 #: A force that differs by more than this from the commanded one is a fault's effect.
 _NOTICED_N = 1.0
@@ -85,6 +82,8 @@ class Side:
                 self._held_n.pop(one.number, None)
             elif what == "weak":
                 share *= number_of(one.fault, "share")
+            elif what == "scale":
+                share *= number_of(one.fault, "factor")
             elif what == "off":
                 share = 0.0
             elif what == "slow":

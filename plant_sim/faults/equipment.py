@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.plant_sim.faults.injections import CLEAR, Injections, number_of
+from railhil.plant_sim.faults.injections import Injections, number_of
 from railhil.plant_sim.status import TrainStatus
 
 #: Place -> field of the status that is False while a fault ``off`` is active there.
@@ -15,8 +15,6 @@ INTERLOCKS = {
     "safety_loop": "safety_loop_closed",
 }
 LINE_VOLTAGE = "line_voltage"
-#: Words by level and place.
-WORDS = {**{("train", name): ("off", CLEAR) for name in INTERLOCKS}, ("train", LINE_VOLTAGE): ("low", CLEAR)}
 
 
 class FaultyEquipment:

@@ -3,45 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import InjectionLog
-from railhil.faults.model import Draw, Fault, Value
+from railhil.faults.model import Fault
+from railhil.faults.words import CLEAR
 from railhil.scenarios import streams
 
-#: The word that ends what is active at a place.
-CLEAR = "ok"
+#: Event ``braking``: the train decelerates by at least this much.
+BRAKING_MPS2 = 0.3
 
 
-def drawn(fault: Fault, number: int, seed: int) -> Fault:
-    """The fault with a value for each of its distributions, drawn in the order of their names.
+class MotionEvents:
+    """Events that the motion itself makes: ``standstill``, ``braking`` and ``traction``, each when it begins."""
 
-    :param number: its place in the run's list, from 1.
-    :param seed: the run's.
-    """
-    if not any(isinstance(value, Draw) for value in fault.values.values()):
-        return fault
-    source = streams.fault_generator(streams.FAULT_VALUES, seed, number, fault.seed)
+    def __init__(self) -> None:
+        self._before = (True, False, False)
 
-    def one(value: Value) -> Value:
-        if not isinstance(value, Draw):
-            return value
-        return float(source.uniform(value.a, value.b) if value.kind == "uniform" else source.normal(value.a, value.b))
-
-    return replace(fault, values={name: one(fault.values[name]) for name in sorted(fault.values)})
+    def seen(self, speed_mps: float, accel_mps2: float, traction_n: float) -> list[str]:
+        """The events of one instant."""
+        now = speed_mps == 0.0, accel_mps2 <= -BRAKING_MPS2, traction_n > 0.0
+        before, self._before = self._before, now
+        if now == before:
+            return []
+        names = ("standstill", "braking", "traction")
+        return [name for name, is_so, was_so in zip(names, now, before, strict=True) if is_so and not was_so]
 
 
 class Injections:
     """Faults of one plant in one run, in the order of their numbers.
 
-    :param faults: the run's faults that live in the plant, each with its number in the run's list.
+    :param faults: the run's faults that live in the plant, each with its number in the run's list, distributions drawn.
     """
 
     def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
-        self.activities = [Activity(drawn(fault, number, seed), number) for number, fault in faults]
+        self.activities = [Activity(fault, number) for number, fault in faults]
         self.log = InjectionLog()
         #: Simulation time of the tick that was last looked at.
         self.now_ns = 0

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
-from railhil.common.errors import InputError, Words
 from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.faults.injections import Injections
+from railhil.scenarios.fault_list import drawn_faults
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import System, system_named
+from railhil.scenarios.system import system_named
 
 #: Levels of the faults that live in the plant.
-LEVELS = ("train", "sensor", "actuator", "command")
+LEVELS = ("train", "sensor", "actuator")
 #: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults). Its
-#: attribute ``refusal`` is a function of a fault and returns why this plant cannot have it, empty if it can.
+#: attribute ``injects`` holds the places that its faults may have (``sensor.speed``), as the system's ``injects``.
 PART = "faulty_plant"
 
 
@@ -32,32 +32,15 @@ def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
     return [(number, fault) for number, fault in enumerate(faults, 1) if fault.place.level in LEVELS]
 
 
-def check_faults(scenario: AnyScenario, faults: Sequence[Fault]) -> None:
-    """Refuse faults that the plant of a scenario cannot have.
+def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injections | None]:
+    """The plant of a run, and its faults if it has any.
 
-    :param faults: all of the run.
-    :raises InputError: the first of them.
+    :raises InputError: the system says that its plant takes faults, and has no such part.
     """
     system = system_named(scenario.system)
-    for number, fault in in_plant(faults):
-        found = Words(f"{fault.place.level} {fault.place.name} {fault.what}")
-        if PART not in system.own:
-            allowed = f"telegram, node, bus or clock: the plant of the system {system.name} takes no faults"
-            raise InputError(scenario.name, f"fault {number}", found, allowed)
-        if reason := system.part(PART).refusal(fault):
-            raise InputError(scenario.name, f"fault {number}", found, reason)
-
-
-def make_plant(system: System, scenario: AnyScenario, run: RunSpec, faults: Sequence[Fault] = ()) -> AnyPlant:
-    """The plant of a run.
-
-    :param faults: all of the run.
-    :raises InputError: it cannot have one of them.
-    """
     given = scenario, run.seed, run.perturbed, run.wall_rate
-    if not (found := in_plant(faults)):
-        plant: AnyPlant = system.part("plant")(*given)
-        return plant
-    check_faults(scenario, faults)
+    found = in_plant(drawn_faults(scenario.faults, run.seed)) if scenario.faults else []
+    if not found:
+        return system.part("plant")(*given), None
     faulty: FaultyPlant = system.part(PART)(*given, found)
-    return faulty
+    return faulty, faulty.injections

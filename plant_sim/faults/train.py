@@ -1,8 +1,8 @@
-"""The train of the system ``ato`` with faults of its sensors, actuators and equipment, and of the commands it takes."""
+"""The train of the system ``ato`` with faults of its sensors, actuators and equipment."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from math import nan
 from typing import Any
 
@@ -12,15 +12,12 @@ from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.events import EventKind
-from railhil.plant_sim.faults import balises, commands, drive, equipment
 from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
-from railhil.plant_sim.faults.commands import CommandFaults
 from railhil.plant_sim.faults.equipment import FaultyEquipment
 from railhil.plant_sim.faults.forces import Demand, FaultyForces
-from railhil.plant_sim.faults.injections import CLEAR, Injections
+from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import WORDS as MISMATCHES
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.readings import WORDS as READING_WORDS
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity
 from railhil.plant_sim.status import LINE_VOLTAGE_MIN_PERCENT
 from railhil.plant_sim.train import TrainOnBus
@@ -29,20 +26,6 @@ from railhil.scenarios.perturb import perturbed
 
 #: Modes of the controller that are levels of its watch.
 _LEVELS = range(CtlMode.RUNNING, CtlMode.EMERGENCY + 1)
-
-#: Words that this plant carries out, by level and place.
-WORDS: Mapping[tuple[str, str], tuple[str, ...]] = {
-    ("sensor", "speed"): (*READING_WORDS, CLEAR),
-    ("sensor", "position"): (*READING_WORDS, CLEAR),
-    ("sensor", "balise"): balises.WORDS,
-    ("actuator", "traction"): drive.WORDS,
-    ("actuator", "brake"): drive.WORDS,
-    ("command", "notch"): commands.WORDS,
-    ("train", "adhesion"): ("low", CLEAR),
-    ("train", "model"): ("nan", CLEAR),
-    **equipment.WORDS,
-    **{("train", name): (*(what for at, what in MISMATCHES if at == name), CLEAR) for name, _ in MISMATCHES},
-}
 
 
 class FaultyTrain(TrainOnBus):
@@ -63,7 +46,6 @@ class FaultyTrain(TrainOnBus):
         tick_s = tick_ns * 1e-9
         self.injections = faulty = Injections(faults, seed, tick_ns)
         faulty.look(0, 0.0, 0.0)
-        self._commands = CommandFaults(faulty)
         self._equipment = FaultyEquipment(faulty)
         self._reader = FaultyReader(faulty)
         self._speed_sensor = FaultySensor(faulty, Quantity.of(TrnSpeed, "speed_01mmps", 1e4), tick_s, "speed")
@@ -81,22 +63,10 @@ class FaultyTrain(TrainOnBus):
         self._changed = True
         self._equipment.change(self.status)
         self._read()
+        self._motions = MotionEvents()
         for telegram, sensor in ((TrnSpeed, self._speed_sensor), (TrnPos, self._position_sensor)):
             if sensor:
                 self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
-
-    @staticmethod
-    def refusal(fault: Fault) -> str:
-        """Why this train cannot have a fault of the levels in the plant; empty if it can."""
-        words = WORDS.get((fault.place.level, fault.place.name), ())
-        if fault.what not in words:
-            places = ", ".join(sorted({f"{level} {name}" for level, name in WORDS}))
-            return f"one of {', '.join(words)}" if words else f"a place of this plant: {places}"
-        if fault.units not in ((), (1,)):
-            return "unit 1: this train has no other"
-        if fault.trigger.kind == "telegram":
-            return "another trigger: telegrams are counted by faults of telegrams only"
-        return ""
 
     # -- when faults begin and end ------------------------------------------------------------------------------------
 
@@ -131,6 +101,8 @@ class FaultyTrain(TrainOnBus):
         super().advance()
         self._forces.moved(self._motion, self._acting_code)
         motion = self._motion
+        for event in self._motions.seen(motion.speed_mps, self.accel_mps2, self.traction_n):
+            self.injections.happened(event)
         if self.injections.look(self.tick, motion.position_m, motion.speed_mps):
             # The readings of this instant still show the forces up to it, and the status from it on.
             self._changed = True
@@ -208,13 +180,13 @@ class FaultyTrain(TrainOnBus):
     # -- commands and events ------------------------------------------------------------------------------------------
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD, as the faults have changed it."""
+        """Take NOTCH_CMD; the controller's level is an event for faults that wait for it."""
         assert isinstance(telegram, NotchCmd)
         if telegram.mode != self._mode:
             self._mode = telegram.mode
             if telegram.mode in _LEVELS:
                 self.injections.happened(CtlMode(telegram.mode).name.lower())
-        super().take(self._commands.received(telegram))
+        super().take(telegram)
 
     def _event(self, kind: EventKind, *given: Any) -> None:
         super()._event(kind, *given)

@@ -13,6 +13,7 @@ from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.faults.model import Draw, Fault
 from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity, Reading
+from railhil.scenarios.fault_list import drawn
 
 TICK_NS = 10_000_000
 SPEED = Quantity.of(TrnSpeed, "speed_01mmps", 1e4)
@@ -21,7 +22,7 @@ FULL = -(2**23), 2**23 - 1
 
 def readings(*faults: Fault, raw: list[int], seed: int = 0) -> list[Reading]:
     """What a speed sensor with faults makes of raw readings at ticks 0, 1, 2, ..."""
-    injections = Injections(list(enumerate(faults, 1)), seed, TICK_NS)
+    injections = Injections([(n, drawn(one, n, seed)) for n, one in enumerate(faults, 1)], seed, TICK_NS)
     sensor = FaultySensor(injections, SPEED, 0.01, "speed")
     found = []
     for tick, value in enumerate(raw):

@@ -8,18 +8,30 @@ import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
 from railhil.bus.layout import CHECK_ERRONEOUS
-from railhil.bus.telegrams import BalisePassed, WatchCause
+from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed, WatchCause
 from railhil.faults.model import Draw, Fault, Trigger
+from railhil.faults.words import CLEAR, Word, words_at
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.train import WORDS, FaultyTrain
+from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.plant import Plant
+from railhil.scenarios.ato import ATO
 from railhil.scenarios.model import Balise
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
 NOTCH_N = TRAIN.force_per_notch_n / 256
+
+
+#: Every place of this plant with every word of the language that it has.
+INJECTED = [(place, word) for place in ATO.injects for word in words_at(*place.split("."), "") if word.name != CLEAR]
+
+
+def with_usual(place: str, word: Word, trigger: Trigger) -> Fault:
+    """A fault with the usual values of its word, or 2."""
+    values = {one.name: 2.0 if one.usual is None else one.usual for one in word.parameters}
+    return fault(place, word.name, trigger, values)
 
 
 def coasting_accel_mps2(plant: Plant) -> float:
@@ -32,12 +44,9 @@ def coasting_accel_mps2(plant: Plant) -> float:
 
 
 def test_a_train_whose_faults_are_not_active_is_the_train_without_faults() -> None:
-    """Bit for bit: state, readings and events; one fault of every place that never begins."""
-    never = Trigger("event", "never")
-    faults = [fault(f"{level}.{name}", words[0], never) for (level, name), words in WORDS.items()]
-    values = {"low": {"coefficient": 0.1, "share": 0.5}, "scale": {"factor": 2.0}, "delayed": {"delay_s": 0.1}}
-    with_values = [replace(one, values=values.get(one.what, {})) for one in faults]
-    plants = [Plant(SCENARIO, 3), faulty(*with_values, seed=3)]
+    """Bit for bit: state, readings and events; every fault, none of which ever begins."""
+    faults = [with_usual(place, word, Trigger("event", "never")) for place, word in INJECTED]
+    plants = [Plant(SCENARIO, 3), faulty(*faults, seed=3)]
     for code in (1500, -300, 900, -1700):
         events = [commanded(plant, code, 700) for plant in plants]
         assert events[0] == events[1]
@@ -409,15 +418,47 @@ def test_a_level_of_the_train_s_watch_is_an_event() -> None:
     assert not plant.status.doors_closed_locked
 
 
-@pytest.mark.parametrize(
-    ("wrong", "reason"),
-    [
-        (fault("sensor.speed", "missed"), "one of off, intermittent, stuck"),
-        (fault("sensor.temperature", "off"), "a place of this plant: "),
-        (fault("sensor.speed", "off", units=(2,)), "unit 1"),
-        (fault("sensor.speed", "off", Trigger("telegram", 7.0)), "another trigger"),
-    ],
-)
-def test_what_this_train_cannot_have_is_refused(wrong: Fault, reason: str) -> None:
-    assert reason in FaultyTrain.refusal(wrong)
-    assert FaultyTrain.refusal(fault("sensor.speed", "off", units=(1,))) == ""
+@pytest.mark.parametrize(("place", "word"), INJECTED, ids=lambda one: one if isinstance(one, str) else one.name)
+def test_every_word_of_the_language_changes_something(place: str, word: Word) -> None:
+    line = replace(SCENARIO.line, balises=tuple(Balise(number, 3.0 * number, 3.0 * number) for number in range(1, 40)))
+    plant = faulty(with_usual(place, word, Trigger("time", 10.0)), scenario=replace(SCENARIO, line=line))
+    if word.name == "nan":
+        with pytest.raises(PlantError):
+            commanded(plant, 1700, 1400)
+    else:
+        for code, ticks in ((1700, 1400), (-900, 700)):
+            for _ in range(ticks):
+                commanded(plant, code, 1)
+                for port in (TrnSpeed.PORT, TrnPos.PORT):
+                    plant.makers[port]()
+    assert plant.injections.activities[0].hits > 0
+    assert min(hit.time_ns for hit in plant.injections.log.hits) >= 10_000_000_000
+
+
+def test_events_of_the_motion() -> None:
+    plant = faulty(
+        fault("train.doors", "off", Trigger("event", "traction"), duration_s=0.1),
+        fault("train.power", "off", Trigger("event", "braking")),
+        fault("train.main_breaker", "off", Trigger("event", "standstill")),
+    )
+    moving(plant)
+    commanded(plant, -900, 3000)
+    begun = [one.begun_ns for one in plant.injections.activities]
+    assert plant.true_speed_01mmps == 0
+    assert begun == sorted(begun)  # type: ignore[type-var]
+    assert begun[0] is not None and begun[0] <= 100_000_000
+    assert begun[1] is not None and begun[1] > 10_000_000_000
+
+
+def test_an_order_by_hand() -> None:
+    plant = faulty(fault("train.doors", "off", Trigger("manual")))
+    moving(plant, ticks=1000)
+    plant.injections.order(2, True)
+    commanded(plant, 600, 2)
+    assert plant.status.doors_closed_locked
+    plant.injections.order(1, True)
+    commanded(plant, 600, 2)
+    assert not plant.status.doors_closed_locked
+    plant.injections.order(1, False)
+    commanded(plant, 600, 2)
+    assert plant.status.doors_closed_locked
