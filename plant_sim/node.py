@@ -12,12 +12,13 @@ from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import Event, SupCmd, SupCommand
+from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
@@ -58,7 +59,8 @@ class PlantNode:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
         self._own_events = system.events
-        self.plant: AnyPlant = system.part("plant")(scenario, run.seed, run.perturbed, run.wall_rate)
+        self.plant: AnyPlant
+        self.plant, self.injections = make_plant(scenario, run)
         self._ident = make_ident(
             Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
         )
@@ -251,6 +253,8 @@ class PlantNode:
             order, _ = self._store.read(SupCmd, now_ns)
             if order is not None and order.command == SupCommand.STOP:
                 self.end(Event.ENDED_BY_SUPERVISOR)
+            elif order is not None and order.fault_order and self.injections is not None:
+                self.injections.order(order.fault_number, order.fault_order == FaultOrder.INJECT)
 
     def _controller_silent(self) -> bool:
         """True when the plant stands because it got no commands."""

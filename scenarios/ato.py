@@ -18,6 +18,7 @@ ATO = System(
     pictures="railhil.supervisor.report.figures:pictures",
     own={
         "batch": "railhil.batch:run_batch",
+        "faulty_plant": "railhil.plant_sim.faults.train:FaultyTrain",
         "digest": "railhil.batch:trace_digest",
         "direct": "railhil.bench:direct_run",
         "audit": "railhil.audit.standstill:look",
@@ -33,4 +34,10 @@ ATO = System(
         levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
     ),
     named={"notch": "NOTCH_CMD.NotchCmd"},
+    injects=(
+        *("sensor.speed", "sensor.position", "sensor.balise", "actuator.traction", "actuator.brake"),
+        *("train.mass", "train.gradient", "train.resistance", "train.adhesion", "train.model", "train.line_voltage"),
+        *("train.power", "train.pantograph", "train.main_breaker", "train.doors", "train.parking_brake"),
+        "train.safety_loop",
+    ),
 )

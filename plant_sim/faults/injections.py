@@ -1,0 +1,102 @@
+"""The faults of one plant: when each of them is active, what they draw, and the log of what they changed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from railhil.bus.injector.activity import Activity
+from railhil.bus.injector.log import InjectionLog
+from railhil.faults.model import Fault
+from railhil.faults.words import CLEAR
+from railhil.scenarios import streams
+
+#: Event ``braking``: the train decelerates by at least this much.
+BRAKING_MPS2 = 0.3
+
+
+class MotionEvents:
+    """Events that the motion itself makes: ``standstill``, ``braking`` and ``traction``, each when it begins."""
+
+    def __init__(self) -> None:
+        self._before = (True, False, False)
+
+    def seen(self, speed_mps: float, accel_mps2: float, traction_n: float) -> list[str]:
+        """The events of one instant."""
+        now = speed_mps == 0.0, accel_mps2 <= -BRAKING_MPS2, traction_n > 0.0
+        before, self._before = self._before, now
+        if now == before:
+            return []
+        names = ("standstill", "braking", "traction")
+        return [name for name, is_so, was_so in zip(names, now, before, strict=True) if is_so and not was_so]
+
+
+class Injections:
+    """Faults of one plant in one run, in the order of their numbers.
+
+    :param faults: the run's faults that live in the plant, each with its number in the run's list, distributions drawn.
+    """
+
+    def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
+        self.activities = [Activity(fault, number) for number, fault in faults]
+        self.log = InjectionLog()
+        #: Simulation time of the tick that was last looked at.
+        self.now_ns = 0
+        self._seed = seed
+        self._tick_ns = tick_ns
+        self._active: list[bool] = []
+        self._acting: dict[int, bool] = {}
+
+    def at(self, level: str, *names: str) -> list[Activity]:
+        """The faults of a level, and of these places if any are named."""
+        places = [(one, one.fault.place) for one in self.activities]
+        return [one for one, place in places if place.level == level and (not names or place.name in names)]
+
+    def samples(self, activity: Activity) -> np.random.Generator:
+        """The random numbers that a fault uses while it is active."""
+        return streams.fault_generator(streams.FAULT_SAMPLES, self._seed, activity.number, activity.fault.seed)
+
+    def look(self, tick: int, position_m: float, speed_mps: float) -> bool:
+        """Decide which faults are active at a tick, by the truth at its instant; True if any began or ended."""
+        self.now_ns = tick * self._tick_ns
+        for one in self.activities:
+            if one.look(self.now_ns, position_m, speed_mps) and one.fault.what == CLEAR:
+                self._clear(one)
+        # Compared with the last tick: a fault may also have ended by its count or an order since then.
+        before, self._active = self._active, [one.active for one in self.activities]
+        return self._active != before
+
+    def _clear(self, order: Activity) -> None:
+        """End what is active at the place of a fault that clears it."""
+        for one in self.activities:
+            if one.active and one is not order and one.fault.place == order.fault.place:
+                one.order(False, self.now_ns)
+                self.hit(order, one.fault.what, CLEAR)
+        order.order(False, self.now_ns)
+
+    def happened(self, event: str) -> None:
+        """An event of the run at the present tick, in lower case; a fault that waits for it begins with the next."""
+        for one in self.activities:
+            one.happened(event, self.now_ns)
+
+    def order(self, number: int, inject: bool) -> None:
+        """An order by hand for the fault of that number; numbers of faults elsewhere are ignored."""
+        for one in self.activities:
+            if one.number == number:
+                one.order(inject, self.now_ns)
+
+    def hit(self, activity: Activity, before: str, after: str) -> None:
+        """A fault has changed one sample or command at the present tick."""
+        self.log.note(activity, self.now_ns, before, after)
+
+    def effect(self, activity: Activity, acts: bool, before: str, after: str) -> None:
+        """Whether a lasting fault changes anything at the present tick: a hit each time that it begins to."""
+        if acts and not self._acting.get(activity.number, False):
+            self.hit(activity, before, after)
+        self._acting[activity.number] = acts
+
+
+def number_of(fault: Fault, name: str) -> float:
+    """A parameter of a fault as a number, in its base unit; distributions have been drawn."""
+    return float(fault.values[name])  # type: ignore[arg-type]

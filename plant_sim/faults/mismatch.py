@@ -1,0 +1,61 @@
+"""A train and a line that differ from what the controller knows: mass and gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from railhil.faults.model import Fault
+from railhil.plant_sim.faults.injections import number_of
+from railhil.scenarios.model import Line, Scenario, Train
+
+#: Place and word of the faults that a changed scenario expresses.
+WORDS = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
+
+
+@dataclass(frozen=True, slots=True)
+class Mismatch:
+    """Factors on both masses, on the Davis coefficients and on the grade, and what is added to the grade.
+
+    Each is a number, or an array over N trains.
+    """
+
+    mass: Any = 1.0
+    resistance: Any = 1.0
+    grade: Any = 1.0
+    grade_permil: Any = 0.0
+
+    @classmethod
+    def of(cls, faults: Iterable[Fault]) -> Mismatch:
+        """The faults of :data:`WORDS` among some, together and in their order."""
+        mass, resistance, grade, permil = 1.0, 1.0, 1.0, 0.0
+        for fault in faults:
+            key = fault.place.name, fault.what
+            if fault.place.level != "train" or key not in WORDS:
+                continue
+            if fault.what == "offset":
+                permil += number_of(fault, "permil")
+            elif key[0] == "mass":
+                mass *= number_of(fault, "factor")
+            elif key[0] == "resistance":
+                resistance *= number_of(fault, "factor")
+            else:
+                grade, permil = grade * number_of(fault, "factor"), permil * number_of(fault, "factor")
+        return cls(mass, resistance, grade, permil)
+
+    def applied(self, scenario: Scenario) -> Scenario:
+        """The scenario with this mismatch; ``sha256`` stays, as for a perturbed run."""
+        healthy = scenario.train
+        train: Train = replace(
+            healthy,
+            mass_kg=healthy.mass_kg * self.mass,
+            inertial_mass_kg=healthy.inertial_mass_kg * self.mass,
+            davis_a_n_per_kn=healthy.davis_a_n_per_kn * self.resistance,
+            davis_b_n_per_kn_kmh=healthy.davis_b_n_per_kn_kmh * self.resistance,
+            davis_c_n_per_kn_kmh2=healthy.davis_c_n_per_kn_kmh2 * self.resistance,
+        )
+        rows = scenario.line.grade_permil
+        grades = tuple((from_m, permil * self.grade + self.grade_permil) for from_m, permil in rows)
+        line: Line = replace(scenario.line, grade_permil=grades)
+        return replace(scenario, train=train, line=line)
