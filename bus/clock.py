@@ -142,6 +142,11 @@ class BusClock:
         if self.running:
             self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
 
+    def elapsed(self, sim_ns: int) -> None:
+        """Nothing was received for ``sim_ns`` of simulation time: advance by it, as by the node's own timer."""
+        if self.running:
+            self._set(self.tick + sim_ns // self.base_tick_ns)
+
     def synchronise(self, telegram: TimeSync) -> None:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick."""
         self.rate = telegram.rate_10th / 10

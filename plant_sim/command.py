@@ -25,7 +25,7 @@ from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -37,6 +37,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
+    add_fault_log_argument(parser)
     add_lifeline_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
     add_bus_arguments(parser)
@@ -63,6 +64,9 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
         with cycle("plant", priority):
             node.run()
     finally:
+        if node.faults is not None:
+            finish_undisturbed()
+            node.faults.write()
         if timing_file is not None and node.timing is not None:
             finish_undisturbed()
             node.timing.write(timing_file)
@@ -84,7 +88,9 @@ def main(words: Sequence[str] | None = None) -> int:
     link = open_link(choice.config, "plant")
     link.lifelines = Lifelines(dict(namespace.lifeline))
     try:
-        node = PlantNode(scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout)
+        node = PlantNode(
+            scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout, fault_log=namespace.fault_log
+        )
         run_plant(node, priority, namespace.timing_file)
     finally:
         link.close()

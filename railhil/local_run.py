@@ -8,13 +8,13 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from railhil.bench import plant_beside
+from railhil.bench import plant_beside, write_fault_logs
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.plant_sim.any_plant import PlantError
 from railhil.scenarios.model import AnyScenario
@@ -88,8 +88,8 @@ class LocalRun:
 
     def _run(self) -> tuple[str, int]:
         """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
-        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
-        plant = plant_beside(self.scenario, self.spec, node, self.session)
+        node = controller_of(self.scenario, self.spec.law, self.spec.seed, folder=self.folder)
+        plant = plant_beside(self.scenario, self.spec, node, self.session, folder=self.folder)
         try:
             plant.run()
         except (PeerSilent, PlantError) as error:
@@ -99,6 +99,7 @@ class LocalRun:
             return "; ".join(self.session.disagreements) or str(error), USAGE
         finally:
             write_telemetry(node, self.folder / TELEMETRY)
+            write_fault_logs(plant, node)
         return "", PASS
 
     def _result(self, sha256: str, line: str, code: int) -> RunResult:
