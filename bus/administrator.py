@@ -145,11 +145,18 @@ class Administrator:
                 last_look = waited_ns >= self._patience_ns or self._endpoint.has_ended(port.source)
 
     def _take(self, port: Port, timeout_ns: int) -> bool | None:
-        """Pass arriving frames to the store; True: an answer was committed, False: refused, None: there was none."""
+        """Pass arriving frames to the store; True: an answer was committed, False: refused, None: there was none.
+
+        An empty frame on the last identifier of the telegram means that the source does not answer.
+        """
         name, last_ids = port.name, self._last_ids[port.name]
         committed = None
         for frame in self._endpoint.receive(timeout_ns / 1e9):
-            if self._store.feed(frame, self._now_ns()) == name:
+            if not frame.data and frame.can_id in last_ids and not frame.flags:
+                # Under a fault a source says that it does not answer; nobody would wait for it in real time.
+                self.counters["no_answer"] += 1
+                committed = False if committed is None else committed
+            elif self._store.feed(frame, self._now_ns()) == name:
                 committed = True
             elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
                 committed = False

@@ -160,6 +160,11 @@ class ControllerNode:
         self._clock.silence(wall_ns)
         self.guard.look(self._clock.now_ns)
 
+    def was_stopped(self, sim_ns: int) -> None:
+        """It was stopped for ``sim_ns`` of simulation time: the watch must see how old the speed is."""
+        self._clock.elapsed(sim_ns)
+        self.guard.look(self._clock.now_ns)
+
     def _speed(self, reading: Reading[TrnSpeed]) -> None:
         self.guard.speed(reading.telegram, self._clock.now_ns, reading.stamp)
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
@@ -21,6 +24,7 @@ from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
+from railhil.scenarios.fault_list import injection_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -43,6 +47,7 @@ class PlantNode:
     :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
     :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
         the limit is longer.
+    :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
     """
 
     def __init__(
@@ -55,6 +60,7 @@ class PlantNode:
         appear_s: float = APPEAR_S,
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
+        fault_log: Path | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
@@ -69,6 +75,13 @@ class PlantNode:
         #: None in lockstep, which has no deadlines.
         self.timing = PlantTiming() if run.is_realtime else None
         endpoint.lossless = not run.is_realtime
+        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
+        #: What is injected into what the plant sends; None: nothing.
+        self.faults: NodeFaults | None = None
+        injection = injection_of(scenario, run.seed)
+        if injection is not None:
+            self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
+            endpoint = FaultyEndpoint(endpoint, self.faults, contract.bit_rate)
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -83,7 +96,6 @@ class PlantNode:
             contract=contract,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
-        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
         self.publish = self.administrator.publish
         self.ended: Event | None = None

@@ -23,6 +23,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
+from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.telemetry_file import telemetry_document
@@ -94,9 +95,10 @@ def local_run(
     spec = spec or RunSpec(law=LawSpec(system.law))
     log = FrameLog(folder)
     session = Session(scenario, log.write, spec, fd=fd)
-    node: AnyController = system.part("controller")(scenario, spec.law, controller, fd=fd)
-    plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire)
+    node = controller_of(scenario, spec.law, spec.seed, controller, fd=fd, folder=folder)
+    plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire, folder=folder)
     ended = plant.run()
+    write_fault_logs(plant, node)
     sha256 = log.close()
     trace = trace_of(read_log(log.path), system.contract)
     return BenchRun(
@@ -123,16 +125,26 @@ def plant_beside(
     *,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
+    folder: Path | None = None,
 ) -> PlantNode:
     """The plant of a run in this process: its :meth:`~railhil.plant_sim.node.PlantNode.run` is the run.
 
     :param wire: as in :func:`local_run`.
+    :param folder: where the logs of its faults go (:func:`write_fault_logs`).
     """
 
     def to_controller(frame: Frame) -> list[Frame]:
         return [answer for item in wire(frame) for answer in node.handle(item)] if wire else node.handle(frame)
 
-    return PlantNode(scenario, spec, LocalBus([to_controller, session.handle]), fd=fd)
+    bus = LocalBus([to_controller, session.handle])
+    return PlantNode(scenario, spec, bus, fd=fd, fault_log=folder)
+
+
+def write_fault_logs(plant: PlantNode, node: AnyController) -> None:
+    """Write the logs of what the injectors of a run did into its folder."""
+    if plant.faults is not None:
+        plant.faults.write()
+    write_fault_log(node)
 
 
 def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:

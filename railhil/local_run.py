@@ -8,13 +8,14 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from railhil.bench import plant_beside
+from railhil.bench import plant_beside, write_fault_logs
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.node import PlantNode
@@ -92,8 +93,8 @@ class LocalRun:
 
         :raises InputError: the law cannot be made, or does not fit the scenario.
         """
-        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
-        return plant_beside(self.scenario, self.spec, node, self.session), node
+        node = controller_of(self.scenario, self.spec.law, self.spec.seed, folder=self.folder)
+        return plant_beside(self.scenario, self.spec, node, self.session, folder=self.folder), node
 
     def _run(self) -> tuple[str, int]:
         """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
@@ -104,6 +105,7 @@ class LocalRun:
             return self.incomplete(error)
         finally:
             write_telemetry(node, self.folder / TELEMETRY)
+            write_fault_logs(plant, node)
         return "", PASS
 
     def incomplete(self, error: Exception) -> tuple[str, int]:

@@ -159,7 +159,7 @@ class Run:
 
     def _start(self, nodes: Nodes) -> None:
         if not self.start_up.attach:
-            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder)
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=bool(self.scenario.faults))
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
         priority = RECORDER_PRIORITY if self.start_up.realtime_scheduling(self.spec) else 0

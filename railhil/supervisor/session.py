@@ -40,7 +40,8 @@ class Session:
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        contract = system_named(scenario.system).contract
+        system = system_named(scenario.system)
+        contract = system.contract
         self.ended: Event | None = None
         #: Disagreements between the nodes, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
@@ -63,9 +64,10 @@ class Session:
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
+        schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
         self._responder = Responder(
             Role.SUPERVISOR,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
+            schedule,
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
@@ -80,8 +82,13 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
+        # Under faults the clock port may be missing for long: the truth, which no fault touches, is a second time base.
+        truth = system.truth if scenario.faults else None
+        self._pace_ids = {contract.port(truth.port).can_ids[-1], contract.port(truth.port).fd_id} if truth else set()
+        self._pace_ticks = schedule.ticks(truth.port) if truth else 0
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
+        self._seen_ids |= self._pace_ids
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
         #: Frames under the supervisor's own identifiers that came from the bus, by port.
         self.strangers = {port.name: Strangers() for port in contract.ports if port.source == "supervisor"}
@@ -125,19 +132,28 @@ class Session:
             can_id = frame[0]
             if can_id in self._clock_ids:
                 if self._responder.opens_tick(frame):
-                    self.wall_ticks.append(self._clock.tick)
-                    self.wall_ns.append(time.monotonic_ns())
+                    self._arrived()
             elif can_id == self._status_id:
                 return []
             elif can_id in self._own_ids:
                 if self.recording:
                     self._own_ids[can_id].add(self._clock.now_ns)
+            elif can_id in self._pace_ids:
+                tick = self._clock.tick
+                self._clock.polled(self._pace_ticks)
+                if self._clock.tick > tick:
+                    self._arrived()
             else:
                 return self._handle_own(frame)
         if self.recording:
             self.frames += 1
             self._write(log_line(self._clock.now_ns, frame))
         return []
+
+    def _arrived(self) -> None:
+        """A new tick has arrived."""
+        self.wall_ticks.append(self._clock.tick)
+        self.wall_ns.append(time.monotonic_ns())
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
