@@ -13,7 +13,8 @@ from collections.abc import Callable
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
@@ -62,9 +63,10 @@ class Session:
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
+        schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
         self._responder = Responder(
             Role.SUPERVISOR,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
+            schedule,
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
@@ -75,6 +77,11 @@ class Session:
         self._responder.on(RunEvent, self._event)
         self._clock = self._responder.clock
         self._poll_id = contract.poll_id
+        # The time of the record must not stand still while the clock port is disturbed: the fastest poll, whoever is
+        # asked, is the clock's second time base.
+        paced = ((schedule.ticks(port.name), port) for port in contract.ports if port.mode == "poll" and port.period_ns)
+        self._pace_ticks, pace = min(paced, key=lambda item: item[0])
+        self._pace = master_frame(pace.f_code, pace.address) if self._pace_ticks <= MAX_STEP else None
         self._status_id = contract.device_status_id
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
@@ -129,6 +136,8 @@ class Session:
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
         scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        if frame == self._pace:
+            self._clock.polled(self._pace_ticks)
         if not self.recording and frame.can_id in self._opening_ids:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
