@@ -9,11 +9,13 @@ from __future__ import annotations
 import time
 from array import array
 from collections.abc import Callable
+from operator import itemgetter
 
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
@@ -82,10 +84,18 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # Under faults the clock port may be missing for long: the truth, which no fault touches, is a second time base.
-        truth = system.truth if scenario.faults else None
-        self._pace_ids = {contract.port(truth.port).can_ids[-1], contract.port(truth.port).fd_id} if truth else set()
-        self._pace_ticks = schedule.ticks(truth.port) if truth else 0
+        # The time of the record must not stand still while the clock port is disturbed. The second time base is the
+        # truth, which no fault touches, under faults, otherwise the fastest poll, whoever is asked.
+        self._pace: Frame | None = None
+        self._pace_ids: set[int] = set()
+        if scenario.faults and system.truth:
+            truth = contract.port(system.truth.port)
+            self._pace_ids, self._pace_ticks = {truth.can_ids[-1], truth.fd_id}, schedule.ticks(truth.name)
+        else:
+            polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
+            self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
+            if self._pace_ticks <= MAX_STEP:
+                self._pace = master_frame(fastest.f_code, fastest.address)
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
         self._seen_ids |= self._pace_ids
@@ -139,16 +149,20 @@ class Session:
                 if self.recording:
                     self._own_ids[can_id].add(self._clock.now_ns)
             elif can_id in self._pace_ids:
-                tick = self._clock.tick
-                self._clock.polled(self._pace_ticks)
-                if self._clock.tick > tick:
-                    self._arrived()
+                self._paced()
             else:
                 return self._handle_own(frame)
         if self.recording:
             self.frames += 1
             self._write(log_line(self._clock.now_ns, frame))
         return []
+
+    def _paced(self) -> None:
+        """A frame of the second time base."""
+        tick = self._clock.tick
+        self._clock.polled(self._pace_ticks)
+        if self._clock.tick > tick:
+            self._arrived()
 
     def _arrived(self) -> None:
         """A new tick has arrived."""
@@ -158,6 +172,8 @@ class Session:
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
         scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        if frame == self._pace:
+            self._paced()
         if not self.recording and frame.can_id in self._opening_ids:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
