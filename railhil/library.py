@@ -30,12 +30,11 @@ from railhil.scenarios.settings import setting
 from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
-from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.folder import run_folder, signal_table, signal_units
 from railhil.supervisor.inputs import PARAMETERS
 from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.record import checked_record
+from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.score import Score
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
@@ -96,6 +95,8 @@ class Outcome:
     signed: Mapping[str, float | None]
     certificate: Mapping[str, Any] = field(repr=False)
     trace: Trace = field(repr=False)
+    #: What happened, as in ``events.csv``, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
 
     @property
     def passed(self) -> bool:
@@ -125,18 +126,21 @@ class Outcome:
         header, rows = signal_table(self.scenario, self.trace, notes)
         return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
 
-    @cached_property
-    def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, as in ``events.csv``, in the order of the instants."""
-        return events_of(self.scenario, self.trace)
 
-
-def _outcome(
-    folder: Path, scenario: AnyScenario, trace: Trace, found: Score, invalid: str, certificate: Mapping[str, Any]
-) -> Outcome:
+def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) -> Outcome:
     document: dict[str, Any] = found.as_json()
-    verdict, reasons = (found.verdict, found.failures) if not invalid else ("INVALID", (invalid,))
-    return Outcome(folder, scenario, verdict, reasons, document["scores"], document["signed"], certificate, trace)
+    verdict, reasons = (found.verdict, found.failures) if not record.invalid else ("INVALID", (record.invalid,))
+    return Outcome(
+        record.log.parent,
+        record.scenario,
+        verdict,
+        reasons,
+        document["scores"],
+        document["signed"],
+        record.certificate,
+        record.trace,
+        events,
+    )
 
 
 def _settings(given: Settings) -> tuple[str, ...]:
@@ -204,7 +208,8 @@ def run(
         raise KeyboardInterrupt(result.line)
     row = as_recorded(folder, done, result)
     invalid = "" if result.trusted else result.line or "no reason given"
-    return _outcome(folder, loaded, done.trace, result.score, invalid, row.certificate)
+    record = Record(folder / "frames.log", loaded, done.trace, invalid, row.certificate)
+    return _outcome(record, result.score, result.events)
 
 
 def open_run(folder: str | Path) -> Outcome:
@@ -214,7 +219,7 @@ def open_run(folder: str | Path) -> Outcome:
     """
     record = checked_record(str(folder), None)
     found = judging_of(record.scenario).score(record.scenario, record.trace)
-    return _outcome(record.log.parent, record.scenario, record.trace, found, record.invalid, record.certificate)
+    return _outcome(record, found, record.events)
 
 
 @dataclass(frozen=True)

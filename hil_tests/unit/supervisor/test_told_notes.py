@@ -75,4 +75,4 @@ def test_the_page_walks_the_panels_that_it_is_given(run: RecordedRun) -> None:
     text = page([run], panels=[own])
     assert '<figure id="own">' in text
     assert text.count("<figure ") == 1
-    assert [panel.name for panel in ATO_PANELS][:3] == ["speed", "error", "stop"]
+    assert [panel.name for panel in ATO_PANELS][:4] == ["speed", "reactions", "error", "stop"]
