@@ -31,11 +31,13 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.folder import run_folder, signal_table, signal_units
+from railhil.supervisor.events.summary import why
+from railhil.supervisor.folder import run_folder
 from railhil.supervisor.inputs import PARAMETERS
 from railhil.supervisor.judging import Judging, judging_of
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.score import Score
+from railhil.supervisor.signals import signal_table, signal_units
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -97,6 +99,11 @@ class Outcome:
     trace: Trace = field(repr=False)
     #: What happened, as in ``events.csv``, in the order of the instants.
     events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
+
+    @property
+    def why(self) -> str:
+        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        return why(self.scenario, self.events)
 
     @property
     def passed(self) -> bool:
