@@ -9,6 +9,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
@@ -501,3 +502,24 @@ def test_a_level_without_a_recorded_cause_is_derived(short: Scenario) -> None:
     events = events_of(short, trace)
     assert told(events) == [("controller", "", "traction_cut")]
     assert why(short, events) == "TRACTION CUT from 0.02 s (for 0.02 s)"
+
+
+def test_no_content_of_frames_raises(short: Scenario) -> None:
+    """Telegrams of every port with any content, whole and in parts, and frames of any identifier."""
+    random = Random(12)
+    ports = wire_contract().ports
+    sources = [(port, TelegramSource(port, fd)) for port in ports for fd in (False, True)]
+    record = []
+    for tick in range(2000):
+        port, source = random.choice(sources)
+        frames = list(source.frames(random.randbytes(port.data_bytes)))
+        frames = random.sample(frames, random.randint(1, len(frames)))
+        frames.append(Frame(random.randrange(0x800), random.randbytes(random.randint(0, 8)), random.randrange(8)))
+        polled = random.choice(ports)
+        record += [(tick * TICK_NS, frame) for frame in (*frames, master_frame(polled.f_code, polled.address))]
+    trace = trace_of(record)
+    events = events_of(short, trace)
+    assert len(events) > 500
+    assert [event.time_s for event in events] == sorted(event.time_s for event in events)
+    assert why(short, events)
+    assert json.dumps(summary(short, events))
