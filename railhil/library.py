@@ -26,14 +26,15 @@ from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
-from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.folder import run_folder, signal_table, signal_units
+from railhil.supervisor.events.summary import why
+from railhil.supervisor.folder import run_folder
 from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.record import checked_record
+from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
+from railhil.supervisor.signals import signal_table, signal_units
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -91,6 +92,13 @@ class Outcome:
     signed: Mapping[str, float | None]
     certificate: Mapping[str, Any] = field(repr=False)
     trace: Trace = field(repr=False)
+    #: What happened, as in ``events.csv``, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
+
+    @property
+    def why(self) -> str:
+        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        return why(self.scenario, self.events)
 
     @property
     def passed(self) -> bool:
@@ -120,18 +128,21 @@ class Outcome:
         header, rows = signal_table(self.scenario, self.trace, notes)
         return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
 
-    @cached_property
-    def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, as in ``events.csv``, in the order of the instants."""
-        return events_of(self.scenario, self.trace)
 
-
-def _outcome(
-    folder: Path, scenario: AnyScenario, trace: Trace, found: Score, invalid: str, certificate: Mapping[str, Any]
-) -> Outcome:
+def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) -> Outcome:
     document: dict[str, Any] = found.as_json()
-    verdict, reasons = (found.verdict, found.failures) if not invalid else ("INVALID", (invalid,))
-    return Outcome(folder, scenario, verdict, reasons, document["scores"], document["signed"], certificate, trace)
+    verdict, reasons = (found.verdict, found.failures) if not record.invalid else ("INVALID", (record.invalid,))
+    return Outcome(
+        record.log.parent,
+        record.scenario,
+        verdict,
+        reasons,
+        document["scores"],
+        document["signed"],
+        record.certificate,
+        record.trace,
+        events,
+    )
 
 
 def run(
@@ -190,7 +201,8 @@ def outcome_of(folder: Path, scenario: AnyScenario, done: Run | LocalRun, result
     """A run that has just been written into its folder."""
     row = as_recorded(folder, done, result)
     invalid = "" if result.trusted else result.line or "no reason given"
-    return _outcome(folder, scenario, done.trace, result.score, invalid, row.certificate)
+    record = Record(folder / "frames.log", scenario, done.trace, invalid, row.certificate)
+    return _outcome(record, result.score, result.events)
 
 
 def open_run(folder: str | Path) -> Outcome:
@@ -200,7 +212,7 @@ def open_run(folder: str | Path) -> Outcome:
     """
     record = checked_record(str(folder), None)
     found = judging_of(record.scenario).score(record.scenario, record.trace)
-    return _outcome(record.log.parent, record.scenario, record.trace, found, record.invalid, record.certificate)
+    return _outcome(record, found, record.events)
 
 
 @dataclass(frozen=True)

@@ -186,7 +186,7 @@ def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> Recorde
     """A run that has just ended, as recorded in its folder."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
     certificate = read_certificate(folder) or {}
-    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, result.events)
+    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, events=result.events)
 
 
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:

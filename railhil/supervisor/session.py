@@ -180,6 +180,8 @@ class Session:
         if not self.recording and not scan:
             # A run that began without this supervisor belongs to another one.
             return []
+        # A TIME_SYNC that corrects the time has the time of its other frames.
+        time_ns = self._clock.now_ns
         answers = self._responder.handle(frame)
         if answers:
             # The plant's last poll comes after its last event: only then is the record complete.
@@ -188,7 +190,7 @@ class Session:
             # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
                 self.frames += 1
-                self._write(log_line(self._clock.now_ns, item))
+                self._write(log_line(time_ns, item))
         return answers
 
     def _event(self, reading: Reading[RunEvent]) -> None:

@@ -51,7 +51,8 @@ def ladder(axes: Axes, scenario: AnyScenario, run: Drawn, end_s: float) -> None:
                 ranks.pop()
             times_s += [event.time_s, event.time_s if event.until_s is None else event.until_s]
             ranks += [event.rank, 0]
-        axes.step([*times_s, end_s], ranks + ranks[-1:], where="post", label=watch.name, **{**run.style.alone, **line})
+        look = {**run.style.alone, **line}
+        axes.step([*times_s, end_s], [*ranks, ranks[-1]], where="post", label=watch.name, **look)
     axes.set_yticks([0, *sorted(names)], ["normal", *(names[rank] for rank in sorted(names))], fontsize=8)
     axes.set_ylim(-_TICK, max(names, default=1) + _TICK)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, borderaxespad=0.2)
