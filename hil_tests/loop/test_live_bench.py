@@ -58,7 +58,6 @@ def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
     assert run is not None
     assert (run.verdict, run.disturbed) == ("INVALID", {})
     assert run.reasons[0].startswith("ended by the test at simulation time ")
-    assert run.events[-1].name == "ended_by_supervisor"
 
 
 def test_what_does_not_come_is_said(bench: Bench) -> None:

@@ -43,7 +43,7 @@ class _HearingSession(Session):
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order."""
         answers = super().handle(frame)
-        now_ns = self._clock.now_ns
+        now_ns = round(self.sim_time_s * 1e9)
         for item in (frame, *answers):
             self.heard.take(item, now_ns)
         return answers
