@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.scenarios.memory import Memory
+from railhil.supervisor.fault_report import FaultOutcome
 from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -33,6 +34,8 @@ class RunResult:
     timing: RunTiming | None = None
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
     memory: Memory | None = None
+    #: What became of the faults of the run, by number.
+    faults: list[FaultOutcome] = field(default_factory=list)
 
     @property
     def trusted(self) -> bool:

@@ -21,6 +21,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
+from railhil.supervisor.truth_clock import TruthClock
 
 
 class Session:
@@ -81,19 +82,20 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # Under faults the clock port may be missing for long: the truth, which no fault touches, is a second time base.
+        # A fault may touch the clock port and TIME_SYNC, but not the truth.
         truth = system.truth if scenario.faults else None
-        self._pace_ids = {contract.port(truth.port).can_ids[-1], contract.port(truth.port).fd_id} if truth else set()
-        self._pace_ticks = schedule.ticks(truth.port) if truth else 0
+        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
+        self._time = self._truth_clock or self._clock
+        self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
-        self._seen_ids |= self._pace_ids
+        self._seen_ids |= self._truth_ids
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
 
     @property
     def sim_time_s(self) -> float:
         """Simulation time of the current tick."""
-        return self._clock.now_ns / 1e9
+        return self._time.now_ns / 1e9
 
     @property
     def heard_ns(self) -> int:
@@ -110,6 +112,8 @@ class Session:
         if self.recording:
             self.unheard_ns += wall_ns
         self._clock.silence(wall_ns)
+        if self._truth_clock is not None:
+            self._truth_clock.silence(int(wall_ns * self._clock.rate))
 
     @property
     def counters(self) -> dict[str, int]:
@@ -121,25 +125,24 @@ class Session:
         if frame[0] in self._seen_ids:
             can_id = frame[0]
             if can_id in self._clock_ids:
-                if self._responder.opens_tick(frame):
+                truth_clock = self._truth_clock
+                if truth_clock.clock(frame) if truth_clock is not None else self._responder.opens_tick(frame):
                     self._arrived()
             elif can_id == self._status_id:
                 return []
-            elif can_id in self._pace_ids:
-                tick = self._clock.tick
-                self._clock.polled(self._pace_ticks)
-                if self._clock.tick > tick:
+            elif can_id in self._truth_ids:
+                if self._truth_clock is not None and self._truth_clock.truth(frame):
                     self._arrived()
             else:
                 return self._handle_own(frame)
         if self.recording:
             self.frames += 1
-            self._write(log_line(self._clock.now_ns, frame))
+            self._write(log_line(self._time.now_ns, frame))
         return []
 
     def _arrived(self) -> None:
         """A new tick has arrived."""
-        self.wall_ticks.append(self._clock.tick)
+        self.wall_ticks.append(self._time.tick)
         self.wall_ns.append(time.monotonic_ns())
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
@@ -159,7 +162,7 @@ class Session:
             # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
                 self.frames += 1
-                self._write(log_line(self._clock.now_ns, item))
+                self._write(log_line(self._time.now_ns, item))
         return answers
 
     def _event(self, reading: Reading[RunEvent]) -> None:
