@@ -10,7 +10,7 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
-from railhil.bus.injector.plant_side import kill_this_process
+from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
@@ -27,7 +27,7 @@ from railhil.common.command_line import (
 )
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
-from railhil.controller_node.faulty import controller_of, stop_this_process, write_fault_log
+from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry

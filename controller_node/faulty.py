@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
@@ -58,10 +56,6 @@ def write_fault_log(node: AnyController) -> None:
         node.faults.write()
 
 
-def stop_this_process(duration_s: float) -> None:
-    """Stop this process (SIGSTOP) and have it continued after a time on the wall clock in s."""
-    number = os.getpid()
-    # Stopped, it cannot continue itself.
-    words = ["sh", "-c", 'kill -STOP "$1"; sleep "$2"; kill -CONT "$1"', "sh", str(number), f"{duration_s:g}"]
-    with subprocess.Popen(words, stdin=subprocess.DEVNULL, start_new_session=True) as helper:
-        helper.wait()
+def was_killed(node: AnyController) -> bool:
+    """Whether a fault has killed the controller."""
+    return isinstance(node, FaultyController) and node.is_gone

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
@@ -23,7 +24,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
-from railhil.controller_node.faulty import controller_of, write_fault_log
+from railhil.controller_node.faulty import controller_of, was_killed, write_fault_log
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.telemetry_file import telemetry_document
@@ -38,6 +39,7 @@ from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import FaultOutcome, check_faults, fault_outcomes
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score, score
@@ -59,6 +61,8 @@ class BenchRun:
     telemetry: dict[str, Any] = field(default_factory=dict)
     #: Event counters of the law's arithmetic over the whole run; only for a direct run.
     arithmetic: Counters | None = None
+    #: What became of the faults of the run, by number.
+    faults: list[FaultOutcome] = field(default_factory=list)
 
     @property
     def notches(self) -> list[int]:
@@ -93,11 +97,18 @@ def local_run(
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
+    check_faults(scenario, ["local"], spec.pace)
     log = FrameLog(folder)
     session = Session(scenario, log.write, spec, fd=fd)
     node = controller_of(scenario, spec.law, spec.seed, controller, fd=fd, folder=folder)
     plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire, folder=folder)
-    ended = plant.run()
+    try:
+        ended = plant.run()
+    except PeerSilent:
+        # As asked for by a fault: the train has stopped by itself.
+        if not was_killed(node) or plant.ended is None:
+            raise
+        ended = plant.ended
     write_fault_logs(plant, node)
     sha256 = log.close()
     trace = trace_of(read_log(log.path), system.contract)
@@ -114,6 +125,7 @@ def local_run(
             "supervisor": session.counters,
         },
         telemetry_document(node),
+        faults=fault_outcomes(folder, scenario, spec.seed),
     )
 
 
@@ -196,6 +208,8 @@ def coupled_run(
     :param spec: from its law only the kind of set-points is used, for the score.
     :raises InputError: like :func:`coupled_schedule`.
     """
+    if scenario.faults:
+        raise InputError(scenario.name, "fault", scenario.faults[0], "none without the nodes")
     spec = spec or RunSpec()
     actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
     plant = Plant(actual, spec.seed)

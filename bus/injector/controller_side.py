@@ -61,7 +61,8 @@ class FaultyController:
             for port in contract.ports
             if port.source == "controller" and port.mode == "poll" and port.period_ns
         }
-        self._is_gone = False
+        #: True when a fault has killed it.
+        self.is_gone = False
         self._kills = faults.at("node", "kill")
         self._stops = faults.at("node", "stop")
         self._restarts = faults.at("node", "restart")
@@ -83,7 +84,7 @@ class FaultyController:
         """Take one frame in bus order; returns what leaves instead of the answer."""
         if self.faults.see(frame):
             self._instant()
-        if self._is_gone:
+        if self.is_gone:
             return []
         port = self._asked(frame)
         if self._deaf_since_ns is not None:
@@ -95,6 +96,8 @@ class FaultyController:
         answers = self._node.handle(frame)
         if port is None:
             return answers
+        for answer in answers:
+            self.faults.see(answer)
         left = list(self.faults.passes(answers))
         ends = (port.can_ids[-1], port.fd_id)
         answered = any(one.can_id in ends and not one.flags & ~(FD | BRS) for one in left)
@@ -115,9 +118,9 @@ class FaultyController:
         """What begins or ends with an instant and is not about a telegram."""
         activities = self.faults.activities
         for one in self._kills:
-            if one.active and not self._is_gone:
+            if one.active and not self.is_gone:
                 activities.note(one, "running", "killed")
-                self._is_gone = True
+                self.is_gone = True
                 if self._kill is not None:
                     self.faults.write()
                     self._kill()

@@ -55,6 +55,8 @@ class Follower:
         self._own_events = injection.events
         clock = contract.clock_port if at_plant or truth is None else contract.port(truth.port)
         self._clock = clock.name
+        #: Identifiers of the port that says the time.
+        self.clock_ids = {*clock.can_ids, clock.fd_id}
         self._period_ns = schedule.ticks(clock.name) * schedule.base_tick_ns
         self._life_signal = life_signal(clock)
         self._life = -1

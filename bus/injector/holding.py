@@ -35,7 +35,7 @@ class Holding:
             self._held = []
         ready = any(due_ns <= now_ns and after == 0 for due_ns, after, _ in self._held)
         leaving, said = [frames], ""
-        if self._polled and (ready if fault.what != "delay" else self._held and not active):
+        if self._polled and (self._held and not active if fault.what in ("delay", "slow") else ready):
             # A telegram held back takes the place of the fresh answer.
             leaving, said = [], LOST
         elif active:
@@ -49,6 +49,8 @@ class Holding:
 
     def due(self, now_ns: int) -> list[Telegram]:
         """The telegrams that may leave now, in the order of their instants; of an answer only the first."""
+        if not self._activity.active and self._activity.fault.after == "drop":
+            self._held = []
         ready = [one for one in self._held if one[0] <= now_ns and one[1] == 0]
         ready.sort(key=lambda one: one[0])
         ready = ready[:1] if self._polled else ready
@@ -65,8 +67,10 @@ class Holding:
         match fault.what:
             case "loss":
                 return ([], LOST) if self._loses() else ([frames], "")
-            case "delay":
-                jitter_s = number_of(fault, "jitter_s") * (2.0 * random.random() - 1.0)
+            case "delay" | "slow":
+                jitter_s = (
+                    number_of(fault, "jitter_s") * (2.0 * random.random() - 1.0) if fault.what == "delay" else 0.0
+                )
                 delay_ns = round((number_of(fault, "delay_s") + jitter_s) * 1e9)
                 if delay_ns <= 0 and not self._held:
                     return [frames], ""

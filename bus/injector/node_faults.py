@@ -31,9 +31,11 @@ def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Por
         return [contract.port(name) for name in port_names(fault, contract, injection.units, injection.named)]
     if level == "clock" and fault.place.name == "time":
         return [contract.port(TimeSync.PORT)]
+    spared = instruments(injection)
     if level == "bus" and fault.what in (*SILENT, "ok"):
-        spared = instruments(injection)
         return [port for port in contract.ports if port.name not in spared]
+    if level == "node" and fault.what == "slow":
+        return [port for port in contract.ports if port.name not in spared and port.source == fault.place.name]
     return []
 
 

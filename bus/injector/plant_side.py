@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import signal
 import time
 from collections.abc import Callable, Sequence
 
@@ -11,12 +9,8 @@ from railhil.bus.frame import Frame
 from railhil.bus.injector.changes import number_of
 from railhil.bus.injector.flood import Flood
 from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Endpoint
-
-
-def kill_this_process() -> None:
-    """What ``kill`` does to a process of its own."""
-    os.kill(os.getpid(), signal.SIGKILL)
 
 
 class FaultyEndpoint:
@@ -24,7 +18,7 @@ class FaultyEndpoint:
 
     :param bit_rate: of the bus in bit/s.
     :param kill: ends the process at once.
-    :param sleep: ``clock.wall pause``.
+    :param stop: stops the process for a time on the wall clock in s; ``sleep``: ``clock.wall pause``.
     """
 
     def __init__(
@@ -33,14 +27,17 @@ class FaultyEndpoint:
         faults: NodeFaults,
         bit_rate: int,
         kill: Callable[[], None] = kill_this_process,
+        stop: Callable[[float], None] = stop_this_process,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
         self._endpoint = endpoint
         self.faults = faults
         self._kills = faults.at("node", "kill")
+        self._stops = faults.at("node", "stop")
         self._pauses = faults.at("clock", "pause")
         self._floods = [Flood(one, bit_rate) for one in faults.at("bus", "load")]
         self._kill = kill
+        self._stop = stop
         self._sleep = sleep
 
     @property
@@ -62,11 +59,13 @@ class FaultyEndpoint:
         faults = self.faults
         leaving: list[Frame] = []
         begun = 0
+        opening = faults.follower.clock_ids
         for index, frame in enumerate(frames):
-            if faults.see(frame):
-                # The frame that begins an instant is itself one of it.
+            if frame.can_id in opening:
+                # It begins an instant, and what stands before it belongs to the last one.
                 leaving += faults.passes(frames[begun:index])
                 begun = index
+            if faults.see(frame):
                 leaving += faults.due()
                 leaving += self._at_once()
         leaving += faults.passes(frames[begun:])
@@ -81,6 +80,11 @@ class FaultyEndpoint:
                 activities.note(one, "running", "killed")
                 self.faults.write()
                 self._kill()
+        for one in self._stops:
+            if one.active and one.fault.duration_s is not None:
+                activities.note(one, "running", "stopped")
+                one.order(False, activities.now_ns)
+                self._stop(one.fault.duration_s)
         for one in self._pauses:
             if one.active:
                 activities.note(one, "running", "paused")

@@ -23,8 +23,8 @@ from railhil.faults.model import Injection
 from railhil.faults.ports import life_signal, signal_of
 from railhil.faults.words import CLEAR
 
-#: Words of the level of telegrams that lose telegrams or hold them back.
-HOLDING = ("loss", "delay", "duplicate", "reorder")
+#: Words that lose telegrams or hold them back.
+HOLDING = ("loss", "delay", "duplicate", "reorder", "slow")
 #: Words of the bus that keep frames from leaving.
 SILENT = ("off", "down", "full")
 _LEVELS = ("command", "clock", "telegram", "bus")
@@ -78,7 +78,7 @@ class PortFaults:
         level = fault.place.level
         if level == "bus":
             self._keeps.append((activity, Silence(activity, self._polled)))
-        elif level == "telegram" and fault.what in HOLDING and not fault.place.part:
+        elif fault.what in HOLDING and not fault.place.part:
             self._keeps.append((activity, Holding(activity, random, self._polled)))
             self._keeps.sort(key=lambda one: one[0].fault.place.level == "bus")
         else:

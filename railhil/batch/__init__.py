@@ -17,6 +17,8 @@ import numpy as np
 from railhil.batch.case import BatchResult, Case, column, notch_digest, trace_digest
 from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.faults.capability import check_injectable
+from railhil.faults.language import parse
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, with_sign
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
 
     :param keep_notches: keep the notch codes of each run.
     :param chunk: number of runs computed together; the results do not depend on it.
-    :raises scenarios.errors.InputError: numba is missing, or the law does not fit.
+    :raises scenarios.errors.InputError: numba is missing, the law does not fit, or a fault needs the nodes.
     :raises ValueError: a seed outside 32 bit.
     :raises plant_sim.plant.PlantError: the simulation failed.
     """
@@ -62,6 +64,8 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
 
     if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
         raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
+    for text in case.scenario.faults:
+        check_injectable(parse(text), ["batch"], "lockstep")
     engine = Engine(case)
     chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
     return _result(case, seeds, chunks, keep_notches)

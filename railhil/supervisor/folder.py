@@ -152,6 +152,7 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document["line"] = result.line
     document["why"] = why(scenario, result.events)
     document["events"] = summary(scenario, result.events)
+    document["faults"] = [one.as_json() for one in result.faults]
     parameters = spec.law.parameters
     document["run"] = spec.as_json() | {
         # Their values are in the certificate.
@@ -210,6 +211,8 @@ def certificate(
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
+        # What was injected, with all draws: as texts of --fault they make the run again.
+        "injected": [one.as_json() for one in result.faults],
         # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
     }

@@ -24,6 +24,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
 from railhil.supervisor.senders import Strangers
+from railhil.supervisor.truth_clock import TruthClock
 
 
 class Session:
@@ -84,21 +85,20 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # The time of the record must not stand still while the clock port is disturbed. The second time base is the
-        # truth, which no fault touches, under faults, otherwise the fastest poll, whoever is asked.
+        # A fault may touch the clock port and TIME_SYNC, but not the truth.
+        truth = system.truth if scenario.faults else None
+        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
+        self._time = self._truth_clock or self._clock
+        self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
+        # Otherwise the fastest poll, whoever is asked, keeps the time going while the clock port is missing.
+        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
+        self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
         self._pace: Frame | None = None
-        self._pace_ids: set[int] = set()
-        if scenario.faults and system.truth:
-            truth = contract.port(system.truth.port)
-            self._pace_ids, self._pace_ticks = {truth.can_ids[-1], truth.fd_id}, schedule.ticks(truth.name)
-        else:
-            polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
-            self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
-            if self._pace_ticks <= MAX_STEP:
-                self._pace = master_frame(fastest.f_code, fastest.address)
+        if self._truth_clock is None and self._pace_ticks <= MAX_STEP:
+            self._pace = master_frame(fastest.f_code, fastest.address)
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
-        self._seen_ids |= self._pace_ids
+        self._seen_ids |= self._truth_ids
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
         #: Frames under the supervisor's own identifiers that came from the bus, by port.
         self.strangers = {port.name: Strangers() for port in contract.ports if port.source == "supervisor"}
@@ -113,7 +113,7 @@ class Session:
     @property
     def sim_time_s(self) -> float:
         """Simulation time of the current tick."""
-        return self._clock.now_ns / 1e9
+        return self._time.now_ns / 1e9
 
     @property
     def heard_ns(self) -> int:
@@ -130,6 +130,8 @@ class Session:
         if self.recording:
             self.unheard_ns += wall_ns
         self._clock.silence(wall_ns)
+        if self._truth_clock is not None:
+            self._truth_clock.silence(int(wall_ns * self._clock.rate))
 
     @property
     def counters(self) -> dict[str, int]:
@@ -141,20 +143,22 @@ class Session:
         if frame[0] in self._seen_ids:
             can_id = frame[0]
             if can_id in self._clock_ids:
-                if self._responder.opens_tick(frame):
+                truth_clock = self._truth_clock
+                if truth_clock.clock(frame) if truth_clock is not None else self._responder.opens_tick(frame):
                     self._arrived()
             elif can_id == self._status_id:
                 return []
             elif can_id in self._own_ids:
                 if self.recording:
-                    self._own_ids[can_id].add(self._clock.now_ns)
-            elif can_id in self._pace_ids:
-                self._paced()
+                    self._own_ids[can_id].add(self._time.now_ns)
+            elif can_id in self._truth_ids:
+                if self._truth_clock is not None and self._truth_clock.truth(frame):
+                    self._arrived()
             else:
                 return self._handle_own(frame)
         if self.recording:
             self.frames += 1
-            self._write(log_line(self._clock.now_ns, frame))
+            self._write(log_line(self._time.now_ns, frame))
         return []
 
     def _paced(self) -> None:
@@ -166,7 +170,7 @@ class Session:
 
     def _arrived(self) -> None:
         """A new tick has arrived."""
-        self.wall_ticks.append(self._clock.tick)
+        self.wall_ticks.append(self._time.tick)
         self.wall_ns.append(time.monotonic_ns())
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
@@ -181,7 +185,7 @@ class Session:
             # A run that began without this supervisor belongs to another one.
             return []
         # A TIME_SYNC that corrects the time has the time of its other frames.
-        time_ns = self._clock.now_ns
+        time_ns = self._time.now_ns
         answers = self._responder.handle(frame)
         if answers:
             # The plant's last poll comes after its last event: only then is the record complete.
