@@ -16,8 +16,8 @@ from railhil.scenarios.system import system_named
 
 #: Levels of the faults that live in the plant.
 LEVELS = ("train", "sensor", "actuator")
-#: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults). Its
-#: attribute ``injects`` holds the places that its faults may have (``sensor.speed``), as the system's ``injects``.
+#: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults): a
+#: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
 
 
