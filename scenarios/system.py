@@ -35,16 +35,17 @@ class System:
     (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant from (scenario, seed, perturbed, rate)
     (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus from
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
-    entry point group of its laws. ``law``: the default law. ``events``: its own milestones by
-    name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``:
-    makes the figures of its report from (scenario, recorded runs). ``own``: parts used by some modules only: ``task``,
-    ``interface``, ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without
-    them campaign and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
-    (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``) and
-    ``picture``: draws scenario and trace into a file (without it:
-    :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where the truth is
-    on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first words of the
-    ports of each unit, if a train has several; ``injects``: places of faults inside its plant (``sensor.speed``).
+    entry point group of its laws. ``law``: the default law. ``events``: its own milestones by name, numbers in
+    :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of
+    its report from (scenario, recorded runs). ``own``: parts used by some modules only: ``task``, ``interface``,
+    ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
+    and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
+    (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``),
+    ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file
+    (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where
+    the truth is on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first
+    words of the ports of each unit, if a train has several; ``injects``: places of faults inside its plant
+    (``sensor.speed``).
     """
 
     name: str

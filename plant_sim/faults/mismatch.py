@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, fields, replace
 from typing import Any
+
+import numpy as np
 
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.injections import number_of
@@ -12,6 +14,16 @@ from railhil.scenarios.model import Line, Scenario, Train
 
 #: Place and word of the faults that a changed scenario expresses.
 WORDS = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
+
+
+def is_constant(fault: Fault) -> bool:
+    """Whether a fault is a mismatch that lasts from the start to the end: a changed scenario says the same.
+
+    The batch computes these, with whatever values are drawn; runs with any other fault go through the nodes.
+    """
+    begins = fault.trigger.kind == "time" and not fault.trigger.value and not fault.trigger.delay_s
+    ends = fault.duration_s is not None or fault.count is not None or bool(fault.until)
+    return fault.place.level == "train" and (fault.place.name, fault.what) in WORDS and begins and not ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +55,11 @@ class Mismatch:
             else:
                 grade, permil = grade * number_of(fault, "factor"), permil * number_of(fault, "factor")
         return cls(mass, resistance, grade, permil)
+
+    @classmethod
+    def over(cls, mismatches: Sequence[Mismatch]) -> Mismatch:
+        """Those of N trains as arrays of shape (N,)."""
+        return cls(*(np.array([getattr(one, item.name) for one in mismatches]) for item in fields(cls)))
 
     def applied(self, scenario: Scenario) -> Scenario:
         """The scenario with this mismatch; ``sha256`` stays, as for a perturbed run."""

@@ -8,6 +8,7 @@ from typing import Protocol
 from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.faults.injections import Injections
+from railhil.plant_sim.faults.mismatch import Mismatch, is_constant
 from railhil.scenarios.fault_list import drawn_faults
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -15,8 +16,8 @@ from railhil.scenarios.system import system_named
 
 #: Levels of the faults that live in the plant.
 LEVELS = ("train", "sensor", "actuator")
-#: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults). Its
-#: attribute ``injects`` holds the places that its faults may have (``sensor.speed``), as the system's ``injects``.
+#: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults): a
+#: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
 
 
@@ -44,3 +45,12 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
         return system.part("plant")(*given), None
     faulty: FaultyPlant = system.part(PART)(*given, found)
     return faulty, faulty.injections
+
+
+def constant_mismatch(scenario: AnyScenario, seed: int) -> Mismatch | None:
+    """The faults of a run as a mismatch of its train and line; None: another fault needs the nodes of the bench.
+
+    :param seed: of the run.
+    """
+    faults = drawn_faults(scenario.faults, seed)
+    return Mismatch.of(faults) if all(map(is_constant, faults)) else None

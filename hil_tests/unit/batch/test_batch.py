@@ -19,7 +19,7 @@ from railhil.batch import Case, run_batch, say_compiling, trace_digest
 from railhil.batch.compiled import FUNCTIONS, Kept
 from railhil.batch.engine import Engine
 from railhil.batch.noise import standard_noise
-from railhil.bench import coupled_run, direct_run, local_run
+from railhil.bench import coupled_run, direct_run, local_run, unrecorded_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant
@@ -28,7 +28,7 @@ from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.controller_node.loop import ControlLoop
 from railhil.controller_node.program.tracer import Tracer
 from railhil.plant_sim.sensors import AxleSensors
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load, load_any
 from railhil.scenarios.model import Balise, Effort, Scenario, Uniform
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -160,6 +160,48 @@ def test_runs_with_an_emergency_brake_are_those_of_the_nodes(tmp_path):
     assert batch.scores[0] == nodes.score
     assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
     assert -1792 in batch.notch_codes[0]
+
+
+CONSTANT_FAULTS = (
+    "mass scale uniform(0.8,1.2) @0s",
+    "gradient scale 1.5 @0s combine",
+    "gradient offset normal(0,2) @0s combine",
+    "resistance scale 1.3 @0s",
+)
+
+
+def with_faults(folder: Path, *faults: str) -> Scenario:
+    path = folder / "short.toml"
+    path.write_text(QUICK_TOML)
+    return load_any(str(path), (), faults)
+
+
+def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
+    """Mass, gradient and resistance with values drawn for each seed."""
+    case = Case(with_faults(tmp_path, *CONSTANT_FAULTS), LawSpec(arithmetic="float64"))
+    healthy = run_batch(replace(case, scenario=with_faults(tmp_path)), (1, 2))
+    batch = run_batch(case, (1, 2))
+    assert set(batch.notch_digest).isdisjoint(healthy.notch_digest)
+    for i, seed in enumerate((1, 2)):
+        nodes = unrecorded_run(case.scenario, case.run(seed))
+        assert batch.notch_digest[i] == trace_digest(case.scenario, nodes.trace)
+        assert batch.scores[i] == nodes.score
+    assert len(same_as_the_bench(replace(case, perturbed=False), (3,))) == 1
+
+
+@pytest.mark.parametrize(
+    "fault",
+    ["speed offset 0.2 @2s", "brake weak 60% @0s", "mass scale 1.3 @3s", "mass scale 1.3 @0s for 2s"],
+)
+def test_runs_with_other_faults_are_those_of_the_nodes(tmp_path, fault):
+    case = Case(with_faults(tmp_path, fault), LawSpec(arithmetic="float64"), perturbed=False)
+    batch = run_batch(case, (4,), keep_notches=True)
+    nodes = unrecorded_run(case.scenario, case.run(4))
+    assert batch.scores[0] == nodes.score
+    assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
+    assert batch.values["itae"][0] != run_batch(replace(case, scenario=with_faults(tmp_path)), (4,)).values["itae"][0]
+    with pytest.raises(InputError, match="other faults need a run over a bus"):
+        direct_run(case.scenario)
 
 
 def test_speed_that_is_sent_less_often_than_notches_are_asked_for_is_refused():

@@ -9,6 +9,7 @@ import pytest
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed, WatchCause
+from railhil.common.errors import InputError
 from railhil.faults.model import Draw, Fault, Trigger
 from railhil.faults.words import CLEAR, Word, words_at
 from railhil.plant_sim.any_plant import PlantError
@@ -17,6 +18,7 @@ from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.ato import ATO
+from railhil.scenarios.load import load_any
 from railhil.scenarios.model import Balise
 
 TRAIN = SCENARIO.train
@@ -462,3 +464,18 @@ def test_an_order_by_hand() -> None:
     plant.injections.order(1, False)
     commanded(plant, 600, 2)
     assert plant.status.doors_closed_locked
+
+
+@pytest.mark.parametrize(
+    ("text", "allowed"),
+    [
+        ("speed off @#7", "a telegram only for a port"),
+        ("sensor.temperature off @3s", "sensor.speed, sensor.position"),
+        ("speed off @3s units 2", "no units"),
+        ("speed missed @3s", "off"),
+    ],
+)
+def test_what_the_train_cannot_have_is_refused_at_load(text: str, allowed: str) -> None:
+    with pytest.raises(InputError, match=allowed) as error:
+        load_any("lvshun_tieshan", (), (text,))
+    assert "\n" not in str(error.value)

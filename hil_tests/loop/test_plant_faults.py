@@ -1,0 +1,119 @@
+"""Runs with faults of the plant: what the nodes make of them, from a scenario or a command line."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import railhil
+from hil_tests.support.short_runs import RUN_72M_TOML
+from railhil.bench import BenchRun, local_run
+from railhil.bus.layout import CHECK_ERRONEOUS
+from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.command_watch import CommandWatchLevel
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+
+pytestmark = pytest.mark.faults
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    path.write_text(RUN_72M_TOML)
+    return str(path)
+
+
+def run(short: str, folder: Path, *faults: str, seed: int = 0, law: str = "ipfc") -> BenchRun:
+    folder.mkdir(exist_ok=True)
+    scenario = load_any(short, (), faults)
+    return local_run(scenario, folder, RunSpec(short, law=LawSpec(law, "float64"), seed=seed, faults=faults))
+
+
+def first_s(made: BenchRun, port: str, signal: str, least: int) -> float | None:
+    """Simulation time at which a signal first has at least this raw value."""
+    found = made.trace.times_s(port)[made.trace.raw(port, signal) >= least]
+    return float(found[0]) if found.size else None
+
+
+def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path) -> None:
+    """S1a: three telegrams without a valid value in ten."""
+    made = run(short, tmp_path, "speed off @8s for 200ms")
+    times_s, check = made.trace.times_s(TrnSpeed.PORT), made.trace.raw(TrnSpeed.PORT, "SpeedChk")
+    off = times_s[check == CHECK_ERRONEOUS]
+    assert (off[0], off[-1], off.size) == (8.0, 8.19, 20)
+    assert made.counters["controller"]["check_variable"] == 20
+    cut_s = first_s(made, NotchCmd.PORT, "CtlMode", CtlMode.TRACTION_CUT)
+    assert cut_s is not None and 8.0 < cut_s <= 8.07
+    # The run goes on: the train stops by itself at the end of the journey.
+    assert made.score.verdict in ("PASS", "FAIL")
+    assert first_s(made, TrnWatch.PORT, "WatchLevel", CommandWatchLevel.EMERGENCY) is None
+
+
+@pytest.mark.parametrize(
+    ("fault", "raw"), [("speed value -1 @8s for 200ms", -10_000), ("speed value 800 @8s for 200ms", 8_000_000)]
+)
+def test_an_impossible_speed_is_a_bad_telegram(short: str, tmp_path: Path, fault: str, raw: int) -> None:
+    """S4 and T18."""
+    made = run(short, tmp_path, fault)
+    speeds = made.trace.raw(TrnSpeed.PORT, "TrainSpeed")
+    assert (speeds == raw).sum() == 20
+    assert made.counters["controller"]["out_of_range"] == 20
+    cut_s = first_s(made, NotchCmd.PORT, "CtlMode", CtlMode.TRACTION_CUT)
+    assert cut_s is not None and cut_s <= 8.05
+
+
+def test_a_state_that_is_not_a_number_is_no_verdict(short: str, tmp_path: Path) -> None:
+    """S4b."""
+    with pytest.raises(PlantError):
+        run(short, tmp_path, "model nan @8s")
+    ended = railhil(
+        "run", short, "--bus", "local", "--no-report", "--fault", "model nan @8s", "--out", tmp_path / "out"
+    )
+    assert ended.exit_code == 4
+    assert "not finite at tick 801" in ended.out + ended.err
+
+
+@pytest.mark.parametrize("fault", ["balise doubled @0s", "balise wrong 5m @0s", "balise off @0s", "balise missed @0s"])
+def test_a_law_that_uses_balises_stands_faults_of_their_reader(fault: str, tmp_path: Path) -> None:
+    """S3: it stops, and the train's watch stays at NORMAL."""
+    path = tmp_path / "balises.toml"
+    path.write_text(RUN_72M_TOML + "[[line.balises]]\nnumber = 1\nsurveyed_m = 30\n")
+    made = run(str(path), tmp_path / "run", fault, law="ipfc_plus")
+    assert made.score.ended == "ended_complete"
+    last = made.trace.raw(TrnWatch.PORT, "WatchLevel")
+    assert (last[10:] == CommandWatchLevel.NORMAL).all()
+
+
+def test_an_odometer_that_jumps_shows_in_the_record(short: str, tmp_path: Path) -> None:
+    made = run(short, tmp_path, "position jump 30m @8s")
+    read_mm = made.trace.raw(TrnPos.PORT, "TrainPos")[:1000]
+    true_mm = made.trace.raw(SimTruth.PORT, "TruePos")[:1000] / 10
+    error_m = (read_mm - true_mm) / 1000
+    at = made.trace.times_s(TrnPos.PORT)[:1000] >= 8.0
+    assert abs(error_m[~at]).max() < 0.02
+    assert abs(error_m[at] - 30.0).max() < 0.02
+
+
+def test_the_same_seed_gives_the_same_bytes(short: str, tmp_path: Path) -> None:
+    faults = ("speed noise 0.05 @2s", "brake scale uniform(0.7,1.3) @0s", "adhesion low 3% @braking for 1s")
+    hashes = [run(short, tmp_path / str(i), *faults, seed=seed).frames_sha256 for i, seed in enumerate((5, 5, 6))]
+    assert hashes[0] == hashes[1] != hashes[2]
+    # A fault that has a seed of its own draws the same in every run.
+    own = [run(short, tmp_path / f"own{seed}", "brake scale uniform(0.7,1.3) @0s seed 9", seed=seed) for seed in (5, 6)]
+    forces = [made.trace.raw(SimTruth.PORT, "BrakeForce").max() for made in own]
+    assert abs(forces[0] / forces[1] - 1) < 0.02
+
+
+@pytest.mark.slow
+def test_processes_on_a_bus_give_the_same_bytes(short: str, tmp_path: Path) -> None:
+    faults = [word for text in ("speed noise 0.05 @2s", "brake weak 70% @braking") for word in ("--fault", text)]
+    hashes = []
+    for bus in ([], ["--bus", "local"]):
+        out = tmp_path / f"run{len(hashes)}"
+        railhil("run", short, "--no-report", "--out", out, *faults, *bus)
+        hashes.append(json.loads((out / "certificate.json").read_text())["frames_sha256"])
+    assert hashes[0] == hashes[1]
