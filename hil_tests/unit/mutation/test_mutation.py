@@ -121,3 +121,11 @@ def test_every_explained_survivor_is_a_mutant(module: str) -> None:
     keys = Counter(mutant.key for mutant in mutants(source_of(module).read_text("utf-8"))) if known else Counter()
     assert [key for key in known if keys[key] != 1] == []
     assert all(why.strip() for why in known.values())
+
+
+def test_some_mutants_of_the_bench() -> None:
+    """A fixed sample; all of them: ``make mutants``."""
+    subjects = ("railhil.supervisor.measures", "railhil.supervisor.witness", "railhil.controller_node.speed_watch")
+    code, said = command(ROOT, *subjects, "--sample", "8", "--seed", "12", "--jobs", "2")
+    assert code == 0, said
+    assert [line.partition(":")[0] for line in said] == list(subjects)
