@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import argparse
+
 import pytest
 
+from hil_tests.support.paths import ROOT
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE, ERROR_PASSIVE, CanController
+from railhil.bus.hub.cli import add_arguments
 from railhil.bus.hub.lines import GUARD_FRAMES, Lines
+from railhil.bus.hub.modelled import HUB, markdown, sentence
 from railhil.bus.hub.orders import Notices, Order, order_of
 from railhil.bus.link import errorframe
 from railhil.bus.link.errorframe import describe
@@ -140,3 +145,14 @@ def test_an_old_packet_that_was_not_heard_says_nothing_about_the_newest() -> Non
     assert not notices.is_cut_off("controller")
     notices.take({"cut_off": ["controller"]})
     assert notices.is_cut_off("controller")
+
+
+def test_the_page_has_the_list_of_what_is_modelled_and_each_option_exists() -> None:
+    assert markdown() in (ROOT / "docs" / "hub.md").read_text(encoding="utf-8")
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    assert {row.option for row in HUB} - {""} <= set(parser._option_string_actions)
+    for row in HUB:
+        assert (row.subject in sentence()) is bool(row.option or not row.by)
+    assert sentence().startswith("no acknowledgement; bit rate only with --bitrate-model")
+    assert str(GUARD_FRAMES) in next(row.by for row in HUB if row.subject == "two lines")
