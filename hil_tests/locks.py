@@ -51,8 +51,9 @@ def report_of(wanted: list[str]) -> dict[str, Any]:
 def lock_text(report: dict[str, Any]) -> str:
     """The lock file for a report of pip."""
     made = report["environment"]
+    machine = f"{made['sys_platform']} {made['platform_machine']}"
     lines = [
-        f"# Made by `make locks` for Python {made['python_version']} on {made['sys_platform']} {made['platform_machine']}:",
+        f"# Made by `make locks` for Python {made['python_version']} on {machine}:",
         "# the files that hosted CI installs, with pip install --require-hashes.",
     ]
     for item in sorted(report["install"], key=lambda item: item["metadata"]["name"].lower()):

@@ -294,6 +294,8 @@ class HubBus(can.BusABC):
                 self._seen |= self._here
             elif self.notices is not None:
                 self.notices.take(notice)
+                # On TCP the next packet may be here already, where the socket does not show it.
+                self._update_readiness()
                 return False
         self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
         self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet

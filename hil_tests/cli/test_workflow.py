@@ -117,7 +117,7 @@ def test_bench_step_fails_when_the_run_does(tmp_path, name, value):
     assert not (tmp_path / "broken").exists()
 
 
-# -- what pip installs there --------------------------------------------------------------------------------------------
+# -- what pip installs there -------------------------------------------------------------------------------------------
 
 
 def locked_packages(path: Path) -> dict[str, Version]:

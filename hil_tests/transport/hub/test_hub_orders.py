@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import errno
+import select
 from pathlib import Path
 
 import can
@@ -286,6 +287,20 @@ def read_one(bus: HubBus) -> Frame:
     while not frames:
         frames = bus.recv_frames(PATIENCE_S)
     return frames[0]
+
+
+def test_a_notice_does_not_hide_what_has_arrived_with_it() -> None:
+    """On TCP the client reads both at once, and a selector sees only the socket."""
+    with running_hub("--faults", channel="tcp://127.0.0.1:0") as hub, hub.bus(name="x") as bus, hub.bus() as other:
+        descriptor = bus.fileno()
+        other.order(Order("line", "x", line="A"))
+        for number in range(200):
+            other.order(Order("full", "x", on=number % 2 == 0))
+        other.send_frames([LAST])
+        found: list[Frame] = []
+        while LAST not in found:
+            assert select.select((descriptor,), (), (), PATIENCE_S)[0]
+            found += bus.recv_frames(0.0)
 
 
 def test_restart_ms_needs_the_model(socket_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
