@@ -134,6 +134,9 @@ class Administrator:
             committed = self._take(port, _LOOK_NS)
             if committed is not None:
                 return committed
+            if self._endpoint.is_cut_off(port.source):
+                # A fault on the bus, not a slow node: the telegram is missed, as in real time.
+                return False
             if self._endpoint.is_down:
                 # No answer can come over an interface that is down; the link limits that wait itself.
                 waited_ns, last_look = 0, False
