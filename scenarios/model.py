@@ -164,6 +164,19 @@ class WatchLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class Safety:
+    """Safe data transmission (SDTv2, :mod:`railhil.bus.sdt`).
+
+    ``sdt``: speed and command count only if SPEED_SDT and NOTCH_SDT confirm them. ``n_rxsafe``: cycles without a fresh
+    safe telegram that are tolerated. ``cmthr``: telegrams within which a second CRC error fails the channel.
+    """
+
+    sdt: bool = False
+    n_rxsafe: int = 3
+    cmthr: int = 1000
+
+
+@dataclass(frozen=True, slots=True)
 class Uniform:
     """A uniform distribution between two bounds (factor or offset, as the perturbation's name says)."""
 
@@ -282,6 +295,7 @@ class Scenario:
     assumptions: tuple[str, ...] = ()
     sha256: str = ""
     system: str = "ato"
+    safety: Safety = Safety()
 
     @property
     def planned_s(self) -> float:
