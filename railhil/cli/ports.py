@@ -55,7 +55,7 @@ def work(namespace: argparse.Namespace) -> int:
     total, optional = _usual(contract, loads), [port.name for port in contract.ports if port.optional]
     console.say(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
     if optional:
-        console.say(f"with {', '.join(optional)}, which only some scenarios use: {sum(loads.values()):.1%}")
+        console.say(f"load in scenarios that use {', '.join(optional)}: {sum(loads.values()):.1%}")
     console.say(f"DBC sha256 {contract.sha256}")
     if namespace.dbc:
         console.say(f"{namespace.dbc}: describes these telegrams")
