@@ -6,9 +6,11 @@ from collections import Counter
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import CtlCause, TrkInfo, TrnSpeed
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.safe_speed import SafeSpeed
 from railhil.controller_node.speed_watch import (
     Ladder,
     Reception,
@@ -48,6 +50,9 @@ class Guard:
         self._age = MessageAge(self._counter)
         self._odometer = odometer or Odometer(scenario)
         self._sent_ns = 0
+        #: The safe channel that must confirm every speed; None: the scenario has none.
+        self.safe = SafeSpeed(scenario) if scenario.safety.sdt else None
+        self._speed_ns = -1
         self._limit_01mmps: int | None = None
 
     @property
@@ -87,20 +92,33 @@ class Guard:
             self._observe(Reception.BAD, now_ns)
         else:
             self.speed_01mmps = telegram.speed_01mmps
+            self._speed_ns = now_ns
             self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
             age_ns = self._age.ns(now_ns)
             self._odometer.speed(telegram.speed_01mmps, now_ns - age_ns)
             self._observe(Reception.GOOD, now_ns, age_ns)
+
+    def confirm(self, telegram: SpeedSdt, now_ns: int, tick: int) -> None:
+        """Take a SPEED_SDT telegram that passed the traffic store; ``tick``: of the clock."""
+        assert self.safe is not None
+        self.safe.take(telegram, now_ns, tick, self.speed_01mmps if self._speed_ns == now_ns else None)
 
     def _observe(self, telegram: Reception, now_ns: int, age_ns: int | None = None) -> None:
         speed = self.speed_01mmps
         limit = self._limit_01mmps
         if age_ns is None:
             age_ns = self._age.ns(now_ns)
+        unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
         # Positional arguments: this runs at every tick, and keyword arguments take twice as long.
         seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, self._odometer.lost(now_ns))
-        self._state = observe(self._ladder, self._state, seen)
+        if unconfirmed_ns <= age_ns:
+            self._state = observe(self._ladder, self._state, seen)
+            return
+        state = observe(self._ladder, self._state, seen._replace(age_ms=unconfirmed_ns // _NS_PER_MS))
+        if state.level is not self._state.level and state.cause is CtlCause.SPEED_AGE:
+            state = state._replace(cause=CtlCause.SAFETY_CODE)
+        self._state = state
 
     def look(self, now_ns: int) -> None:
         """Check the age of the last speed, at ``now_ns``."""

@@ -184,8 +184,11 @@ def coupled_schedule(scenario: Scenario) -> Schedule:
     """Periods of the ports for a run without a bus.
 
     :raises InputError: the speed is sent less often than NOTCH_CMD is polled: the law would then see an old speed, and
-        the controller's watch, which only the nodes have, would act.
+        the controller's watch, which only the nodes have, would act. Or the scenario has a safe channel: it takes two
+        telegrams to begin, which only the nodes exchange.
     """
+    if scenario.safety.sdt:
+        raise InputError(scenario.name, "safety.sdt", Words("true"), "false, or the run over a bus (railhil run)")
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
     speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
     if speed > notch:

@@ -185,6 +185,11 @@ def watch(table: schema.WatchTable) -> model.WatchLimits:
     )
 
 
+def safety(table: schema.SafetyTable) -> model.Safety:
+    """Safe data transmission."""
+    return model.Safety(sdt=table.sdt, n_rxsafe=table.n_rxsafe, cmthr=table.cmthr)
+
+
 def perturbations(table: schema.PerturbationsTable) -> model.Perturbations:
     """Distributions in SI units."""
 

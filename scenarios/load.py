@@ -189,6 +189,7 @@ def _build(parts: Parts, faults: tuple[str, ...]) -> model.Scenario:
         sensors=convert.sensors(file.sensors),
         energy=convert.energy(file.energy),
         watch=watch,
+        safety=convert.safety(file.safety),
         perturbations=perturbations,
         published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),

@@ -164,6 +164,19 @@ class WatchLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class Safety:
+    """Safe data transmission (SDTv2, :mod:`railhil.bus.sdt`).
+
+    ``sdt``: speed and command count only if SPEED_SDT and NOTCH_SDT confirm them. ``n_rxsafe``: cycles without a fresh
+    safe telegram that are tolerated. ``cmthr``: telegrams within which a second CRC error fails the channel.
+    """
+
+    sdt: bool = False
+    n_rxsafe: int = 3
+    cmthr: int = 1000
+
+
+@dataclass(frozen=True, slots=True)
 class Uniform:
     """A uniform distribution between two bounds (factor or offset, as the perturbation's name says)."""
 
@@ -288,6 +301,7 @@ class Scenario:
     system: str = "ato"
     #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
     faults: tuple[str, ...] = ()
+    safety: Safety = Safety()
 
     @property
     def planned_s(self) -> float:

@@ -22,7 +22,7 @@ RUNNING_TIME_MAX_S = 28_800.0
 #: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
 PORTS = (
     "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
-    "TRN_WATCH", "SIM_TRUTH",
+    "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
 )  # fmt: skip
 
 Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
@@ -209,6 +209,14 @@ class WatchTable(Table):
     overspeed_margin_kmh: Positive = 5.0
 
 
+class SafetyTable(Table):
+    """Safe data transmission (SDTv2) of speed and command, in addition to their telegrams."""
+
+    sdt: bool = False
+    n_rxsafe: Annotated[int, Field(ge=2, le=20)] = 3
+    cmthr: Annotated[int, Field(ge=1, le=100_000)] = 1000
+
+
 class PerturbationsTable(Table):
     """Uniform distributions ``[low, high]`` from which a perturbed run draws; a missing key stays nominal."""
 
@@ -308,6 +316,7 @@ class ScenarioFile(Table):
     sensors: SensorsTable
     energy: EnergyTable
     watch: WatchTable = WatchTable()
+    safety: SafetyTable = SafetyTable()
     perturbations: PerturbationsTable = PerturbationsTable()
     published: list[PublishedTable] = []
     fault: FaultRows = []

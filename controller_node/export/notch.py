@@ -10,6 +10,7 @@ from typing import Any
 
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.common.errors import InputError, Words
 from railhil.controller_node import odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
@@ -65,6 +66,8 @@ class NotchControl(Control):
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
+        if scenario.safety.sdt:
+            raise InputError(scenario.name, "safety.sdt", Words("true"), "false: the C has no safe channel")
         self.programs = record(scenario, law)
         first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
         balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
