@@ -182,6 +182,13 @@ def watch(table: schema.WatchTable) -> model.WatchLimits:
         service_brake_ms=table.service_brake_ms,
         emergency_ms=table.emergency_ms,
         overspeed_margin_mps=table.overspeed_margin_kmh / 3.6,
+        speed_change_max_mps2=table.speed_change_max_mps2,
+        stuck_change_mps=table.stuck_change_kmh / 3.6,
+        scale_error_max_percent=table.scale_error_max_percent,
+        channel_bad_max=table.channel_bad_max,
+        brake_share_min_percent=table.brake_share_min_percent,
+        runaway_mps=table.runaway_kmh / 3.6,
+        overruns_max=table.overruns_max,
     )
 
 

@@ -200,13 +200,20 @@ class EnergyTable(Table):
 
 
 class WatchTable(Table):
-    """Reaction ladder: ages in ms (increasing) and the overspeed margin."""
+    """Reaction ladder: ages in ms (increasing), the overspeed margin, and limits of the other checks."""
 
     hold_ms: Annotated[int, Field(gt=0)] = 20
     traction_cut_ms: Annotated[int, Field(gt=0)] = 64
     service_brake_ms: Annotated[int, Field(gt=0)] = 256
     emergency_ms: Annotated[int, Field(gt=0)] = 1000
     overspeed_margin_kmh: Positive = 5.0
+    speed_change_max_mps2: Positive = 2.0
+    stuck_change_kmh: Positive = 0.36
+    scale_error_max_percent: Annotated[float, Field(gt=0, le=100)] = 3.0
+    channel_bad_max: Annotated[int, Field(ge=1, le=10_000)] = 30
+    brake_share_min_percent: Annotated[float, Field(ge=0, le=100)] = 50.0
+    runaway_kmh: Positive = 1.08
+    overruns_max: Annotated[int, Field(ge=0, le=1_000_000)] = 3
 
 
 class PerturbationsTable(Table):
