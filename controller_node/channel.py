@@ -30,7 +30,7 @@ class Latency:
     ``limit_ticks``: largest latency that is not stale; ``poll_ticks``: between two polls.
     """
 
-    __slots__ = ("_base", "_doubt", "_frame_ticks", "_lag", "_life", "_turn", "limit_ticks", "poll_ticks")
+    __slots__ = ("_base", "_doubt", "_frame_ticks", "_is_old", "_lag", "_life", "_turn", "limit_ticks", "poll_ticks")
 
     def __init__(self, scenario: Scenario) -> None:
         timing = scenario.timing
@@ -43,15 +43,21 @@ class Latency:
         self.limit_ticks = scenario.watch.traction_cut_ms * 1_000_000 // timing.base_tick_ns + own
         self._lag = self._base = self._life = 0
         self._doubt = True
+        self._is_old = False
 
     def received(self, life: int) -> None:
         """Take the life sign of a new telegram: the telegrams before it have been sent as well."""
         self._lag -= (life - self._life) % _LIFE_TURN * self._frame_ticks
         self._life = life
+        self._is_old = False
 
-    def doubt(self) -> None:
-        """The count of the telegrams is lost: what the next poll shows is normal."""
-        self._doubt = True
+    def doubt(self) -> bool:
+        """Take an old telegram: the count is lost, what the next poll shows is normal.
+
+        :returns: whether the telegram before was an old one as well.
+        """
+        was_old, self._is_old, self._doubt = self._is_old, True, True
+        return was_old
 
     def polled(self) -> bool:
         """Take a poll; True when the telegrams are stale."""

@@ -119,8 +119,8 @@ class Guard:
             self.counters[life.value] += 1
             two_senders = False
             if life is Life.OUT_OF_ORDER:
-                self._latency.doubt()
-                two_senders = self._disorder.add(now_ns // _NS_PER_MS)
+                # Two senders alternate; after a loss there are old ones in a row.
+                two_senders = not self._latency.doubt() and self._disorder.add(now_ns // _NS_PER_MS)
             self._observe(Reception.NONE, now_ns, None, LEVELS[CtlCause.TWO_SOURCES] if two_senders else None)
             return
         if life is Life.GAP:

@@ -28,7 +28,11 @@ class TrainOnBus(Plant):
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
         actual = perturbed(scenario, seed) if drawn else scenario
         super().__init__(actual, seed)
-        self.gate = CommandGate(round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH))
+        self.gate = CommandGate(
+            round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH),
+            round(actual.watch.notch_step_max * NOTCH_LSB_PER_NOTCH),
+            actual.watch.two_sources_max,
+        )
         self._telegrams = TrainTelegrams(actual, self, rate)
         self.makers = self._telegrams.makers
         self.ending = RunEnd(actual, self)
@@ -40,10 +44,13 @@ class TrainOnBus(Plant):
         return self.gate.counters
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD if it passes the gate."""
+        """Take NOTCH_CMD if it passes the gate, and tell the watch what the gate finds suspicious."""
         assert isinstance(telegram, NotchCmd)
-        if self.gate.accept(telegram):
-            self.command(telegram.notch_256th, self.gate.emergency(telegram))
+        gate = self.gate
+        if gate.accept(telegram):
+            self.command(gate.notch_256th, gate.emergency(telegram))
+        if gate.suspicion:
+            self.suspect(gate.suspicion)
 
     def telegram_of(self, event: Any) -> Telegram | None:
         """BALISE for a balise passing, TRN_WATCH for a new level of the watch."""

@@ -189,6 +189,13 @@ def watch(table: schema.WatchTable) -> model.WatchLimits:
         brake_share_min_percent=table.brake_share_min_percent,
         runaway_mps=table.runaway_kmh / 3.6,
         overruns_max=table.overruns_max,
+        notch_step_max=table.notch_step_max,
+        two_sources_max=table.two_sources_max,
+        traction_left_max_percent=table.traction_left_max_percent,
+        grade_allowance_permil=table.grade_allowance_permil,
+        end_of_authority=table.end_of_authority,
+        end_of_authority_margin_m=table.end_of_authority_margin_m,
+        end_of_authority_braking_mps2=table.end_of_authority_braking_mps2,
     )
 
 

@@ -190,6 +190,7 @@ def _build(parts: Parts) -> model.Scenario:
         assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
     )
     check.check_run(scenario, target, refuse)
+    check.check_authority(scenario, refuse)
     return replace(scenario, sha256=scenario_sha256(scenario))
 
 

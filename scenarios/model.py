@@ -159,6 +159,13 @@ class WatchLimits:
     brake_share_min_percent: float = 50.0
     runaway_mps: float = 1.08 / 3.6
     overruns_max: int = 3
+    notch_step_max: float = 254.0
+    two_sources_max: int = 6
+    traction_left_max_percent: float = 5.0
+    grade_allowance_permil: float = 35.0
+    end_of_authority: bool = False
+    end_of_authority_margin_m: float = 5.0
+    end_of_authority_braking_mps2: float = 0.8
 
     @property
     def weakened(self) -> str:
@@ -166,6 +173,9 @@ class WatchLimits:
         usual = WatchLimits()
         rows = []
         for item in fields(self):
+            if item.name == "end_of_authority":
+                # Off is usual.
+                continue
             key, factor = (item.name.replace("_mps", "_kmh"), 3.6) if item.name.endswith("_mps") else (item.name, 1)
             value, most = (round(getattr(limits, item.name) * factor, 6) for limits in (self, usual))
             if (value < most) if "_min" in item.name else (value > most):

@@ -214,6 +214,14 @@ class WatchTable(Table):
     brake_share_min_percent: Annotated[float, Field(ge=0, le=100)] = 50.0
     runaway_kmh: Positive = 1.08
     overruns_max: Annotated[int, Field(ge=0, le=1_000_000)] = 3
+    # Twice the largest notch range: no limit.
+    notch_step_max: Annotated[float, Field(gt=0, le=254)] = 254.0
+    two_sources_max: Annotated[int, Field(ge=1, le=16)] = 6
+    traction_left_max_percent: Annotated[float, Field(gt=0, le=1000)] = 5.0
+    grade_allowance_permil: Annotated[float, Field(ge=0, le=1000)] = 35.0
+    end_of_authority: bool = False
+    end_of_authority_margin_m: NotNegative = 5.0
+    end_of_authority_braking_mps2: Positive = 0.8
 
 
 class PerturbationsTable(Table):

@@ -188,10 +188,11 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
         counts[judged == RAILHIL_OLD ? RAILHIL_SPEED_OUT_OF_ORDER : RAILHIL_SPEED_DUPLICATE]++;
         if (judged == RAILHIL_OLD) {
             const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
-            guard->latency.doubt = 1;
-            if (railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS)) {
+            /* Two senders alternate; after a loss there are old ones in a row. */
+            if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS)) {
                 finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TWO_SOURCES);
             }
+            guard->latency.doubt = guard->latency.old = 1;
         }
         look(guard, now_ns, NO_TELEGRAM, finding);
         return;

@@ -116,6 +116,7 @@ void railhil_latency_received(railhil_latency_t *latency, int life)
 {
     latency->lag -= ((life - latency->life) & 0xF) * RAILHIL_CLOCK_TICKS;
     latency->life = life;
+    latency->old = 0;
 }
 
 int railhil_latency_polled(railhil_latency_t *latency)

@@ -32,6 +32,7 @@ typedef struct {
     int64_t base; /* its normal value */
     int life;
     int doubt; /* the next poll shows the normal value */
+    int old;   /* the last telegram was older than the one before */
 } railhil_latency_t;
 
 /* Events against time: each adds its cost, each ms pays 1 back. */
