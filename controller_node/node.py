@@ -217,8 +217,9 @@ class ControllerNode:
         speed_01mmps = self.guard.speed_01mmps
         if speed_01mmps is None:
             return
-        if k > self._last_k + 1 and self._last_k >= 0:
-            self._overruns += 1
+        is_late = k > self._last_k + 1 and self._last_k >= 0
+        self._overruns += is_late
+        self.guard.period(is_late)
         self._output = self.controller.step(k, speed_01mmps, self._odometer.at(now_ns), self._balises.last)
         self._last_k = k
         self._steps += 1

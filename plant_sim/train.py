@@ -30,7 +30,11 @@ class TrainOnBus(Plant):
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
         actual = perturbed(scenario, seed) if drawn else scenario
         super().__init__(actual, seed)
-        self.gate = CommandGate(round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH))
+        self.gate = CommandGate(
+            round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH),
+            round(actual.watch.notch_step_max * NOTCH_LSB_PER_NOTCH),
+            actual.watch.two_sources_max,
+        )
         self._telegrams = TrainTelegrams(actual, self, rate)
         self.makers = self._telegrams.makers
         self.ending = RunEnd(actual, self)
@@ -47,21 +51,24 @@ class TrainOnBus(Plant):
         return self.gate.counters if self._safe is None else {**self.gate.counters, **self._safe.counters}
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD if it passes the gate; with a safe channel, if NOTCH_SDT confirms it."""
-        command: NotchCmd | None = None
+        """Take NOTCH_CMD if it passes the gate, and tell the watch what the gate finds suspicious; with a safe channel,
+        take it only if NOTCH_SDT confirms it."""
+        gate, safe = self.gate, self._safe
         if isinstance(telegram, NotchSdt):
-            assert self._safe is not None
-            command = self._safe.confirmed(telegram, self.tick)
-        else:
-            assert isinstance(telegram, NotchCmd)
-            if not self.gate.accept(telegram):
-                return
-            if self._safe is None or self.gate.emergency(telegram):
-                command = telegram
+            assert safe is not None
+            command = safe.confirmed(telegram, self.tick)
+            if command is not None:
+                self.command(gate.notch_256th, gate.emergency(command))
+            return
+        assert isinstance(telegram, NotchCmd)
+        if gate.accept(telegram):
+            emergency = gate.emergency(telegram)
+            if safe is None or emergency:
+                self.command(gate.notch_256th, emergency)
             else:
-                self._safe.hold(telegram, self.tick)
-        if command is not None:
-            self.command(command.notch_256th, self.gate.emergency(command))
+                safe.hold(telegram, self.tick)
+        if gate.suspicion:
+            self.suspect(gate.suspicion)
 
     def _cause(self, watch: CommandWatchState) -> WatchCause:
         cause = super()._cause(watch)

@@ -196,6 +196,7 @@ def _build(parts: Parts, faults: tuple[str, ...]) -> model.Scenario:
         faults=faults,
     )
     check.check_run(scenario, target, refuse)
+    check.check_authority(scenario, refuse)
     return replace(scenario, sha256=scenario_sha256(scenario))
 
 

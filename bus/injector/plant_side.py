@@ -106,6 +106,10 @@ class FaultyEndpoint:
         """See :class:`railhil.bus.link.Endpoint`."""
         return self._endpoint.has_ended(node)
 
+    def is_cut_off(self, node: str) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.is_cut_off(node)
+
     def close(self) -> None:
         """See :class:`railhil.bus.link.Endpoint`."""
         self._endpoint.close()

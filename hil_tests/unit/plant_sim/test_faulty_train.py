@@ -125,7 +125,8 @@ def test_a_mismatch_from_the_start_is_a_changed_scenario() -> None:
     )
     plant = faulty(*faults)
     drawn = plant.injections.activities[2].fault.values["permil"]
-    assert isinstance(drawn, float) and 1.0 < drawn < 2.0
+    assert isinstance(drawn, float)
+    assert 1.0 < drawn < 2.0
     changed = Plant(Mismatch(1.13, 1.3, 0.9, drawn).applied(SCENARIO), 0)
     for code in (1500, 0, -900):
         commanded(plant, code, 900)
@@ -448,8 +449,10 @@ def test_events_of_the_motion() -> None:
     begun = [one.begun_ns for one in plant.injections.activities]
     assert plant.true_speed_01mmps == 0
     assert begun == sorted(begun)  # type: ignore[type-var]
-    assert begun[0] is not None and begun[0] <= 100_000_000
-    assert begun[1] is not None and begun[1] > 10_000_000_000
+    assert begun[0] is not None
+    assert begun[0] <= 100_000_000
+    assert begun[1] is not None
+    assert begun[1] > 10_000_000_000
 
 
 def test_an_order_by_hand() -> None:
