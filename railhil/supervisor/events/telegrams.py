@@ -58,7 +58,9 @@ def _burst(kind: str, source: str, cause: str, first_ns: int, last_ns: int, coun
 def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
     """Telegrams of one port that its receiver refuses, by the causes of its counters."""
     port = item.port
-    if not trace.has(port, item.life or next(iter((*item.checks, *item.ranges)), "")):
+    names = [name for name in (item.life, *item.checks, *item.ranges) if name]
+    if not all(trace.has(port, name) for name in names):
+        # A record of another version.
         return
     check_failed = np.zeros(trace.count(port), dtype=bool)
     for name in item.checks:
