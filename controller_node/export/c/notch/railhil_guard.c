@@ -16,6 +16,21 @@ void railhil_guard_init(railhil_guard_t *guard)
     memset(guard, 0, sizeof *guard);
     guard->odometer.life = guard->watch.life = -1;
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
+#if RAILHIL_SAFE
+    railhil_safe_init(&guard->safe);
+#endif
+}
+
+/* Age of the last confirmation of the speed by the safe channel; 0 without such a channel. */
+static int64_t unconfirmed_ns(const railhil_guard_t *guard, int64_t now_ns)
+{
+#if RAILHIL_SAFE
+    return railhil_safe_age_ns(&guard->safe, now_ns);
+#else
+    (void)guard;
+    (void)now_ns;
+    return 0;
+#endif
 }
 
 static int may_leave(int level, int good_run, int standstill)
@@ -36,7 +51,9 @@ static int may_leave(int level, int good_run, int standstill)
 static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t age_ms = railhil_greater(now_ns - watch->accepted_ns, 0) / NS_PER_MS;
+    const int64_t heard_ns = railhil_greater(now_ns - watch->accepted_ns, 0);
+    const int64_t confirmed_ns = unconfirmed_ns(guard, now_ns);
+    const int64_t age_ms = railhil_greater(heard_ns, confirmed_ns) / NS_PER_MS;
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     int demanded = RAILHIL_NORMAL;
@@ -87,7 +104,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
         watch->level = demanded;
     }
     if (watch->level != before) {
-        watch->cause = cause;
+        watch->cause = cause == RAILHIL_CAUSE_SPEED_AGE && confirmed_ns > heard_ns ? RAILHIL_CAUSE_SAFETY_CODE : cause;
     }
     if (watch->level == RAILHIL_TRACTION_CUT && before != RAILHIL_TRACTION_CUT) {
         watch->kept_code = watch->code < 0 ? watch->code : 0;

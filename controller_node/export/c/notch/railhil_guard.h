@@ -5,6 +5,7 @@
 #define RAILHIL_GUARD_H
 
 #include "railhil_position.h"
+#include "railhil_safe.h"
 
 /* Counters of refusals and losses, after those of positions and balises. */
 enum {
@@ -13,7 +14,12 @@ enum {
     RAILHIL_SPEED_GAP,                                   /* used, but telegrams before it are missing */
     RAILHIL_SPEED_CHECK,                                 /* check variable not correct */
     RAILHIL_SPEED_OUT_OF_RANGE,
+#if RAILHIL_SAFE
+    RAILHIL_SAFE_FIRST, /* causes of the safe channel from here on */
+    RAILHIL_COUNTS = RAILHIL_SAFE_FIRST + RAILHIL_SAFE_CAUSES
+#else
     RAILHIL_COUNTS
+#endif
 };
 
 /* Reaction ladder; a higher level is a stronger reaction. */
@@ -25,7 +31,8 @@ enum {
     RAILHIL_CAUSE_SPEED_AGE = 1,
     RAILHIL_CAUSE_BAD_TELEGRAMS = 2,
     RAILHIL_CAUSE_POSITION_LOST = 3,
-    RAILHIL_CAUSE_OVERSPEED = 4
+    RAILHIL_CAUSE_OVERSPEED = 4,
+    RAILHIL_CAUSE_SAFETY_CODE = 14
 };
 
 typedef struct {
@@ -49,6 +56,9 @@ typedef struct {
     railhil_odometer_t odometer;
     railhil_balise_t balise;
     railhil_watch_t watch;
+#if RAILHIL_SAFE
+    railhil_safe_t safe;
+#endif
 } railhil_guard_t;
 
 void railhil_guard_init(railhil_guard_t *guard);
