@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.schedule import Schedule
+from railhil.bus.sdt import source_identity
 from railhil.bus.telegrams import TrnPos, TrnSpeed
-from railhil.common.errors import InputError, Words
 from railhil.controller_node import odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
@@ -24,7 +25,7 @@ from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.node import ANSWERS, MAILBOXES
+from railhil.controller_node.node import ANSWERS, MAILBOXES, SAFE_ANSWERS, SAFE_MAILBOXES
 from railhil.controller_node.plausibility import MotionLimits
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.record import record
@@ -91,12 +92,10 @@ class NotchControl(Control):
     scenario: Scenario
     folder = f"{SHARED}/notch"
     sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
-    headers = ("railhil_position.h", "railhil_motion.h", "railhil_guard.h", "railhil_law.h")
+    headers = ("railhil_position.h", "railhil_motion.h", "railhil_safe.h", "railhil_guard.h", "railhil_law.h")
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
-        if scenario.safety.sdt:
-            raise InputError(scenario.name, "safety.sdt", Words("true"), "false: the C has no safe channel")
         self.programs = record(scenario, law)
         first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
         balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
@@ -162,7 +161,8 @@ class NotchControl(Control):
         contract = self.contract
         if contract.clock_port.name != TrnSpeed.PORT:
             raise ValueError(f"clock port {contract.clock_port.name}: the C counts time by {TrnSpeed.PORT}")
-        received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
+        sides = (SAFE_MAILBOXES, SAFE_ANSWERS) if self.scenario.safety.sdt else (MAILBOXES, ANSWERS)
+        received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in sides)
         return received, sent
 
     def constants(self) -> list[Define]:
@@ -194,6 +194,28 @@ class NotchControl(Control):
             Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
             *_motion(scenario),
             Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
+            *self._safe_channel(schedule),
+        ]
+
+    def _safe_channel(self, schedule: Schedule) -> list[Define]:
+        """Constants of the safe channel, if the scenario has one."""
+        safety = self.scenario.safety
+        if not safety.sdt:
+            return [Define("SAFE", "0", "1: speeds and commands count only if safe telegrams confirm them")]
+        ticks = schedule.ticks(SpeedSdt.PORT)
+
+        def identity(port: Port) -> str:
+            return f"UINT32_C({source_identity(port.address):#x})"
+
+        return [
+            Define("SAFE", "1", "speeds and commands count only if safe telegrams confirm them"),
+            Define("SAFE_RXSAFE", str(safety.n_rxsafe), "cycles without a fresh safe telegram that are tolerated"),
+            Define("SAFE_CMTHR", str(safety.cmthr), "telegrams within which a second CRC error fails the channel"),
+            Define("SAFE_PERIOD_NS", wide(ticks * schedule.base_tick_ns), "period of SPEED_SDT"),
+            Define("SAFE_LATE_TICKS", f"UINT32_C({safety.n_rxsafe * ticks})", "largest difference of its time"),
+            Define("SAFE_SPEED_SID", identity(SpeedSdt.port()), "identity of its source"),
+            Define("SAFE_NOTCH_SID", identity(NotchSdt.port()), "that of the source of NOTCH_SDT"),
+            Define("SAFE_DATA_VERSION", str(SAFE_DATA_VERSION), "version of the data of both"),
         ]
 
     def places(self, source: Source) -> dict[str, str]:

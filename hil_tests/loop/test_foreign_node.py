@@ -20,12 +20,14 @@ from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
 from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
+from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
-from railhil.scenarios.model import Scenario, TargetCurve, WatchLimits
+from railhil.scenarios.model import Safety, Scenario, TargetCurve, WatchLimits
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.target import Target
 
@@ -352,3 +354,60 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
     quiet = {can_id: range(200, 300) for can_id in ids}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, quiet))
     assert max(run.levels) == SpeedWatchLevel.EMERGENCY
+
+
+# -- the safe channel -------------------------------------------------------------------------------------------------
+
+
+class SafeFaulty:
+    """Damages, loses, repeats and delays frames of SPEED_SDT, and now and then TRN_SPEED.
+
+    :param often: probability per frame.
+    """
+
+    def __init__(self, seed: int, often: float) -> None:
+        self._random = random.Random(seed)
+        self._often = often
+        self._ids = {can_id for cls in (SpeedSdt, TrnSpeed) for can_id in cls.port().can_ids}
+        self._old: list[list[Frame]] = []
+        self._source = TelegramSource(SpeedSdt.port())
+
+    def __call__(self, frame: Frame) -> list[Frame]:
+        if frame.can_id not in self._ids:
+            return [frame]
+        kind = self._random.random() / self._often
+        if frame.can_id == TrnSpeed.port().address:
+            return [] if kind < 0.2 else [frame]
+        if frame.can_id != SpeedSdt.port().can_ids[-1]:
+            self._old.append([*self._old.pop(), frame] if self._old and len(self._old[-1]) == 1 else [frame])
+            return []
+        data = bytearray(b"".join(item.data for item in self._old[-1]))
+        if kind < 0.3:
+            data[self._random.randrange(16)] ^= 1 << self._random.randrange(8)
+        elif kind < 0.5:
+            return []
+        elif kind < 0.8:
+            # Up to two turns of the sequence counter old.
+            data = bytearray(b"".join(item.data for item in self._random.choice(self._old[-512:])))
+        elif kind < 0.9:
+            return self._source.frames(bytes(data)) * 2
+        return self._source.frames(bytes(data))
+
+
+@pytest.mark.parametrize("often", [0.0, 0.01, 0.1, 0.6])
+def test_the_safe_channel_is_that_of_our_node(exported, often: float, tmp_path: Path) -> None:
+    """Equal answers, NOTCH_SDT among them, levels, causes and counts."""
+    scenario = dataclasses.replace(short(), safety=Safety(sdt=True, cmthr=30))
+    scenario = dataclasses.replace(scenario, sha256=scenario_sha256(scenario))
+    refused: set[str] = set()
+    for seed in range(2 if often else 1):
+        wire = SafeFaulty(seed, often) if often else None
+        run = twin_run(scenario, CNode(exported(scenario), "ipfc"), tmp_path, seed=3, wire=wire)
+        assert {cause: run.python.get(cause, 0) for cause in run.c} == run.c
+        assert run.python.keys() - {"no_mailbox", "unknown_id"} == run.c.keys()
+        assert run.ended[0] == run.ended[1]
+        refused |= run.c.keys()
+    if not often:
+        assert (run.levels, run.c) == ({SpeedWatchLevel.NORMAL}, {})
+    if often == 0.1:
+        assert {"safe_crc", "safe_duplicate", "safe_out_of_sequence"} <= refused

@@ -24,7 +24,6 @@ from railhil.bus.telegrams import (
     WatchCause,
 )
 from railhil.common.errors import InputError
-from railhil.controller_node.export import make_bundle
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode
@@ -253,7 +252,5 @@ def test_an_emergency_command_needs_no_confirmation(safe: Scenario) -> None:
 def test_what_has_no_safe_channel_says_so(safe: Scenario) -> None:
     with pytest.raises(InputError, match=r"safety\.sdt: found true, allowed false, or the run over a bus"):
         direct_run(safe)
-    with pytest.raises(InputError, match=r"safety\.sdt: found true, allowed false: the C has no safe channel"):
-        make_bundle(safe, LawSpec())
     with pytest.raises(InputError, match=r"--task-period-ms: found 50, allowed 0 with safety\.sdt"):
         ControllerNode(safe, LawSpec(task_period_ms=50))

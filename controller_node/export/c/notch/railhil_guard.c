@@ -30,6 +30,21 @@ void railhil_guard_init(railhil_guard_t *guard)
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
     guard->latency.doubt = 1;
     guard->watch.sample_ns = -SAMPLE_MS * NS_PER_MS;
+#if RAILHIL_SAFE
+    railhil_safe_init(&guard->safe);
+#endif
+}
+
+/* Age of the last confirmation of the speed by the safe channel; 0 without such a channel. */
+static int64_t unconfirmed_ns(const railhil_guard_t *guard, int64_t now_ns)
+{
+#if RAILHIL_SAFE
+    return railhil_safe_age_ns(&guard->safe, now_ns);
+#else
+    (void)guard;
+    (void)now_ns;
+    return 0;
+#endif
 }
 
 static int may_leave(int level, int good_run, int standstill)
@@ -89,7 +104,9 @@ static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t fi
 static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t finding)
 {
     railhil_watch_t *watch = &guard->watch;
-    const int64_t age_ms = railhil_greater(now_ns - watch->accepted_ns, 0) / NS_PER_MS;
+    const int64_t heard_ns = railhil_greater(now_ns - watch->accepted_ns, 0);
+    const int64_t confirmed_ns = unconfirmed_ns(guard, now_ns);
+    const int64_t age_ms = railhil_greater(heard_ns, confirmed_ns) / NS_PER_MS;
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
     const int bad = seen == BAD_TELEGRAM || seen == IMPLAUSIBLE_TELEGRAM;
@@ -142,7 +159,7 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t 
         watch->level = demanded;
     }
     if (watch->level != before) {
-        watch->cause = cause;
+        watch->cause = cause == RAILHIL_CAUSE_SPEED_AGE && confirmed_ns > heard_ns ? RAILHIL_CAUSE_SAFETY_CODE : cause;
     }
     if (watch->level == RAILHIL_TRACTION_CUT && before != RAILHIL_TRACTION_CUT) {
         watch->kept_code = watch->code < 0 ? watch->code : 0;

@@ -6,6 +6,7 @@
 
 #include "railhil_motion.h"
 #include "railhil_position.h"
+#include "railhil_safe.h"
 
 /* Counters of refusals and losses, after those of positions and balises. */
 enum {
@@ -15,7 +16,12 @@ enum {
     RAILHIL_SPEED_CHECK,                                 /* check variable not correct */
     RAILHIL_SPEED_OUT_OF_RANGE,
     RAILHIL_SPEED_JUMP, /* no train can have changed its speed so fast */
+#if RAILHIL_SAFE
+    RAILHIL_SAFE_FIRST, /* causes of the safe channel from here on */
+    RAILHIL_COUNTS = RAILHIL_SAFE_FIRST + RAILHIL_SAFE_CAUSES
+#else
     RAILHIL_COUNTS
+#endif
 };
 
 /* Reaction ladder; a higher level is a stronger reaction. */
@@ -35,6 +41,7 @@ enum {
     RAILHIL_CAUSE_WEAK_BRAKE = 10,
     RAILHIL_CAUSE_RUNAWAY = 11,
     RAILHIL_CAUSE_OVERRUNS = 12,
+    RAILHIL_CAUSE_SAFETY_CODE = 14,
     RAILHIL_CAUSE_TWO_SOURCES = 16
 };
 
@@ -70,6 +77,9 @@ typedef struct {
     railhil_debt_t channel;  /* bad telegrams */
     railhil_debt_t disorder; /* old telegrams */
     railhil_watch_t watch;
+#if RAILHIL_SAFE
+    railhil_safe_t safe;
+#endif
 } railhil_guard_t;
 
 void railhil_guard_init(railhil_guard_t *guard);

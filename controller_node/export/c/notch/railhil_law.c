@@ -19,6 +19,15 @@ static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] 
     "check_variable",
     "out_of_range",
     "speed_jump",
+#if RAILHIL_SAFE
+    "safe_crc",
+    "safe_version",
+    "safe_duplicate",
+    "safe_out_of_sequence",
+    "safe_channel",
+    "safe_time",
+    "safe_differs",
+#endif
 };
 
 const char *railhil_law_outcome(unsigned index)
@@ -31,6 +40,7 @@ void railhil_law_init(railhil_law_t *law)
     memset(law, 0, sizeof *law);
     railhil_guard_init(&law->guard);
     law->period = -1;
+    law->safe_emergency = FLAG_FALSE;
 }
 
 /* Runs the law if a control period has begun since its last step. */
@@ -78,7 +88,19 @@ static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsig
         emergency = law->guard.watch.level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
     }
     process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
+    law->safe_emergency = emergency;
+    law->safe_code = law->steps != 0 ? law->guard.watch.code : 0;
 }
+
+#if RAILHIL_SAFE
+/* The last command once more. */
+static void answer_safe_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
+{
+    railhil_put16(process, (uint32_t)law->safe_code);
+    process[4] = (unsigned char)(law->safe_emergency << 6);
+    railhil_safe_secure(process, clock->tick, &law->safe_ssc);
+}
+#endif
 
 static void answer_status(railhil_law_t *law, unsigned char *process)
 {
@@ -107,6 +129,10 @@ void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int po
     (void)counts;
     if (port == RAILHIL_NOTCH_CMD) {
         answer_notch(law, clock, process);
+#if RAILHIL_SAFE
+    } else if (port == RAILHIL_NOTCH_SDT) {
+        answer_safe_notch(law, clock, process);
+#endif
     } else {
         answer_status(law, process);
     }
@@ -130,6 +156,13 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
     case RAILHIL_TRK_INFO:
         railhil_track(guard, process);
         break;
+#if RAILHIL_SAFE
+    case RAILHIL_SPEED_SDT:
+        railhil_safe_speed(&guard->safe, clock, process,
+                           guard->watch.speed_known && guard->watch.accepted_ns == now_ns, guard->watch.speed_01mmps,
+                           counts + RAILHIL_SAFE_FIRST);
+        break;
+#endif
     default: /* PLT_STAT: checked and counted like the others, not used by the law */
         break;
     }

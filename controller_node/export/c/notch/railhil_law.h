@@ -17,6 +17,9 @@ typedef struct {
     uint32_t steps;
     uint32_t overruns; /* how often control periods were skipped */
     unsigned notch_life;
+    unsigned safe_ssc;       /* sequence counter of NOTCH_SDT */
+    unsigned safe_emergency; /* and the command that it repeats */
+    int32_t safe_code;
     unsigned status_life;
 } railhil_law_t;
 

@@ -1,0 +1,186 @@
+/* Safe channel (SDTv2, IEC 61375-2-3 annex B): SPEED_SDT must confirm every speed, NOTCH_SDT repeats every command. Only
+ * in scenarios with safety.sdt; the constants are in @LAW@_node.h. Integers only.
+ *
+ * A safe telegram has 16 octets: data (10), version of the data, sequence counter, CRC-32 seeded with the identity of the
+ * source. One source per port, so there is no guard time of a switch-over.
+ */
+#ifndef RAILHIL_SAFE_H
+#define RAILHIL_SAFE_H
+
+#include "railhil_clock.h"
+
+#include "@LAW@_node.h"
+
+#if RAILHIL_SAFE
+
+enum { RAILHIL_SAFE_BYTES = 16, RAILHIL_SAFE_BODY = 12, RAILHIL_SAFE_VERSION_AT = 10, RAILHIL_SAFE_SSC_AT = 11 };
+
+/* Verdicts on a cycle, the worst first. */
+enum { RAILHIL_SAFE_ERROR, RAILHIL_SAFE_INVALID, RAILHIL_SAFE_FRESH };
+
+/* Telegrams that confirmed nothing, by cause; counted from the first of them on, which is passed to the functions. */
+enum {
+    RAILHIL_SAFE_CRC,             /* damaged, or of another source */
+    RAILHIL_SAFE_VERSION,         /* of the user data */
+    RAILHIL_SAFE_DUPLICATE,       /* sequence counter unchanged */
+    RAILHIL_SAFE_OUT_OF_SEQUENCE, /* sequence counter too far ahead, or behind */
+    RAILHIL_SAFE_CHANNEL,         /* a second CRC error too soon */
+    RAILHIL_SAFE_TIME,            /* not of the present */
+    RAILHIL_SAFE_DIFFERS,         /* another speed than TRN_SPEED */
+    RAILHIL_SAFE_CAUSES
+};
+
+typedef struct {
+    int64_t cycle_ns;     /* time of the last telegram */
+    int64_t confirmed_ns; /* time of the last one that confirmed a speed */
+    unsigned char stuck[RAILHIL_SAFE_BYTES];   /* the last duplicate: it does not initialise the channel */
+    unsigned char damaged[RAILHIL_SAFE_BYTES]; /* telegram with which the monitored interval began */
+    int32_t monitored;                         /* telegrams left of that interval */
+    int32_t cycles;                            /* since the last fresh telegram */
+    int is_stuck;
+    int initial;
+    int failed; /* the channel has failed within the interval */
+    int verdict;
+    unsigned ssc;
+} railhil_safe_t;
+
+static inline void railhil_safe_init(railhil_safe_t *safe)
+{
+    memset(safe, 0, sizeof *safe);
+    safe->initial = 1;
+    safe->cycles = RAILHIL_SAFE_RXSAFE;
+}
+
+static inline uint32_t railhil_safe_code(const unsigned char *data, unsigned count, uint32_t seed)
+{
+    uint32_t code = seed;
+    unsigned i;
+    int bit;
+    for (i = 0; i < count; i++) {
+        code ^= (uint32_t)data[i] << 24;
+        for (bit = 0; bit < 8; bit++) {
+            code = (code << 1) ^ ((code & UINT32_C(0x80000000)) != 0 ? UINT32_C(0xF4ACFB13) : 0);
+        }
+    }
+    return code;
+}
+
+/* Writes time, version, counter and code into a telegram whose data are there already. */
+static inline void railhil_safe_secure(unsigned char *process, int64_t tick, unsigned *ssc)
+{
+    uint32_t code;
+    process[3] = (unsigned char)((uint64_t)tick >> 16 & 0xFFu);
+    railhil_put16(process + 8, (uint32_t)((uint64_t)tick & 0xFFFFu));
+    process[RAILHIL_SAFE_VERSION_AT] = RAILHIL_SAFE_DATA_VERSION << 4;
+    process[RAILHIL_SAFE_SSC_AT] = (unsigned char)*ssc;
+    *ssc = (*ssc + 1u) & 0xFFu;
+    code = railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_NOTCH_SID);
+    railhil_put16(process + 12, code >> 16);
+    railhil_put16(process + 14, code & 0xFFFFu);
+}
+
+/* Why a telegram is not used; RAILHIL_SAFE_CAUSES: it is. */
+static inline int railhil_safe_refused(railhil_safe_t *safe, const unsigned char *process, uint32_t *counts)
+{
+    const unsigned ssc = process[RAILHIL_SAFE_SSC_AT];
+    if (railhil_safe_code(process, RAILHIL_SAFE_BODY, RAILHIL_SAFE_SPEED_SID) != railhil_get32(process + 12)) {
+        const int other = safe->monitored != 0 && memcmp(process, safe->damaged, RAILHIL_SAFE_BYTES) != 0;
+        if (other) {
+            safe->failed = 1;
+            counts[RAILHIL_SAFE_CHANNEL]++;
+        }
+        if (other || (safe->monitored == 0 && !safe->initial)) {
+            safe->monitored = RAILHIL_SAFE_CMTHR;
+            memcpy(safe->damaged, process, RAILHIL_SAFE_BYTES);
+        }
+        return RAILHIL_SAFE_CRC;
+    }
+    if (process[RAILHIL_SAFE_VERSION_AT] >> 4 != RAILHIL_SAFE_DATA_VERSION) {
+        return RAILHIL_SAFE_VERSION;
+    }
+    if (safe->initial) {
+        if (safe->is_stuck && memcmp(process, safe->stuck, RAILHIL_SAFE_BYTES) == 0) {
+            return RAILHIL_SAFE_DUPLICATE;
+        }
+    } else if (ssc == safe->ssc) {
+        safe->is_stuck = 1;
+        memcpy(safe->stuck, process, RAILHIL_SAFE_BYTES);
+        return RAILHIL_SAFE_DUPLICATE;
+    } else if (((ssc - safe->ssc) & 0xFFu) > RAILHIL_SAFE_RXSAFE + 1) {
+        return RAILHIL_SAFE_OUT_OF_SEQUENCE;
+    }
+    safe->ssc = ssc;
+    return RAILHIL_SAFE_CAUSES;
+}
+
+/* The sink's verdict on one cycle; process: NULL if no telegram has come. */
+static inline int railhil_safe_judge(railhil_safe_t *safe, const unsigned char *process, uint32_t *counts)
+{
+    int cause = RAILHIL_SAFE_CAUSES;
+    if (safe->cycles < RAILHIL_SAFE_RXSAFE) {
+        safe->cycles++;
+    }
+    if (process != NULL) {
+        cause = railhil_safe_refused(safe, process, counts);
+    }
+    if (process == NULL || cause != RAILHIL_SAFE_CAUSES) {
+        if (cause != RAILHIL_SAFE_CAUSES) {
+            counts[cause]++;
+        }
+        if (safe->cycles >= RAILHIL_SAFE_RXSAFE) {
+            safe->initial = 1;
+        }
+        safe->verdict = safe->initial || safe->failed || safe->verdict == RAILHIL_SAFE_ERROR ? RAILHIL_SAFE_ERROR
+                                                                                             : RAILHIL_SAFE_INVALID;
+    } else if (safe->initial) {
+        safe->initial = 0;
+        safe->cycles = 1;
+        safe->verdict = safe->verdict == RAILHIL_SAFE_ERROR ? RAILHIL_SAFE_ERROR : RAILHIL_SAFE_INVALID;
+    } else {
+        safe->cycles = 0;
+        safe->is_stuck = 0;
+        if (safe->monitored != 0) {
+            safe->monitored--;
+        } else {
+            safe->failed = 0;
+        }
+        safe->verdict = safe->failed ? RAILHIL_SAFE_ERROR : RAILHIL_SAFE_FRESH;
+    }
+    return safe->verdict;
+}
+
+/* Takes a SPEED_SDT. speed_01mmps: accepted from TRN_SPEED at the same instant, if speed_known. */
+static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_t *clock, const unsigned char *process,
+                                      int speed_known, int32_t speed_01mmps, uint32_t *counts)
+{
+    const int64_t now_ns = railhil_now_ns(clock);
+    int64_t missed = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS) - 1;
+    const uint32_t raw = (railhil_get16(process) << 8) | process[2];
+    const int32_t told_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
+    const uint32_t tick = (uint32_t)process[3] << 16 | railhil_get16(process + 8);
+    const uint32_t off = (tick - (uint32_t)((uint64_t)clock->tick & 0xFFFFFFu)) & 0xFFFFFFu;
+    safe->cycle_ns = now_ns;
+    for (missed = railhil_lesser(missed, RAILHIL_SAFE_RXSAFE); missed > 0; missed--) {
+        (void)railhil_safe_judge(safe, NULL, counts);
+    }
+    if (railhil_safe_judge(safe, process, counts) != RAILHIL_SAFE_FRESH) {
+        return;
+    }
+    if (off > RAILHIL_SAFE_LATE_TICKS && UINT32_C(0x1000000) - off > RAILHIL_SAFE_LATE_TICKS) {
+        counts[RAILHIL_SAFE_TIME]++;
+    } else if (speed_known && speed_01mmps != told_01mmps) {
+        counts[RAILHIL_SAFE_DIFFERS]++;
+    } else {
+        safe->confirmed_ns = now_ns;
+    }
+}
+
+/* Time without confirmation, beyond what the channel tolerates. */
+static inline int64_t railhil_safe_age_ns(const railhil_safe_t *safe, int64_t now_ns)
+{
+    return railhil_greater(now_ns - safe->confirmed_ns - RAILHIL_SAFE_RXSAFE * RAILHIL_SAFE_PERIOD_NS, 0);
+}
+
+#endif
+
+#endif
