@@ -7,6 +7,7 @@ module       content
 ``address``  channel names, listening and connecting (AF_UNIX SEQPACKET, TCP on loopback)
 ``link``     the client's end of a connection: whole packets, deadlines
 ``client``   :class:`~railhil.bus.hub.client.HubBus`, the python-can plugin ``railhil``
+``joining``  how a client connects and says hello
 ``ports``    the hub's end of a connection: never blocks, bounded queue
 ``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` frames waiting for it
 ``guests``   clients that have not said hello yet

@@ -19,28 +19,18 @@ import can
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub import wire
-from railhil.bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
+from railhil.bus.hub.address import HUB_START_S, default_channel, parse_channel
 from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.connection import (
     HubConnection,
-    HubLost,
-    PacketConnection,
     ReadinessFd,
     SendTimeout,
-    StreamConnection,
 )
+from railhil.bus.hub.joining import ANSWER_TIMEOUT_S, HubUnavailable, connected, exchange_hello
 from railhil.bus.hub.orders import Host, Notices, Order
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on the path of the socket.
 CHANNEL_NAME = "railhil"
-_ANSWER_TIMEOUT_S = 5.0
-_RETRY_PERIOD_S = 0.01
-#: Errors on connecting that may also mean that the hub is still starting.
-_RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
-
-
-class HubUnavailable(BusUnavailable, can.CanInitializationError):
-    """No hub answers on the channel, or it refuses this client."""
 
 
 class QueueFull(can.CanOperationError):
@@ -109,7 +99,7 @@ class HubBus(can.BusABC):
         except BusUnavailable as error:
             raise HubUnavailable(str(error)) from None
         deadline_s = time.monotonic() + float(connect_timeout)
-        link = _connect(address, deadline_s, while_connecting or (lambda: None))
+        link = connected(address, deadline_s, while_connecting or (lambda: None))
         try:
             if send_buffer_bytes is not None:
                 link.sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, send_buffer_bytes)
@@ -124,7 +114,7 @@ class HubBus(can.BusABC):
                 hello["coalesce_frames"] = int(coalesce_frames)
                 hello["wake_on"] = [wire.pack_frame(frame).hex() for frame in wake_on]
             # A hub that starts slowly also answers slowly.
-            self.hub_properties = _exchange_hello(link, hello, max(deadline_s, time.monotonic() + _ANSWER_TIMEOUT_S))
+            self.hub_properties = exchange_hello(link, hello, max(deadline_s, time.monotonic() + ANSWER_TIMEOUT_S))
             hub_bitrate = self.hub_properties.get("bitrate_bps")
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
@@ -317,41 +307,3 @@ class HubBus(can.BusABC):
             if rule.get("extended", extended) == extended and not (rule["can_id"] ^ frame.can_id) & rule["can_mask"]:
                 return True
         return False
-
-
-def _connect(address: Address, deadline_s: float, while_connecting: Callable[[], object]) -> HubConnection:
-    while True:
-        sock = new_socket(address)
-        try:
-            # Limited even if the hub is suspended and its backlog is full.
-            sock.settimeout(_ANSWER_TIMEOUT_S)
-            connect(sock, address)
-        except OSError as error:
-            sock.close()
-            remaining_s = deadline_s - time.monotonic()
-            if error.errno in _RETRY_ERRNOS and remaining_s > 0:
-                while_connecting()
-                time.sleep(min(_RETRY_PERIOD_S, remaining_s))
-                continue
-            raise HubUnavailable(f"no hub at {address}: {describe(error)}") from None
-        sock.settimeout(None)
-        return (
-            PacketConnection(sock, str(address)) if address.path is not None else StreamConnection(sock, str(address))
-        )
-
-
-def _exchange_hello(link: HubConnection, hello: dict[str, object], deadline_s: float) -> dict[str, Any]:
-    started_s = time.monotonic()
-    try:
-        link.send_packet(wire.encode_hello(**hello), deadline_s)
-        packet = link.receive_packet(deadline_s)
-        if packet is None:
-            raise HubUnavailable(f"hub at {link.peer}: no answer within {deadline_s - started_s:.0f} s")
-        properties = wire.decode_hello(packet)
-    except HubLost as error:
-        raise HubUnavailable(str(error)) from None
-    except ValueError as error:
-        raise HubUnavailable(f"hub at {link.peer}: {error}") from None
-    if "error" in properties:
-        raise HubUnavailable(f"hub at {link.peer}: {properties['error']}")
-    return properties

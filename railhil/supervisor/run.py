@@ -134,7 +134,7 @@ class Run:
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
-                if self.session.ended is Event.ENDED_CONTROLLER_LOST:
+                if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.suspended():
                     self._lost = self._lost or self._who_died(nodes)
                 faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
                 if self.session.ended is not None and self._was_killed(nodes, faults):

@@ -35,6 +35,7 @@ pytestmark = [pytest.mark.loop, pytest.mark.faults]
 
 #: Orders by the tick before which the plant gives them.
 Orders = dict[int, list[Order]]
+_LOCKSTEP = RunSpec()
 
 
 @pytest.fixture(scope="module")
@@ -54,16 +55,18 @@ def hub() -> Iterator[HubProcess]:
 class Bench:
     """One run: plant in this thread, the others in their own; ``counters`` of each link, ``trace`` of the record."""
 
-    def __init__(self, hub: HubProcess, scenario: Scenario, folder: Path, orders: Orders) -> None:
+    def __init__(
+        self, hub: HubProcess, scenario: Scenario, folder: Path, orders: Orders, spec: RunSpec = _LOCKSTEP
+    ) -> None:
         folder.mkdir(exist_ok=True)
         log = FrameLog(folder)
-        session = Session(scenario, log.write, RunSpec())
+        session = Session(scenario, log.write, spec)
         controller = ControllerNode(scenario, LawSpec())
         with contextlib.ExitStack() as stack:
             links = {role: BatchLink(hub.bus(role=role)) for role in ("controller", "supervisor", "plant")}
             for link in links.values():
                 stack.callback(link.close)
-            plant = PlantNode(scenario, RunSpec(), links["plant"])
+            plant = PlantNode(scenario, spec, links["plant"])
             _order_before_ticks(plant, links["plant"].bus, orders)  # type: ignore[arg-type]
 
             def control() -> None:
@@ -76,6 +79,7 @@ class Bench:
                 threading.Thread(target=control),
                 threading.Thread(target=_record, args=(session, links["supervisor"])),
             ]
+            links["supervisor"].lossless = not spec.is_realtime
             for thread in threads:
                 thread.start()
             self.said = ""
@@ -103,7 +107,6 @@ def _order_before_ticks(plant: PlantNode, bus: HubBus, orders: Orders) -> None:
 
 
 def _record(session: Session, link: Link) -> None:
-    link.lossless = True
     while session.ended is None:
         for frame in link.receive(1.0):
             if answers := session.handle(frame):
@@ -151,3 +154,22 @@ def test_a_controller_that_stays_off_is_stopped_by_the_train(hub, scenario, tmp_
     assert bench.said == "controller waits for the bus administrator, which has ended"
     assert bench.counters["controller"]["bus_off"] == 1
     assert bench.trace.times_s(NotchCmd.PORT)[-1] <= 1.0
+
+
+@pytest.mark.wall_clock
+def test_in_real_time_the_train_cuts_traction_and_nothing_stale_comes_later(hub, scenario, tmp_path) -> None:
+    """B3, then B5."""
+    orders = {tick + start: found for start, name in ((0, "B3 off and back"), (90, "B5 full"))
+              for tick, found in CATALOGUE[name][0].items()}  # fmt: skip
+    bench = Bench(hub, scenario, tmp_path, orders, RunSpec(pace="realtime", rate=2))
+    times_s, truth_s = bench.trace.times_s(NotchCmd.PORT), bench.trace.times_s(SimTruth.PORT)
+    for begin_s, end_s in ((1.0, 1.3), (1.9, 2.0)):
+        assert not len(times_s[(times_s > begin_s) & (times_s < end_s - 0.03)])
+        after = (times_s > end_s) & (times_s < end_s + 0.5)
+        assert len(times_s[after]) > 10, "it takes part again"
+        # The next answer is a new one: no backlog.
+        assert set(np.diff(bench.trace.raw(NotchCmd.PORT, "NotchLife")[after]) % 16) <= {1, 2, 3}
+    cut = (truth_s > 1.14) & (truth_s < 1.3)
+    assert not bench.trace.values(SimTruth.PORT, "TractionForce")[cut].any()
+    counters = bench.counters["controller"]
+    assert (counters["bus_off"], counters["outages"], counters["send_dropped"] > 0) == (1, 1, True)

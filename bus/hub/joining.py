@@ -1,0 +1,67 @@
+"""How a client joins the hub: connects, says hello, reads the answer."""
+
+from __future__ import annotations
+
+import errno
+import time
+from collections.abc import Callable
+from typing import Any
+
+import can
+
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.hub import wire
+from railhil.bus.hub.address import Address, connect, describe, new_socket
+from railhil.bus.hub.connection import HubConnection, HubLost, PacketConnection, StreamConnection
+
+ANSWER_TIMEOUT_S = 5.0
+_RETRY_PERIOD_S = 0.01
+#: Errors on connecting that may also mean that the hub is still starting.
+_RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
+
+
+class HubUnavailable(BusUnavailable, can.CanInitializationError):
+    """No hub answers on the channel, or it refuses this client."""
+
+
+def connected(address: Address, deadline_s: float, while_connecting: Callable[[], object]) -> HubConnection:
+    """Connect to a hub that may still be starting, until ``deadline_s`` (monotonic clock).
+
+    ``while_connecting`` is called between two attempts. Raises :class:`HubUnavailable`.
+    """
+    while True:
+        sock = new_socket(address)
+        try:
+            # Limited even if the hub is suspended and its backlog is full.
+            sock.settimeout(ANSWER_TIMEOUT_S)
+            connect(sock, address)
+        except OSError as error:
+            sock.close()
+            remaining_s = deadline_s - time.monotonic()
+            if error.errno in _RETRY_ERRNOS and remaining_s > 0:
+                while_connecting()
+                time.sleep(min(_RETRY_PERIOD_S, remaining_s))
+                continue
+            raise HubUnavailable(f"no hub at {address}: {describe(error)}") from None
+        sock.settimeout(None)
+        return (
+            PacketConnection(sock, str(address)) if address.path is not None else StreamConnection(sock, str(address))
+        )
+
+
+def exchange_hello(link: HubConnection, hello: dict[str, object], deadline_s: float) -> dict[str, Any]:
+    """Say hello; returns the properties of the hub. Raises :class:`HubUnavailable`."""
+    started_s = time.monotonic()
+    try:
+        link.send_packet(wire.encode_hello(**hello), deadline_s)
+        packet = link.receive_packet(deadline_s)
+        if packet is None:
+            raise HubUnavailable(f"hub at {link.peer}: no answer within {deadline_s - started_s:.0f} s")
+        properties = wire.decode_hello(packet)
+    except HubLost as error:
+        raise HubUnavailable(str(error)) from None
+    except ValueError as error:
+        raise HubUnavailable(f"hub at {link.peer}: {error}") from None
+    if "error" in properties:
+        raise HubUnavailable(f"hub at {link.peer}: {properties['error']}")
+    return properties
