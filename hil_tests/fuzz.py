@@ -135,7 +135,8 @@ class NoisyBus(LocalBus):
                 if answers := handle(junk):
                     self.answered.append(f"{name} answered {junk} with {answers}")
             self._inbox.append(junk)
-        self.memory_bytes.append((self.sent, resident_bytes()))
+        if not self.memory_bytes or self.sent - self.memory_bytes[-1][0] >= self._total // 100:
+            self.memory_bytes.append((self.sent, resident_bytes()))
 
     @property
     def genuine_sha256(self) -> str:

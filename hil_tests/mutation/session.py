@@ -195,10 +195,9 @@ class WarmSession:
         return found
 
     def _trial(self, mutant: Mutant, items: Sequence[pytest.Item], seconds: float) -> str:
-        if not replace_code(sys.modules[self._module], mutant.tree(), mutant.scope):
+        # A line to which no test comes may be one that is run at the import.
+        if not items or not replace_code(sys.modules[self._module], mutant.tree(), mutant.scope):
             return "cold"
-        if not items:
-            return "alive"
         limit_process(seconds)
         return "noticed" if run_items(items).failed else "alive"
 
