@@ -88,7 +88,8 @@ with bench.start() as live:
     except ValueError as error:
         print(json.dumps(str(error)))
     whole = live.finish()
-print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, whole.frames_sha256 == run.frames_sha256]))
+same = whole.frames_sha256 == run.frames_sha256
+print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, same]))
 """
 
 
