@@ -9,12 +9,9 @@ from pathlib import Path
 
 import pytest
 
-# Loaded here: pytester unloads after each suite what the suite has loaded, and matplotlib bears that only once.
-import railhil.supervisor.report.page
-import railhil.testing.bench  # noqa: F401
 from hil_tests.support.paths import ROOT
 from hil_tests.support.short_runs import RUN_2M_TOML
-from hil_tests.support.user_suite import WORDS, properties
+from hil_tests.support.user_suite import properties, run_suite
 from railhil.testing import requirements
 from railhil.testing.settings import OPTIONS, Settings, settings_from
 
@@ -62,8 +59,8 @@ def test_the_plugin_loads_no_library() -> None:
 
 
 def test_a_suite_and_its_report(suite: pytest.Pytester) -> None:
-    done = suite.runpytest_inprocess(
-        *WORDS,
+    done = run_suite(
+        suite.path,
         "--railhil-seeds",
         "3,5-6",
         "--railhil-runs",
@@ -98,19 +95,27 @@ def test_a_suite_and_its_report(suite: pytest.Pytester) -> None:
     assert len(rows) == 1 + 3 + 4
 
 
+@pytest.mark.slow
 def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
-    """Properties and table are those of a session in one process; folders of equal names do not meet."""
-    done = suite.runpytest_inprocess(
-        *WORDS, "-n", "2", "--railhil-seeds", "3,4", "--junitxml=junit.xml", "-o", "junit_family=xunit2"
-    )
-    done.assert_outcomes(passed=3)
+    """Properties and table are those of a session in one process; folders of equal names do not meet.
+
+    A wrong marker, which ends a session in one process, is an error of its test.
+    """
+    suite.makepyfile(test_wrong="import pytest\n@pytest.mark.requirement\ndef test_nothing(): pass\n")
+    words = ("--railhil-seeds", "3,4", "--junitxml=junit.xml", "-o", "junit_family=xunit2")
+    done = run_suite(suite.path, "-n", "2", *words)
+    done.assert_outcomes(passed=3, errors=1)
+    done.stdout.fnmatch_lines(["*marker requirement: allowed one or more names*"])
     done.stdout.fnmatch_lines(["ATO-13 * 3 of 3 *"])
-    assert not done.stdout.str().count("Warning")
-    for name, found in properties(suite.path / "junit.xml").items():
-        folder = Path(dict(found)["certificate"]).parent
+    assert "Warning" not in done.stdout.str()
+    found = properties(suite.path / "junit.xml")
+    assert len(found) == 4
+    for name in found.keys() - {"test_nothing"}:
+        folder = Path(dict(found[name])["certificate"]).parent
         assert [path.name for path in folder.iterdir()] == ["certificate.json"], name
 
 
+@pytest.mark.slow
 def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
     """Three processes instead of one: the same bytes; nobody can hold their clock."""
     suite.makepyfile(
@@ -126,7 +131,7 @@ def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
             bench.start(scenario="short.toml")
         """
     )
-    done = suite.runpytest_inprocess(*WORDS, "--railhil-bus", "hub")
+    done = run_suite(suite.path, "--railhil-bus", "hub")
     done.assert_outcomes(passed=1, failed=1)
     done.stdout.fnmatch_lines(["*bench.start: bus: found bus hub, allowed local*"])
 
@@ -142,7 +147,7 @@ def test_a_failed_test_keeps_its_folder_and_attaches_the_report(suite: pytest.Py
             assert run.passed, run.reasons
         """
     )
-    done = suite.runpytest_inprocess(*WORDS)
+    done = run_suite(suite.path)
     done.assert_outcomes(failed=1)
     done.stdout.fnmatch_lines(["run folder *: FAIL not stopped*", "[[][[]ATTACHMENT|*report.html]]"])
     done.stdout.fnmatch_lines(["ATO-1  FAILED     0 of 1 tests passed", "*failed: test_suite.py::test_strict"])
@@ -174,7 +179,7 @@ def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:
             lossy(bench)
         """
     )
-    done = suite.runpytest_inprocess(*WORDS)
+    done = run_suite(suite.path)
     done.assert_outcomes(passed=2, errors=1)
     done.stdout.fnmatch_lines(["*frames were lost, refused or out of order*wrong_check_sequence 3*"])
 
@@ -191,16 +196,9 @@ def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:
 )
 def test_a_wrong_marker_is_a_usage_error(pytester: pytest.Pytester, marker: str, line: str) -> None:
     pytester.makepyfile(f"import pytest\n@pytest.mark.{marker}\ndef test_nothing(): pass\n")
-    done = pytester.runpytest_inprocess(*WORDS)
+    done = run_suite(pytester.path)
     assert done.ret == pytest.ExitCode.USAGE_ERROR
     assert line in done.stderr.str()
-
-
-def test_a_wrong_marker_is_an_error_of_its_test_over_processes(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile("import pytest\n@pytest.mark.requirement\ndef test_nothing(): pass\n")
-    done = pytester.runpytest_inprocess(*WORDS, "-n", "1")
-    done.assert_outcomes(errors=1)
-    done.stdout.fnmatch_lines(["*marker requirement: allowed one or more names*"])
 
 
 def test_what_is_not_there_skips_with_its_reason(pytester: pytest.Pytester) -> None:
@@ -213,7 +211,7 @@ def test_what_is_not_there_skips_with_its_reason(pytester: pytest.Pytester) -> N
         def test_adapter(bench): pass
         """
     )
-    done = pytester.runpytest_inprocess(*WORDS, "-rs", "--railhil-bus", "hub")
+    done = run_suite(pytester.path, "-rs", "--railhil-bus", "hub")
     done.assert_outcomes(skipped=1)
     done.stdout.fnmatch_lines_random(["*needs_adapter: the bus is hub*", "ATO-9  NOT SHOWN  0 of 1 *"])
 
@@ -233,7 +231,7 @@ def test_ids_have_no_spaces_and_users_override_the_fixtures(pytester: pytest.Pyt
         def test_own_seeds(seed): assert seed == 8
         """
     )
-    done = pytester.runpytest_inprocess(*WORDS, "-v", "--railhil-seeds", "1-3")
+    done = run_suite(pytester.path, "-v", "--railhil-seeds", "1-3")
     done.assert_outcomes(passed=3)
     done.stdout.fnmatch_lines(["*test_fault[[]speed_stuck_@60s_for_2s] PASSED*"])
 
@@ -249,9 +247,9 @@ def test_settings_come_from_three_sources(pytester: pytest.Pytester, monkeypatch
             assert railhil_config.runs.name == "there"
         """
     )
-    pytester.runpytest_inprocess(*WORDS, "--railhil-pace", "lockstep").assert_outcomes(passed=1)
-    pytester.runpytest_inprocess(*WORDS).assert_outcomes(failed=1)
-    bad = pytester.runpytest_inprocess(*WORDS, "--railhil-bus", "can0")
+    run_suite(pytester.path, "--railhil-pace", "lockstep").assert_outcomes(passed=1)
+    run_suite(pytester.path).assert_outcomes(failed=1)
+    bad = run_suite(pytester.path, "--railhil-bus", "can0")
     assert bad.ret == pytest.ExitCode.USAGE_ERROR
     assert "--railhil-bus: found 'can0', allowed local, auto, hub or INTERFACE:CHANNEL" in bad.stderr.str()
 
