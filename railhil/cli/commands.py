@@ -12,7 +12,20 @@ from railhil.common.output import accept_any_text, flush_output
 from railhil.dbc import wire_contract
 
 #: The modules in the order of the help; each has one command of the same name, except ``programs``.
-_MODULES = ("run", "compare", "score", "report", "plot", "scenarios", "ports", "new", "doctor", "programs", "bus")
+_MODULES = (
+    "run",
+    "compare",
+    "score",
+    "report",
+    "plot",
+    "scenarios",
+    "faults",
+    "ports",
+    "new",
+    "doctor",
+    "programs",
+    "bus",
+)
 #: Command -> its module.
 _MODULE_OF = {name: name for name in _MODULES if name != "programs"} | {"node": "programs"}
 
