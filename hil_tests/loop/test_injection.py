@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
-from railhil.bench import BenchRun, local_run
+from railhil.bench import BenchRun, local_run, plant_beside, write_fault_logs
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import CtlMode, CtlStat, Event, NotchCmd, RunEvent, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import CtlMode, CtlStat, Event, FaultOrder, NotchCmd, RunEvent, TimeSync, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
+from railhil.controller_node.faulty import controller_of
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.fault_report import missed_faults
-from railhil.supervisor.framelog import read_log
+from railhil.supervisor.fault_report import fault_outcomes, missed_faults
+from railhil.supervisor.framelog import FrameLog, read_log
+from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.faults
 
@@ -372,6 +374,47 @@ def test_faults_of_signals_come_before_those_of_the_telegram(runs: Runs) -> None
     assert {row[2] for row in rows if row[1] == "corrupt"} == changed
     source = TelegramSource(TrnSpeed.port())
     assert all(source.frames(bytes.fromhex(text[4:12]))[0].data.hex().upper() == text[4:] for text in changed)
+
+
+def test_an_order_by_hand_becomes_a_fault_with_its_instant(runs: Runs, tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML)
+    texts = ("TRN_SPEED loss 50% @manual", "NOTCH_CMD loss @manual for 100ms", "CTL_STAT loss @manual")
+    scenario = load(path, (), texts)
+    spec = RunSpec(str(path))
+    record = FrameLog(tmp_path)
+
+    def on_progress(time_s: float) -> None:
+        for at_s, number, order in (
+            (0.8, 1, FaultOrder.INJECT),
+            (1.12, 1, FaultOrder.CLEAR),
+            (1.6, 2, FaultOrder.INJECT),
+        ):
+            if abs(time_s - at_s) < 1e-6:
+                session.order(number, order)
+
+    session = Session(scenario, record.write, spec, on_progress=on_progress)
+    node = controller_of(scenario, spec.law, spec.seed, folder=tmp_path)
+    plant = plant_beside(scenario, spec, node, session, folder=tmp_path)
+    plant.run()
+    record.close()
+    write_fault_logs(plant, node)
+    first, second, third = fault_outcomes(tmp_path, scenario, spec.seed)
+    assert first.text == "TRN_SPEED loss 50% @810ms for 320ms"
+    assert second.text == "NOTCH_CMD loss @1.62s for 100ms"
+    assert (third.text, third.hits) == ("CTL_STAT loss @manual", 0)
+    assert not missed_faults([first, second, third])
+    # As plain faults they make the same frames of plant and controller.
+    again = runs(first.text, second.text, third.text)
+    assert again.log is not None
+    contract = wire_contract()
+    ours = {contract.port(name).can_ids[-1] for name in ("SUP_CMD", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")}
+    ours |= {can_id for name in ("PLT_IDENT", "CTL_IDENT", "SUP_IDENT") for can_id in contract.port(name).can_ids}
+    frames_of = [
+        [(time_ns, frame) for time_ns, frame in read_log(log) if frame.can_id not in ours]
+        for log in (record.path, again.log)
+    ]
+    assert frames_of[0] == frames_of[1]
 
 
 def test_a_fault_that_does_nothing_is_named(runs: Runs) -> None:

@@ -195,6 +195,50 @@ def test_a_unit_without_a_valid_position_makes_every_command_the_safe_one(
     assert not any(safe)
 
 
+_FAULTS = """
+[[fault]]
+where = "STAT"
+what = "loss"
+when = { position = "500 mm" }
+for = "300 ms"
+unit = 2
+
+[[fault]]
+where = "UNIT1_CMD.counter"
+what = "freeze"
+when = "3 s"
+count = 5
+"""
+
+
+@pytest.mark.faults
+def test_faults_of_a_unit_are_injected_alike_over_the_hub_and_in_process(site: Path, tmp_path: Path) -> None:
+    path = tmp_path / "faulty.toml"
+    path.write_text(SCENARIO.read_text(encoding="utf-8").replace("two_carts_2m", "faulty") + _FAULTS)
+    more = "LAW_STAT loss 50% @v>100mm/s for 1s"
+    found = []
+    for bus in ("local", "auto"):
+        folder = tmp_path / bus
+        words = ["run", str(path), "--bus", bus, "--out", str(folder), "--quiet", "--no-report", "--fault", more]
+        refused = railhil(site, *words)
+        assert refused.returncode == 2
+        assert "found 'LAW_STAT loss" not in refused.stderr
+        words[-1] = "LAW_STAT loss 50% @v>1km/h for 1s"
+        done = railhil(site, *words)
+        assert done.returncode == 0, done.stderr
+        found.append(certificate(folder))
+        lines = (folder / "faults.csv").read_text(encoding="utf-8").splitlines()
+        # Of the second unit only.
+        assert {line.split(",")[3][:3] for line in lines if line.startswith("1,") and ",loss," in line} == {"118"}
+    first, second = found
+    assert first["frames_sha256"] == second["frames_sha256"]
+    assert first["injected"] == second["injected"]
+    injected = first["injected"]
+    assert isinstance(injected, list)
+    assert [one["hits"] for one in injected[:2]] == [30, 5]
+    assert injected[0]["fault"] == "STAT loss @0.5m for 300ms units 2"
+
+
 _COUNTING = """
 from two_carts.laws import Apart
 

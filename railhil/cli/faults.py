@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from railhil.cli.bus_run import NeverBegan, add_arguments, chosen_bus, law_names, recorded, run_spec, run_system
+from railhil.cli.fault_words import print_words
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
@@ -48,6 +49,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument(
         "--controller", metavar="LAW", help=f"of {', '.join(law_names())} (default: the system's usual)"
     )
+    parser.add_argument("--list", action="store_true", help="only list what can be injected, word by word")
     parser.add_argument("--only", default="", metavar="T1,S,...", help="entries by id, or by its beginning")
     parser.add_argument(
         "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
@@ -155,6 +157,9 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
 
 def work(namespace: argparse.Namespace) -> int:
     """Run the catalogue or the pairs; the exit code says whether all is as it must be."""
+    if namespace.list:
+        print_words(namespace.json)
+        return PASS
     system = run_system(namespace)
     if namespace.controller:
         system.check_law(namespace.controller, "command line", "--controller")

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.injector.log import COLUMNS
+from railhil.bus.injector.log import COLUMNS, FILE_NAME
 from railhil.bus.injector.node_faults import nodes_of
 from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
 from railhil.common.whole_file import whole_file
@@ -40,10 +40,15 @@ class FaultOutcome:
     effect_s: float | None
     ended_s: float | None
     hits: int
+    #: Nodes that inject it and have left no log.
+    unlogged: tuple[str, ...] = ()
 
     @property
     def missed(self) -> str:
         """Why it says nothing about the controller; empty if it acted, or was left to the hand and never ordered."""
+        if self.unlogged and not self.hits:
+            options = " and ".join(f"railhil node {node} --fault-log FOLDER" for node in self.unlogged)
+            return f"fault {self.number}: nothing is known of it without {options}: {self.text}"
         if self.begun_s is None:
             return "" if self.by_hand else f"fault {self.number} never began: {self.text}"
         return "" if self.hits else f"fault {self.number} changed nothing: {self.text}"
@@ -84,7 +89,17 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
     with whole_file(folder / FAULTS) as draft:
         draft.write_text(_text(rows), encoding="utf-8")
     faults = drawn_faults(scenario.faults, seed)
-    return [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)]
+    found = [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)]
+    injection = injection_of(scenario, seed)
+    assert injection is not None
+    contract = system_named(scenario.system).contract
+    logged = {path.name for path in folder.glob(LOGS)}
+    for index, fault in enumerate(faults):
+        silent = [
+            node for node in sorted(nodes_of(fault, injection, contract)) if FILE_NAME.format(node=node) not in logged
+        ]
+        found[index] = replace(found[index], unlogged=tuple(silent))
+    return found
 
 
 def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import time
 from array import array
+from collections import deque
 from collections.abc import Callable
 from operator import itemgetter
 
@@ -18,7 +19,7 @@ from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
+from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd, SupCommand, TimeSync
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -64,6 +65,8 @@ class Session:
         self._write = write
         self._on_progress = on_progress
         self._life = 0
+        # Numbers of faults and what is ordered for them, not sent yet.
+        self._orders: deque[tuple[int, FaultOrder]] = deque()
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
@@ -225,7 +228,18 @@ class Session:
         self._life = (self._life + 1) & 0xF
         if self._on_progress is not None:
             self._on_progress(self.sim_time_s)
-        return SupCmd(command=SupCommand.STOP if self.disagreements else SupCommand.START, life=self._life)
+        command = SupCommand.STOP if self.disagreements else SupCommand.START
+        number, order = self._orders.popleft() if self._orders else (0, FaultOrder.NONE)
+        return SupCmd(command=command, fault_number=number, fault_order=order, life=self._life)
+
+    def order(self, number: int, order: FaultOrder) -> None:
+        """Send an order for a fault that is triggered by hand, with the next SUP_CMD that is free.
+
+        It acts from the tick after that SUP_CMD on; the certificate then names this instant.
+
+        :param number: place of the fault in the scenario's list, from 1.
+        """
+        self._orders.append((number, order))
 
     def _own_ident(self) -> Ident:
         return self._ident

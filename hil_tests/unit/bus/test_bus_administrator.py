@@ -296,3 +296,17 @@ def test_in_lockstep_nobody_is_silent_while_the_own_interface_is_out(wall: SetCl
     with pytest.raises(PeerSilent):
         administrator.poll(NotchCmd.port())
     assert 64_000_000_000 <= wall.now_ns <= 66_000_000_000
+
+
+def test_a_source_that_does_not_answer_says_so(wall: SetClock) -> None:
+    """An empty frame on the last identifier: a missed poll at once, no refused telegram."""
+    endpoint = FakeEndpoint(wall, lambda frame: [(1000, Frame(STAT.can_ids[-1], b""))])
+    administrator, store = make(endpoint)
+    assert not administrator.poll(STAT)
+    assert administrator.counters == {"polls": 1, "no_answer": 1, "missed_polls": 1}
+    assert not store.counters
+    # A remote frame without data is none of ours.
+    endpoint = FakeEndpoint(wall, lambda frame: [(1000, Frame(NOTCH.can_ids[-1], b"", REMOTE)), *controller()(frame)])
+    administrator, store = make(endpoint)
+    assert administrator.poll(NOTCH)
+    assert store.counters == {"remote_frame": 1}

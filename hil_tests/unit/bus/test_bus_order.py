@@ -49,6 +49,13 @@ def test_any_merge_of_the_two_senders_gives_the_order_of_the_wire(gaps, random):
     assert ordered(seen) == [frame for _, frame in wire]
 
 
+def test_no_answer_ends_the_wait_for_a_telegram_of_several_frames():
+    order = BusOrder()
+    none = Frame(CtlStat.port().can_ids[-1], b"")
+    frames = [STATUS_POLL, none, *SPEED, STATUS_POLL, *STATUS]
+    assert [order.feed(frame) for frame in frames] == [[frame] for frame in frames]
+
+
 def test_answer_that_never_comes_is_given_up_when_the_bus_falls_silent():
     order = BusOrder(patience_s=0.0)
     assert order.feed(NOTCH_POLL) == [NOTCH_POLL]

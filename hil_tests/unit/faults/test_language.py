@@ -188,7 +188,9 @@ def faults(draw: st.DrawFn) -> Fault:
         part = draw(st.sampled_from(("a", "b"))) if word.part == "line" else ""
     values = {one.name: draw(_values(one)) for one in word.parameters}
     ends: dict[str, Any] = {}
-    if word.lasts:
+    if word.name == "restart":
+        ends = {"duration_s": draw(_TIMES)}
+    elif word.lasts:
         ends = draw(
             st.one_of(
                 st.just({}),

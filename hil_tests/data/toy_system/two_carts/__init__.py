@@ -1,5 +1,6 @@
 """Two carts on a spring: a system for railhil with two units, each with its own ports."""
 
+from railhil.faults.model import Truth
 from railhil.scenarios.system import System
 
 SYSTEM = System(
@@ -13,5 +14,7 @@ SYSTEM = System(
     judging="two_carts.judge:JUDGING",
     pictures="two_carts.panels:pictures",
     events={"arrived": 40},
+    truth=Truth("TRUTH", position="TruePos1", speed="TrueSpeed1"),
+    units=("UNIT1", "UNIT2"),
     own={"task": "two_carts.task:CartsTask", "interface": "two_carts.wire:INTERFACE"},
 )

@@ -1,0 +1,149 @@
+"""``docs/faults.md``: the fault language, all words and what can be injected where, from the tables of this room.
+
+``python -m railhil.faults.page`` writes it; a test compares the file with the generated text.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from railhil.faults.capability import PACES, REFUSALS, TRANSPORTS, Refusal
+from railhil.faults.quantities import allowed_text, number_text
+from railhil.faults.words import CLEAR, PLACES, WORDS, Parameter, Word, levels_of
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "faults.md"
+_HEAD = """\
+# Faults
+
+Written by `python -m railhil.faults.page` from the tables that check the faults.
+
+```
+railhil run --fault "TRN_SPEED loss 30% @20s for 5s"               # may be given several times
+railhil run --bus local --fault "controller kill @1200m"
+railhil faults                                                     # this page's words on the console
+```
+
+A fault is one line: `WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT | until EVENT] [seed N]`, the same on the
+command line, in a run file (`faults = ["..."]`) and in a scenario file (`fault = ["..."]`). A scenario file may
+also hold tables:
+
+```toml
+[[fault]]
+where = "NOTCH_CMD.counter"         # a port, PORT.counter, PORT.checksum, PORT.Signal, or one of the places below
+what = "freeze"                     # a word of that place
+# or "60 s", "1200 m", { event = "braking" }, { telegram = 4711 }, "manual"
+when = { speed = "60 km/h", edge = "rising", delay = "2 s" }
+count = 5                           # or for = "2 s", or until = "standstill"; without any it lasts to the end
+after = "last_valid"                # what comes after it, see the words
+expect = { level = "SERVICE BRAKE", within = "500 ms", detected_by = "command_age", verdict = "PASS" }
+id = "T9"                           # name in a catalogue
+```
+
+Further keys: `with = { share = "30%" }` (values by name), `units = [1, 3]` (of a train with several), `seed`,
+`combine`. The text has the same words: `after last_valid units 1,3 seed 7 combine id T9 expect SERVICE_BRAKE within
+500ms by command_age verdict PASS`.
+
+**When.** `@60s` time, `@1200m` position of the train's front, `@v>60km/h` and `@v<5km/h` crossing of a speed,
+`@#4711` the n-th telegram of the port, `@manual` by hand; `@braking`, `@traction`, `@standstill`, `@departed`,
+`@stopped` and the levels of the watches (`@traction_cut`, `@service_brake`, `@emergency`) are events. `+2s` behind
+any of them: later. All of it is decided by the simulated truth, at the instants at which the truth is sent, so a
+run stays the same bytes. `braking`: the train decelerates by 0.3 m/s² or more; `traction`: there is traction force.
+
+**Values.** A value may be a distribution, `uniform(0.9,1.1)` or `normal(0,0.1)`: it is drawn once per run with the
+run's seed. The certificate (`injected`) holds the drawn value, and that text makes the run again. Random losses and
+bit errors are drawn with the run's seed too, or with `seed N`.
+
+**One at a time.** Two faults on one target are refused unless their times exclude each other or both say `combine`.
+Signals change first, then the telegram, then the bus. `ok` ends what is active at a place.
+
+**Where it acts.** A fault of a telegram acts where the telegram leaves its source: record and receivers see what is
+left of it. `faults.csv` in the run folder lists each change with what was before and after it. The telegrams by
+which the bench itself observes the run (`SUP_CMD`, `RUN_EVENT`, the truth, the handshake) are never disturbed. A
+telegram that is asked for by a poll can be sent late only in the place of a later answer. In lockstep the bus
+administrator waits for the answer to each poll: if there is none, the source sends an empty frame on the telegram's
+last identifier instead, counted as `no_answer`. In real time nothing is sent.
+
+**A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
+nobody ordered does not.
+"""
+_TITLES = {
+    "train": "Train",
+    "sensor": "Sensors",
+    "actuator": "Actuators",
+    "command": "Commands",
+    "clock": "Clock",
+    "telegram": "Telegrams",
+    "node": "Nodes",
+    "bus": "Bus",
+}
+_PARTS = {"counter": "`PORT.counter`", "checksum": "`PORT.checksum`", "signal": "`PORT.Signal`", "line": "`bus.a`"}
+
+
+def page() -> str:
+    """The whole page."""
+    text = _HEAD
+    for level, words in levels_of().items():
+        text += f"\n## {_TITLES[level]}\n\n"
+        places = [f"`{name}` ({what})" for name, what in PLACES.get(level, {}).items() if name]
+        text += f"Places: {'; '.join(places)}.\n\n" if places else ""
+        text += "| word | values | what | after | from |\n|---|---|---|---|---|\n"
+        for word in words:
+            if word.name != CLEAR:
+                text += f"| {' | '.join(row(word))} |\n"
+    text += "\n## What can be injected where\n\n"
+    text += (
+        "Everything above can be injected on each of these, except for what the second table says: that is refused\n"
+    )
+    text += "in one line before the run begins.\n\n| transport | what it is |\n|---|---|\n"
+    text += "".join(f"| {name} | {what} |\n" for name, what in TRANSPORTS.items())
+    text += "\n| not injected | on | pace | why |\n|---|---|---|---|\n"
+    text += "".join(f"| {' | '.join(_refusal(entry))} |\n" for entry in REFUSALS)
+    return text
+
+
+def row(word: Word) -> list[str]:
+    """A word as cells: name with its place, values, meaning, what may come after it, origin."""
+    at = _PARTS.get(word.part) or (", ".join(f"`{name}`" for name in word.names))
+    values = "; ".join(_parameter(one) for one in word.parameters) or "-"
+    after = ", ".join(f"`{one}`" for one in word.after) or "-"
+    return [f"`{word.name}`{f' of {at}' if at else ''}", values, word.meaning, after, word.origin]
+
+
+def _parameter(one: Parameter) -> str:
+    usual = (
+        "required"
+        if one.usual is None
+        else one.usual
+        if isinstance(one.usual, str)
+        else number_text(one.usual, one.unit)
+    )
+    keyword = f"`{one.keyword}` " if one.keyword else ""
+    return f"{keyword}`{one.name}` {one.meaning} ({usual}; as in {allowed_text(one.unit)})"
+
+
+def _refusal(entry: Refusal) -> list[str]:
+    words = [word for word in WORDS if entry.fits(word, "") or any(entry.fits(word, name) for name in entry.names)]
+    levels = entry.levels or tuple(levels_of())
+    what = ", ".join(entry.words) or ("lines" if entry.parts else "everything")
+    assert words, entry.why
+    of = "" if len(levels) == len(levels_of()) else f" of {', '.join(entry.names or levels)}"
+    at = f" at the {', '.join(entry.sources)}" if entry.sources else ""
+    return [f"{what}{of}{at}", ", ".join(entry.transports) or "all", ", ".join(entry.paces or PACES), entry.why]
+
+
+def lines() -> Iterator[str]:
+    """All words for the console, level by level."""
+    for level, words in levels_of().items():
+        names = ", ".join(name for name in PLACES.get(level, {}) if name) or level
+        yield f"{level} ({names if level != 'telegram' else 'PORT, PORT.counter, PORT.checksum, PORT.Signal'})"
+        for word in words:
+            if word.name != CLEAR:
+                name, values, meaning, *_ = (cell.replace("`", "") for cell in row(word))
+                yield f"  {name}: {meaning}" + ("" if values == "-" else f" [{values}]")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")
+    sys.stdout.write(f"{PAGE}\n")

@@ -1,0 +1,76 @@
+"""The tables of words and of what can be injected where, and the page made from them."""
+
+from __future__ import annotations
+
+import pytest
+
+from railhil.common.errors import InputError
+from railhil.faults.capability import REFUSALS, TRANSPORTS, check_injectable, why_not
+from railhil.faults.language import parse
+from railhil.faults.model import LEVELS
+from railhil.faults.page import PAGE, lines, page
+from railhil.faults.words import CLEAR, PLACES, WORDS, levels_of, words_at
+
+
+def test_the_page_is_current() -> None:
+    assert PAGE.read_text(encoding="utf-8") == page(), "python -m railhil.faults.page writes it"
+
+
+def test_every_level_has_words_and_each_place_one() -> None:
+    assert set(levels_of()) == set(LEVELS)
+    for level, names in PLACES.items():
+        for name in names:
+            assert [word for word in words_at(level, name, "") if word.name != CLEAR], f"{level}.{name}"
+    for word in WORDS:
+        assert set(word.names) <= set(PLACES.get(word.level, word.names)), word.name
+
+
+def test_no_word_stands_twice_at_a_place() -> None:
+    for level, names in [*PLACES.items(), ("telegram", {"TRN_SPEED": ""})]:
+        for name in names:
+            for part in (
+                ("", "counter", "checksum", "TrainSpeed") if level == "telegram" else ("", "a")[: 1 + (level == "bus")]
+            ):
+                found = [word.name for word in words_at(level, name, part)]
+                assert len(found) == len(set(found)), f"{level}.{name}.{part}"
+
+
+def test_every_word_is_on_the_console() -> None:
+    text = "\n".join(lines())
+    for word in WORDS:
+        assert word.name == CLEAR or f"  {word.name}" in text
+
+
+@pytest.mark.parametrize(
+    ("text", "transport", "pace", "sources", "said"),
+    [
+        ("TRN_SPEED loss @1s", "local", "lockstep", ["plant"], ""),
+        ("TRN_SPEED loss @1s", "board", "realtime", ["plant"], ""),
+        ("NOTCH_CMD loss @1s", "board", "lockstep", ["controller"], "not railhil's"),
+        ("bus off @1s", "board", "lockstep", ["controller", "plant"], "not railhil's"),
+        ("TRN_SPEED loss @1s", "batch", "lockstep", ["plant"], "no injectors"),
+        ("plant stop @1s for 1s", "hub", "lockstep", ["plant"], "stand still"),
+        ("plant stop @1s for 1s", "hub", "realtime", ["plant"], ""),
+        ("plant kill @1s", "hub", "lockstep", ["plant"], ""),
+        ("plant restart @1s for 1s", "hub", "lockstep", ["plant"], "only a controller"),
+        ("supervisor kill @1s", "hub", "lockstep", ["supervisor"], "by hand"),
+        ("wall pause 1s @1s", "kernel", "realtime", ["plant"], ""),
+        ("wall pause 1s @1s", "kernel", "lockstep", ["plant"], "no wall clock"),
+        ("bus.b open @1s", "hub", "lockstep", [], "one line"),
+        ("bus ok @1s", "hub", "lockstep", [], ""),
+    ],
+)
+def test_what_cannot_be_injected_says_why(text: str, transport: str, pace: str, sources: list[str], said: str) -> None:
+    fault = parse(text)
+    why = why_not(fault, transport, pace, sources)
+    assert (said in why) if said else not why
+    if why:
+        with pytest.raises(InputError, match="no such fault there") as caught:
+            check_injectable(fault, [transport], pace, sources)
+        assert "\n" not in str(caught.value)
+
+
+def test_each_refusal_is_about_something() -> None:
+    for entry in REFUSALS:
+        assert set(entry.transports) <= set(TRANSPORTS)
+        assert any(entry.fits(word, name) for word in WORDS for name in ("", *entry.names)), entry.why
