@@ -28,7 +28,7 @@ from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.faults.plants import constant_mismatch
+from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.plant import Plant
@@ -188,11 +188,7 @@ def coupled_run(
     spec = spec or RunSpec()
     actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
     if scenario.faults:
-        mismatch = constant_mismatch(scenario, spec.seed)
-        if mismatch is None:
-            allowed = "mass, gradient or resistance from the start to the end: other faults need a run over a bus"
-            raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
-        actual = mismatch.applied(actual)
+        actual = constant_mismatches(scenario, [spec.seed])[0].applied(actual)
     plant = Plant(actual, spec.seed)
     coupled = _Coupled(scenario, plant, law)
     coupled.publish(make_ident(Role.CONTROLLER, scenario.sha256, **spec.identity))
