@@ -24,8 +24,8 @@ from railhil.plant_sim.train import TrainOnBus
 from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.perturb import perturbed
 
-#: Modes of the controller that are levels of its watch.
-_LEVELS = range(CtlMode.RUNNING, CtlMode.EMERGENCY + 1)
+#: Modes of the controller as events.
+_MODES = {int(mode): mode.name.lower() for mode in CtlMode}
 
 
 class FaultyTrain(TrainOnBus):
@@ -184,8 +184,7 @@ class FaultyTrain(TrainOnBus):
         assert isinstance(telegram, NotchCmd)
         if telegram.mode != self._mode:
             self._mode = telegram.mode
-            if telegram.mode in _LEVELS:
-                self.injections.happened(CtlMode(telegram.mode).name.lower())
+            self.injections.happened(_MODES.get(telegram.mode, ""))
         super().take(telegram)
 
     def _event(self, kind: EventKind, *given: Any) -> None:
