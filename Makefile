@@ -4,6 +4,8 @@ PYTHON ?= python3
 VENV   ?= .venv
 BIN    := $(VENV)/bin
 COMMA  := ,
+# The Pythons of hosted CI, for `make locks`.
+LOCK_PYTHONS ?= python3.11 python3.12 python3.13
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
 # Laws whose parameters `make tuned` searches.
@@ -15,7 +17,7 @@ HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once. One worker more than there are cores: many tests wait.
 SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -64,6 +66,10 @@ lint: $(VENV)/.installed-dev
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+# Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
+mutants: $(VENV)/.installed-dev
+	$(BIN)/python -m hil_tests.mutation
+
 bench: $(VENV)/.installed-dev
 	$(BIN)/python -m benchmarks
 
@@ -107,6 +113,16 @@ $(VENV)/.installed-dev: pyproject.toml | $(VENV)/bin/pip
 	@echo "installing railhil with the libraries of tests, reports and campaigns into $(VENV) (once):"
 	@$(call pip-install,-e '.[dev$(COMMA)report$(COMMA)campaign$(COMMA)dask]')
 	@touch $@ $(VENV)/.installed
+
+# The lock files of hosted CI anew: the newest versions that pyproject.toml permits, with the hash of every file.
+locks:
+	@for python in $(LOCK_PYTHONS); do $$python hil_tests/locks.py || exit 1; done
+
+# Installs what the lock file of this Python names, as hosted CI does before any other target; then railhil itself.
+locked: | $(VENV)/bin/pip
+	@$(call pip-install,--require-hashes --only-binary=:all: -r requirements/ci-$$($(BIN)/python -c 'import sys; print("%d.%d" % sys.version_info[:2])').txt)
+	@$(call pip-install,--no-deps --no-build-isolation -e .)
+	@touch $(VENV)/.installed-dev $(VENV)/.installed
 
 clean:
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis .import_linter_cache

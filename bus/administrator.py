@@ -134,6 +134,9 @@ class Administrator:
             committed = self._take(port, _LOOK_NS)
             if committed is not None:
                 return committed
+            if self._endpoint.is_cut_off(port.source):
+                # A fault on the bus, not a slow node: the telegram is missed, as in real time.
+                return False
             if self._endpoint.is_down:
                 # No answer can come over an interface that is down; the link limits that wait itself.
                 waited_ns, last_look = 0, False
@@ -145,11 +148,18 @@ class Administrator:
                 last_look = waited_ns >= self._patience_ns or self._endpoint.has_ended(port.source)
 
     def _take(self, port: Port, timeout_ns: int) -> bool | None:
-        """Pass arriving frames to the store; True: an answer was committed, False: refused, None: there was none."""
+        """Pass arriving frames to the store; True: an answer was committed, False: refused, None: there was none.
+
+        An empty frame on the last identifier of the telegram means that the source does not answer.
+        """
         name, last_ids = port.name, self._last_ids[port.name]
         committed = None
         for frame in self._endpoint.receive(timeout_ns / 1e9):
-            if self._store.feed(frame, self._now_ns()) == name:
+            if not frame.data and frame.can_id in last_ids and not frame.flags:
+                # Under a fault a source says that it does not answer; nobody would wait for it in real time.
+                self.counters["no_answer"] += 1
+                committed = False if committed is None else committed
+            elif self._store.feed(frame, self._now_ns()) == name:
                 committed = True
             elif frame.can_id in last_ids and committed is None and not frame.flags & ~(FD | BRS):
                 committed = False

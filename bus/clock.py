@@ -157,6 +157,13 @@ class BusClock:
                 self._known_tick = self.tick
             self._set(self.tick + int(wall_ns * self.rate) // self.base_tick_ns)
 
+    def elapsed(self, sim_ns: int) -> None:
+        """Nothing was received for ``sim_ns`` of simulation time: advance by it, as by the node's own timer."""
+        if self.running:
+            if self._known_tick < 0:
+                self._known_tick = self.tick
+            self._set(self.tick + sim_ns // self.base_tick_ns)
+
     def synchronise(self, telegram: TimeSync) -> bool:
         """Take pace and absolute tick of a TIME_SYNC telegram of the current tick; False when it is refused.
 

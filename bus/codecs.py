@@ -516,6 +516,94 @@ def decode_run_event(made: Callable[..., T], data: bytes) -> T:
     )
 
 
+def encode_speed_sdt(telegram: Any) -> bytes:
+    speed_01mmps = telegram.speed_01mmps
+    tick_high = telegram.tick_high
+    odometer_mm = telegram.odometer_mm
+    tick_low = telegram.tick_low
+    version = telegram.version
+    ssc = telegram.ssc
+    code = telegram.code
+    misfit = speed_01mmps + 0x800000 >> 24
+    misfit |= tick_high >> 8
+    misfit |= odometer_mm + 0x80000000 >> 32
+    misfit |= tick_low >> 16
+    misfit |= version >> 8
+    misfit |= ssc >> 8
+    misfit |= code >> 32
+    if misfit:
+        raise telegram.misfit()
+    word: int = (speed_01mmps & 0xFFFFFF) << 104
+    word |= tick_high << 96
+    word |= (odometer_mm & 0xFFFFFFFF) << 64
+    word |= tick_low << 48
+    word |= version << 40
+    word |= ssc << 32
+    word |= code
+    return word.to_bytes(16)
+
+
+def decode_speed_sdt(made: Callable[..., T], data: bytes) -> T:
+    word = int.from_bytes(data)
+    return made(
+        (word >> 104 & 0xFFFFFF ^ 0x800000) - 0x800000,  # speed_01mmps
+        word >> 96 & 0xFF,  # tick_high
+        (word >> 64 & 0xFFFFFFFF ^ 0x80000000) - 0x80000000,  # odometer_mm
+        word >> 48 & 0xFFFF,  # tick_low
+        word >> 40 & 0xFF,  # version
+        word >> 32 & 0xFF,  # ssc
+        word & 0xFFFFFFFF,  # code
+    )
+
+
+def encode_notch_sdt(telegram: Any) -> bytes:
+    notch_256th = telegram.notch_256th
+    spare = telegram.spare
+    tick_high = telegram.tick_high
+    emergency = telegram.emergency
+    rest = telegram.rest
+    tick_low = telegram.tick_low
+    version = telegram.version
+    ssc = telegram.ssc
+    code = telegram.code
+    misfit = notch_256th + 0x8000 >> 16
+    misfit |= spare >> 8
+    misfit |= tick_high >> 8
+    misfit |= emergency >> 2
+    misfit |= rest >> 30
+    misfit |= tick_low >> 16
+    misfit |= version >> 8
+    misfit |= ssc >> 8
+    misfit |= code >> 32
+    if misfit:
+        raise telegram.misfit()
+    word: int = (notch_256th & 0xFFFF) << 112
+    word |= spare << 104
+    word |= tick_high << 96
+    word |= emergency << 94
+    word |= rest << 64
+    word |= tick_low << 48
+    word |= version << 40
+    word |= ssc << 32
+    word |= code
+    return word.to_bytes(16)
+
+
+def decode_notch_sdt(made: Callable[..., T], data: bytes) -> T:
+    word = int.from_bytes(data)
+    return made(
+        (word >> 112 & 0xFFFF ^ 0x8000) - 0x8000,  # notch_256th
+        word >> 104 & 0xFF,  # spare
+        word >> 96 & 0xFF,  # tick_high
+        word >> 94 & 0x3,  # emergency
+        word >> 64 & 0x3FFFFFFF,  # rest
+        word >> 48 & 0xFFFF,  # tick_low
+        word >> 40 & 0xFF,  # version
+        word >> 32 & 0xFF,  # ssc
+        word & 0xFFFFFFFF,  # code
+    )
+
+
 def encode_plt_ident(telegram: Any) -> bytes:
     scenario_hash = telegram.scenario_hash
     wire_hash = telegram.wire_hash
@@ -698,6 +786,8 @@ CODECS: dict[str, tuple[Callable[[Any], bytes], Callable[[Any, bytes], Any]]] = 
     "railhil.bus.telegrams.TrnWatch": (encode_trn_watch, decode_trn_watch),
     "railhil.bus.telegrams.SimTruth": (encode_sim_truth, decode_sim_truth),
     "railhil.bus.telegrams.RunEvent": (encode_run_event, decode_run_event),
+    "railhil.bus.safe_telegrams.SpeedSdt": (encode_speed_sdt, decode_speed_sdt),
+    "railhil.bus.safe_telegrams.NotchSdt": (encode_notch_sdt, decode_notch_sdt),
     "railhil.bus.ident.PltIdent": (encode_plt_ident, decode_plt_ident),
     "railhil.bus.ident.CtlIdent": (encode_ctl_ident, decode_ctl_ident),
     "railhil.bus.ident.SupIdent": (encode_sup_ident, decode_sup_ident),

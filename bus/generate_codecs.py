@@ -9,7 +9,7 @@ from __future__ import annotations
 from pathlib import Path
 from types import ModuleType
 
-from railhil.bus import ident, telegrams
+from railhil.bus import ident, safe_telegrams, telegrams
 from railhil.bus.layout import Telegram, codec_key
 from railhil.dbc import Signal
 
@@ -89,7 +89,7 @@ def _decode(kind: type[Telegram]) -> str:
 
 def main() -> None:
     """Write ``codecs.py`` beside this file."""
-    target, classes = Path(__file__).with_name("codecs.py"), telegram_classes(telegrams, ident)
+    target, classes = Path(__file__).with_name("codecs.py"), telegram_classes(telegrams, safe_telegrams, ident)
     target.write_text(codecs_text(classes), encoding="utf-8")
     print(f"{target.name}: {len(classes)} telegrams")
 

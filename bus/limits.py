@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from railhil.bus.hub.modelled import sentence
+
 LIMITS = {
     "local": "no bus at all: one process, no latency, nothing is lost or late, no node dies alone; lockstep only",
-    "railhil": "no bit errors, no TEC/REC, no bus-off; arbitration and bit-rate delay only with the hub's models on",
+    "railhil": sentence(),
     "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small buffer can drop frames",
     "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
     "slcan, serial adapters": "latency of the serial line; the adapter may drop frames without telling",

@@ -55,6 +55,9 @@ class BusOrder:
         """Take the next frame as it arrived; returns what can be recorded now."""
         self._silent_since_s = None
         if self._awaited:
+            if frame.can_id == self._awaited[-1] and not frame.data:
+                # The source says that it does not answer.
+                self._awaited = [frame.can_id]
             if frame.can_id != self._awaited[0]:
                 self._held.append(frame)
                 self.moved += 1

@@ -21,6 +21,9 @@ class AnyController(Protocol):
     def was_out(self, wall_ns: int, /) -> None:
         """Note that the interface was down for ``wall_ns`` and now delivers frames again."""
 
+    def was_stopped(self, sim_ns: int, /) -> None:
+        """Note that it was stopped for ``sim_ns`` of simulation time and got none of the frames (a fault)."""
+
     @property
     def lockstep(self) -> bool:
         """True unless the pace is known to follow the wall clock."""

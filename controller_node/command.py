@@ -10,10 +10,12 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
+from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
 from railhil.common.command_line import (
+    SEED_MAX,
     OneLineParser,
     add_law_arguments,
     add_patience_argument,
@@ -21,10 +23,11 @@ from railhil.common.command_line import (
     add_sent_argument,
     parse,
     seconds,
+    whole_number,
 )
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.scheduling import cycle
-from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
@@ -32,7 +35,7 @@ from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import load_memory
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 from railhil.scenarios.system import system_named
 
 
@@ -50,6 +53,10 @@ def arguments() -> argparse.ArgumentParser:
     )
     add_set_argument(parser)
     add_fault_argument(parser)
+    add_fault_log_argument(parser)
+    parser.add_argument(
+        "--seed", type=whole_number(0, SEED_MAX), default=0, help="seed of the run, which only faults use here"
+    )
     parser.add_argument(
         "--appear-timeout",
         type=seconds,
@@ -81,8 +88,15 @@ def main(words: Sequence[str] | None = None) -> int:
         check_writable(namespace.telemetry)
     choice = choose_bus(namespace)
     print(f"controller: {choice.transport} ({choice.reason})", file=sys.stderr)
-    node: AnyController = system.part("controller")(
-        scenario, law, fd=choice.fd, bit_rate=getattr(namespace, "bitrate", None)
+    node = controller_of(
+        scenario,
+        law,
+        namespace.seed,
+        fd=choice.fd,
+        bit_rate=getattr(namespace, "bitrate", None),
+        folder=namespace.fault_log,
+        kill=kill_this_process,
+        pause=stop_this_process,
     )
     link = open_link(choice.config, "controller")
     link.sent = SentFrames(namespace.sent_file, "controller") if namespace.sent_file else None
@@ -94,5 +108,8 @@ def main(words: Sequence[str] | None = None) -> int:
         if namespace.telemetry is not None:
             finish_undisturbed()
             write_telemetry(node, namespace.telemetry)
+        if scenario.faults:
+            finish_undisturbed()
+            write_fault_log(node)
         if link.sent is not None:
             link.sent.write()

@@ -1,4 +1,8 @@
-"""The guard between mailboxes and law: accepts or refuses speed telegrams, and lets the watch limit the law's notch."""
+"""The guard between mailboxes and law: accepts or refuses speed telegrams, and lets the watch limit the law's notch.
+
+The checks of :mod:`railhil.controller_node.channel` and :mod:`railhil.controller_node.plausibility` are called here;
+what they find goes into the watch as a finding.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,23 @@ from collections import Counter
 
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import CtlCause, TrkInfo, TrnSpeed
+from railhil.controller_node.channel import (
+    CHANNEL_WINDOW_MS,
+    DISORDER_MAX_MS,
+    DISORDER_MS,
+    Debt,
+    Latency,
+    channel_cost_ms,
+)
 from railhil.controller_node.ecan import BitCounter, MessageAge
 from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.plausibility import POSITION_AGE_MAX_MS, SAMPLE_MS, Motion, MotionLimits, found
+from railhil.controller_node.safe_speed import SafeSpeed
 from railhil.controller_node.speed_watch import (
+    LEVELS,
+    Finding,
     Ladder,
     Reception,
     Seen,
@@ -17,6 +34,7 @@ from railhil.controller_node.speed_watch import (
     SpeedWatchState,
     command,
     observe,
+    stronger,
 )
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
@@ -24,6 +42,7 @@ from railhil.scenarios.model import Scenario
 #: Raw speeds beyond this are implausible for a train on this bench (0.1 mm/s, 150 m/s).
 SPEED_MAX_01MMPS = 1_500_000
 _NS_PER_MS = 1_000_000
+_SAMPLE_NS = SAMPLE_MS * _NS_PER_MS
 
 
 class Guard:
@@ -33,8 +52,8 @@ class Guard:
     :param odometer: gets every accepted speed; when it loses the position, the train brakes. Default: one that is not
         needed by the law.
 
-    ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``)
-    and ``gap`` for accepted ones after lost ones.
+    ``counters``: telegrams refused by cause (``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``,
+    ``speed_jump``) and ``gap`` for accepted ones after lost ones.
     """
 
     def __init__(self, scenario: Scenario, counter: BitCounter | None = None, odometer: Odometer | None = None) -> None:
@@ -48,7 +67,27 @@ class Guard:
         self._age = MessageAge(self._counter)
         self._odometer = odometer or Odometer(scenario)
         self._sent_ns = 0
+        #: The safe channel that must confirm every speed; None: the scenario has none.
+        self.safe = SafeSpeed(scenario) if scenario.safety.sdt else None
+        self._speed_ns = -1
         self._limit_01mmps: int | None = None
+        self._grade_001permil: int | None = None
+        self._motion_limits = MotionLimits.of(scenario)
+        self._motion = Motion(self._motion_limits)
+        # A change up to this is plausible from one tick to the next.
+        self._step_01mmps = self._motion_limits.step_01mmps
+        self._changed_ns = 0
+        # The last sample of the motion, with which the speeds after it are compared.
+        self._sample_ns = -_SAMPLE_NS
+        self._sample_01mmps = 0
+        self._latency = Latency(scenario)
+        self._channel = Debt(channel_cost_ms(scenario), CHANNEL_WINDOW_MS)
+        self._disorder = Debt(DISORDER_MS, DISORDER_MAX_MS)
+        self._overruns_max = scenario.watch.overruns_max
+        self._late = 0
+        # What the checks find now, by check, and the strongest of it.
+        self._findings: dict[str, Finding] = {}
+        self._finding: Finding | None = None
 
     @property
     def level(self) -> SpeedWatchLevel:
@@ -61,9 +100,18 @@ class Guard:
         return self._state.cause
 
     def limit(self, track: TrkInfo) -> None:
-        """Take the speed limit of a TRK_INFO telegram whose check variable is correct."""
+        """Take the speed limit and the grade of a TRK_INFO telegram, each if its check variable is correct."""
         if track.limit_check == CHECK_CORRECT:
             self._limit_01mmps = track.speed_limit_4mmps * 40
+        if track.grade_check == CHECK_CORRECT:
+            self._grade_001permil = track.grade_001permil
+
+    def period(self, is_late: bool) -> None:
+        """A control period is computed; ``is_late``: periods before it were left out."""
+        if not is_late and not self._late:
+            return
+        self._late = self._late + 1 if is_late else 0
+        self._find("overruns", CtlCause.OVERRUNS if self._late > self._overruns_max else CtlCause.NONE)
 
     def speed(self, telegram: TrnSpeed, now_ns: int, stamp: int | None = None) -> None:
         """Take a TRN_SPEED telegram that passed the traffic store.
@@ -74,40 +122,99 @@ class Guard:
         if not life.fresh:
             # A repeated or old telegram carries no new information: the age keeps growing.
             self.counters[life.value] += 1
-            self._observe(Reception.NONE, now_ns)
+            two_senders = False
+            if life is Life.OUT_OF_ORDER:
+                # Two senders alternate; after a loss there are old ones in a row.
+                two_senders = not self._latency.doubt() and self._disorder.add(now_ns // _NS_PER_MS)
+            self._observe(Reception.NONE, now_ns, None, LEVELS[CtlCause.TWO_SOURCES] if two_senders else None)
             return
         if life is Life.GAP:
             self.counters["gap"] += 1
         self._life.accept(telegram.life)
+        self._latency.received(telegram.life)
+        speed, last = telegram.speed_01mmps, self.speed_01mmps
         if telegram.check != CHECK_CORRECT:
-            self.counters["check_variable"] += 1
-            self._observe(Reception.BAD, now_ns)
-        elif not 0 <= telegram.speed_01mmps <= SPEED_MAX_01MMPS:
-            self.counters["out_of_range"] += 1
-            self._observe(Reception.BAD, now_ns)
-        else:
-            self.speed_01mmps = telegram.speed_01mmps
-            self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
-            age_ns = self._age.ns(now_ns)
-            self._odometer.speed(telegram.speed_01mmps, now_ns - age_ns)
-            self._observe(Reception.GOOD, now_ns, age_ns)
+            self._refuse("check_variable", Reception.BAD, now_ns)
+            return
+        if not 0 <= speed <= SPEED_MAX_01MMPS:
+            self._refuse("out_of_range", Reception.BAD, now_ns)
+            return
+        if last is not None:
+            change = speed - self._sample_01mmps
+            if not -self._step_01mmps <= change <= self._step_01mmps and not self._motion_limits.fits(
+                change, now_ns - self._sample_ns
+            ):
+                self._refuse("speed_jump", Reception.IMPLAUSIBLE, now_ns)
+                return
+            if speed != last:
+                self._changed_ns = now_ns
+        self.speed_01mmps = speed
+        self._speed_ns = now_ns
+        self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)
+        age_ns = self._age.ns(now_ns)
+        self._odometer.speed(speed, now_ns - age_ns)
+        if not -1 < now_ns - self._sample_ns < _SAMPLE_NS:
+            self._sample(speed, now_ns)
+        self._observe(Reception.GOOD, now_ns, age_ns)
 
-    def _observe(self, telegram: Reception, now_ns: int, age_ns: int | None = None) -> None:
+    def confirm(self, telegram: SpeedSdt, now_ns: int, tick: int) -> None:
+        """Take a SPEED_SDT telegram that passed the traffic store; ``tick``: of the clock."""
+        assert self.safe is not None
+        self.safe.take(telegram, now_ns, tick, self.speed_01mmps if self._speed_ns == now_ns else None)
+
+    def _refuse(self, cause: str, telegram: Reception, now_ns: int) -> None:
+        self.counters[cause] += 1
+        too_many = self._channel.add(now_ns // _NS_PER_MS)
+        self._observe(telegram, now_ns, None, LEVELS[CtlCause.CHANNEL_MONITOR] if too_many else None)
+
+    def _sample(self, speed: int, now_ns: int) -> None:
+        self._sample_ns, self._sample_01mmps = now_ns, speed
+        position, position_ns = self._odometer.fitted
+        age_ms = (now_ns - position_ns) // _NS_PER_MS
+        place = position + speed * age_ms // 1000 if 0 <= age_ms <= POSITION_AGE_MAX_MS else None
+        self._motion.sample(now_ns, speed, self._state.code, self._grade_001permil, self._changed_ns, place)
+        self._find("motion", *found(self._motion))
+
+    def _find(self, check: str, cause: CtlCause, is_emergency: bool = False) -> None:
+        """Note what a check finds now."""
+        if cause is CtlCause.NONE:
+            if check not in self._findings:
+                return
+            del self._findings[check]
+        else:
+            level = SpeedWatchLevel.EMERGENCY if is_emergency else LEVELS[cause].level
+            self._findings[check] = Finding(level, cause)
+        self._finding = stronger(*self._findings.values())
+
+    def _observe(
+        self, telegram: Reception, now_ns: int, age_ns: int | None = None, finding: Finding | None = None
+    ) -> None:
         speed = self.speed_01mmps
         limit = self._limit_01mmps
         if age_ns is None:
             age_ns = self._age.ns(now_ns)
+        unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)
         overspeed = speed is not None and limit is not None and self._ladder.is_overspeed(speed, limit)
+        lost = self._odometer.lost(now_ns)
+        if lost or finding or self._finding:
+            finding = stronger(finding, self._finding, LEVELS[lost] if lost else None)
         # Positional arguments: this runs at every tick, and keyword arguments take twice as long.
-        seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, self._odometer.lost(now_ns))
-        self._state = observe(self._ladder, self._state, seen)
+        seen = Seen(age_ns // _NS_PER_MS, telegram, speed == 0, overspeed, finding)
+        if unconfirmed_ns <= age_ns:
+            self._state = observe(self._ladder, self._state, seen)
+            return
+        state = observe(self._ladder, self._state, seen._replace(age_ms=unconfirmed_ns // _NS_PER_MS))
+        if state.level is not self._state.level and state.cause is CtlCause.SPEED_AGE:
+            state = state._replace(cause=CtlCause.SAFETY_CODE)
+        self._state = state
 
     def look(self, now_ns: int) -> None:
         """Check the age of the last speed, at ``now_ns``."""
         self._observe(Reception.NONE, now_ns)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
-        """Notch code (1/256) and emergency flag to send instead of the law's at ``now_ns``."""
+        """Notch code (1/256) and emergency flag to send instead of the law's, at a poll at ``now_ns``."""
+        self._find("latency", CtlCause.SPEED_LATENCY if self._latency.polled() else CtlCause.NONE)
         # Also in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
         elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS

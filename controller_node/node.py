@@ -7,7 +7,9 @@ from typing import Any
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.responder import Reading, Responder
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt, safe_tick_fields
 from railhil.bus.schedule import Schedule
+from railhil.bus.sdt import SafeSource, source_identity
 from railhil.bus.telegrams import (
     HEADROOM_UNUSED,
     NO_QUANTITY,
@@ -48,17 +50,21 @@ _MODES = {
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: Ports with transmit mailboxes.
 ANSWERS = (NotchCmd, CtlStat, CtlIdent)
+#: The same in scenarios with a safe channel.
+SAFE_MAILBOXES, SAFE_ANSWERS = (*MAILBOXES, SpeedSdt), (*ANSWERS, NotchSdt)
 _NS_PER_MS = 1_000_000
 _UINT16_MAX = 0xFFFF
 
 
-def mailboxes() -> tuple[Mailbox, ...]:
+def mailboxes(safe: bool = False) -> tuple[Mailbox, ...]:
     """The controller's eCAN mailboxes, made from the port table.
 
+    :param safe: with those of the safe channel.
     :raises ContractError: the ports do not fit into the chip.
     """
     contract = wire_contract()
-    received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in (MAILBOXES, ANSWERS))
+    sides = (SAFE_MAILBOXES, SAFE_ANSWERS) if safe else (MAILBOXES, ANSWERS)
+    received, sent = ([contract.port(telegram.PORT) for telegram in side] for side in sides)
     return mailbox_table(contract, received, sent)
 
 
@@ -92,6 +98,9 @@ class ControllerNode:
             raise InputError("command line", "--bitrate", bit_rate, "above 0")
         if fd and law.task_period_ms:
             raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with CAN FD")
+        safe = scenario.safety.sdt
+        if safe and law.task_period_ms:
+            raise InputError("command line", "--task-period-ms", law.task_period_ms, "0 with safety.sdt")
         counter = BitCounter(bit_rate)
         self.law_type: Any = load(law.controller)
         needed = self.law_type.track or law.over_distance
@@ -109,21 +118,31 @@ class ControllerNode:
         self._stat_life = 0
         # Twice the index of the quantity reported by the next CTL_STAT, plus one if its maximum is reported.
         self._shown = 0
+        # The last answer to NOTCH_CMD, and what repeats it as a safe telegram.
+        self._notch_cmd = NotchCmd()
+        self._safe = SafeSource(source_identity(NotchSdt.port().address), SAFE_DATA_VERSION)
         mailboxes_read = None
         #: The CAN module with its mailboxes; None with CAN FD, which the chip does not support.
         self.ecan: Ecan | None = None
         if not fd:
-            mailboxes_read = Receiver(mailboxes(), counter, law.task_period_ms * _NS_PER_MS)
+            mailboxes_read = Receiver(mailboxes(safe), counter, law.task_period_ms * _NS_PER_MS)
             self.ecan = mailboxes_read.ecan
         responder = self.responder = Responder(
             Role.CONTROLLER,
             Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns),
-            [contract.port(telegram.PORT) for telegram in MAILBOXES],
-            {NotchCmd.PORT: self._notch, CtlStat.PORT: self._status, CtlIdent.PORT: self._own_ident},
+            [contract.port(telegram.PORT) for telegram in (SAFE_MAILBOXES if safe else MAILBOXES)],
+            {
+                NotchCmd.PORT: self._notch,
+                CtlStat.PORT: self._status,
+                CtlIdent.PORT: self._own_ident,
+                **({NotchSdt.PORT: self._safe_notch} if safe else {}),
+            },
             fd=fd,
             module=mailboxes_read,
         )
         responder.on(TrnSpeed, self._speed)
+        if safe:
+            responder.on(SpeedSdt, self._safe_speed)
         responder.on(TrnPos, self._position)
         responder.on(BalisePassed, self._balise)
         responder.on(TrkInfo, self._track)
@@ -141,12 +160,16 @@ class ControllerNode:
     def lost_by_mailbox(self) -> dict[str, int]:
         """Frames lost in each receive mailbox, by its name; none with CAN FD."""
         ecan = self.ecan
-        return {} if ecan is None else {box.name: ecan.lost[box.number] for box in mailboxes() if not box.transmit}
+        return (
+            {}
+            if ecan is None
+            else {box.name: ecan.lost[box.number] for box in mailboxes(self.guard.safe is not None) if not box.transmit}
+        )
 
     @property
     def counters(self) -> dict[str, int]:
         """Counters of refused and lost frames, by cause."""
-        watched = (self.responder.store, self.guard, self._odometer, self._balises, self.ecan)
+        watched = (self.responder.store, self.guard, self.guard.safe, self._odometer, self._balises, self.ecan)
         return {cause: count for part in watched if part is not None for cause, count in part.counters.items()}
 
     @property
@@ -160,8 +183,16 @@ class ControllerNode:
         self._clock.silence(wall_ns)
         self.guard.look(self._clock.now_ns)
 
+    def was_stopped(self, sim_ns: int) -> None:
+        """It was stopped for ``sim_ns`` of simulation time: the watch must see how old the speed is."""
+        self._clock.elapsed(sim_ns)
+        self.guard.look(self._clock.now_ns)
+
     def _speed(self, reading: Reading[TrnSpeed]) -> None:
         self.guard.speed(reading.telegram, self._clock.now_ns, reading.stamp)
+
+    def _safe_speed(self, reading: Reading[SpeedSdt]) -> None:
+        self.guard.confirm(reading.telegram, self._clock.now_ns, self._clock.tick)
 
     def _position(self, reading: Reading[TrnPos]) -> None:
         self._odometer.position(reading.telegram, reading.received_ns)
@@ -186,8 +217,9 @@ class ControllerNode:
         speed_01mmps = self.guard.speed_01mmps
         if speed_01mmps is None:
             return
-        if k > self._last_k + 1 and self._last_k >= 0:
-            self._overruns += 1
+        is_late = k > self._last_k + 1 and self._last_k >= 0
+        self._overruns += is_late
+        self.guard.period(is_late)
         self._output = self.controller.step(k, speed_01mmps, self._odometer.at(now_ns), self._balises.last)
         self._last_k = k
         self._steps += 1
@@ -196,11 +228,19 @@ class ControllerNode:
         self._control()
         self._notch_life = (self._notch_life + 1) & 0xF
         if self._output is None:
-            return NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
+            self._notch_cmd = NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
+            return self._notch_cmd
         code, emergency = self.guard.notch(self._output.notch_code, self._clock.now_ns)
         self.controller.sent(code)
         guard = self.guard
-        return NotchCmd(code, _MODES[guard.level], guard.cause, emergency=flag(emergency), life=self._notch_life)
+        mode = _MODES[guard.level]
+        self._notch_cmd = NotchCmd(code, mode, guard.cause, emergency=flag(emergency), life=self._notch_life)
+        return self._notch_cmd
+
+    def _safe_notch(self) -> Telegram:
+        told = self._notch_cmd
+        telegram = NotchSdt(told.notch_256th, emergency=told.emergency, **safe_tick_fields(self._clock.tick))
+        return NotchSdt.decode(self._safe.secured(telegram.encode()))
 
     def _status(self) -> Telegram:
         self._stat_life = (self._stat_life + 1) & 0xF

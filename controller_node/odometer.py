@@ -9,7 +9,8 @@ The last part grows with time (resolution and noise of the speed) and with the a
 shrinks with each plausible telegram. The law gets the odometer itself while telegrams arrive on time and are plausible;
 otherwise it gets the dead-reckoned position until ``GOOD_RUN`` plausible telegrams in a row. After ``RECKONING_MAX_NS``
 of dead reckoning the position is lost. Only plausible telegrams restore the odometer: one that has jumped and then
-continues evenly stays wrong.
+continues evenly stays wrong. Implausible positions for that long contradict the speed, which every law uses: the
+position is then implausible also for a law that needs none.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from collections import Counter
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import LifeSign
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import TrnPos
+from railhil.bus.telegrams import CtlCause, TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.scenarios.model import Scenario
 
@@ -48,7 +49,7 @@ class Odometer:
     ``position_check`` (check variable not correct), ``position_jump`` (not plausible).
 
     :param task_period_ns: time between two readings of the mailboxes, by which a telegram may be older.
-    :param needed: False for a law that does not use the position; the position is then never lost.
+    :param needed: False for a law that does not use the position; a silent port is then no loss.
     """
 
     def __init__(self, scenario: Scenario, task_period_ns: int = 0, *, needed: bool = False) -> None:
@@ -69,6 +70,8 @@ class Odometer:
         self._reading_01mm = 0
         self._fitted_ns = 0
         self._trusted_ns = 0
+        # When the first implausible telegram since then arrived.
+        self._jumped_ns: int | None = None
         # Dead-reckoned position, its possible error and time; the last speed and its time.
         self._place = 0
         self._slack = 0
@@ -110,6 +113,8 @@ class Odometer:
         if abs(off) > self._tolerance():
             self.counters["position_jump"] += 1
             self._run = 0
+            if self._jumped_ns is None:
+                self._jumped_ns = at_ns
             return
         since_ns = max(at_ns - self._fitted_ns, 0)
         share_ns = min(since_ns, FOLLOWING_NS)
@@ -121,6 +126,12 @@ class Odometer:
         self._reading_01mm, self._fitted_ns = reading_01mm, at_ns
         if self._run == GOOD_RUN:
             self._trusted_ns = at_ns
+            self._jumped_ns = None
+
+    @property
+    def fitted(self) -> tuple[int, int]:
+        """The last plausible odometer reading (0.1 mm) and its arrival (ns); 0 and the beginning before the first."""
+        return self._reading_01mm, self._fitted_ns
 
     def at(self, now_ns: int) -> int:
         """Position for the law in 0.1 mm: the odometer, or the dead-reckoned position."""
@@ -134,9 +145,15 @@ class Odometer:
         place_01mm = self._place // _NS_PER_S
         return min(max(place_01mm, -POSITION_MAX_01MM), POSITION_MAX_01MM), self._tolerance() // _NS_PER_S
 
-    def lost(self, now_ns: int) -> bool:
-        """True when the law needs a position and has had only a dead-reckoned one for too long."""
-        return self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
+    def lost(self, now_ns: int) -> CtlCause:
+        """Why the position is lost: too long a time of dead reckoning for a law that needs a position, or implausible
+        telegrams for as long."""
+        jumped_ns = self._jumped_ns
+        if self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS:
+            return CtlCause.POSITION_LOST if jumped_ns is None else CtlCause.POSITION_IMPLAUSIBLE
+        if jumped_ns is not None and now_ns - jumped_ns > RECKONING_MAX_NS:
+            return CtlCause.POSITION_IMPLAUSIBLE
+        return CtlCause.NONE
 
     def _tolerance(self) -> int:
         return self._exact + self._speed_01mmps * self._hold_ns + self._slack

@@ -39,11 +39,11 @@ def serve(
         now_s = time.monotonic()
         if frames:
             heard, heard_s, limit_s = True, now_s, patience_s + LATER_S if node.lockstep else SILENCE_S
+        elif heard and node.lockstep and endpoint.has_ended("plant"):
+            raise PeerSilent("controller waits for the bus administrator, which has ended")
         elif endpoint.is_down:
             # The link itself gives up after some time.
             heard_s = now_s
-        elif heard and node.lockstep and endpoint.has_ended("plant"):
-            raise PeerSilent("controller waits for the bus administrator, which has ended")
         elif now_s - heard_s > limit_s:
             raise PeerSilent(f"controller waits for the bus administrator: no frame for {limit_s:g} s")
 

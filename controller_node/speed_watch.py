@@ -6,16 +6,19 @@ level          entered when (age: of the last accepted telegram)  notch sent    
 NORMAL         age <= hold                                       the law's                     -
 HOLD           age > hold, or a bad telegram                     the last one, or less         1 good telegram
                                                                  traction if the law asks
-TRACTION_CUT   age > traction cut, or 3 bad in the last 10       at most 0, braking kept       5 good in a row
-               with this one
-SERVICE_BRAKE  age > service brake, or the channel is lost       ramp to the full service      standstill, or 10 good
+TRACTION_CUT   age > traction cut, 3 bad in the last 10 with     at most 0, braking kept       5 good in a row
+               this one, or a finding
+SERVICE_BRAKE  age > service brake, or a finding                 ramp to the full service      standstill, or 10 good
                                                                  brake, jerk limited           in a row
-EMERGENCY      age > emergency while moving, or overspeed        full brake, emergency flag    never in a run
+EMERGENCY      age > emergency while moving, overspeed, or a     full brake, emergency flag    never in a run
+               finding
 ============== ================================================= ============================= =====================
 
 A level is entered at once and only upwards; leaving a level leads to NORMAL or to the level that the current state
-demands. A bad telegram or an age above hold ends "in a row". After a level above HOLD the notch returns on the ramp of
-the service brake, so that releasing the brake never jumps into traction.
+demands. A bad telegram, an age above hold or a finding ends "in a row". After a level above HOLD the notch returns on
+the ramp of the service brake, so that releasing the brake never jumps into traction.
+
+A finding is what another check demands for as long as it lasts; levels and causes are in :data:`LEVELS`.
 
 Thresholds are scenario data (:class:`railhil.scenarios.model.WatchLimits`); the counts are our own and follow common
 practice for vital data on a train bus.
@@ -57,6 +60,45 @@ class Reception(IntEnum):
     NONE = 0
     GOOD = 1
     BAD = 2
+    #: A speed that no train can have reached since the last one.
+    IMPLAUSIBLE = 3
+
+
+class Finding(NamedTuple):
+    """What a check demands besides the age of the speed: the level, and why."""
+
+    level: SpeedWatchLevel
+    cause: CtlCause
+
+
+#: The findings of the other checks, by cause. A brake that does not answer is an emergency when more brake has not
+#: helped.
+LEVELS = {
+    cause: Finding(level, cause)
+    for level, causes in (
+        (
+            SpeedWatchLevel.TRACTION_CUT,
+            (CtlCause.SPEED_IMPLAUSIBLE, CtlCause.SPEED_LATENCY, CtlCause.OVERRUNS),
+        ),
+        (
+            SpeedWatchLevel.SERVICE_BRAKE,
+            (
+                CtlCause.POSITION_LOST,
+                CtlCause.POSITION_IMPLAUSIBLE,
+                CtlCause.CHANNEL_MONITOR,
+                CtlCause.TWO_SOURCES,
+                CtlCause.BRAKE_NOT_ANSWERING,
+            ),
+        ),
+        (SpeedWatchLevel.EMERGENCY, (CtlCause.RUNAWAY,)),
+    )
+    for cause in causes
+}
+
+
+def stronger(*findings: Finding | None) -> Finding | None:
+    """The finding of the highest level, of several the one with the smallest cause; None for none."""
+    return max((one for one in findings if one), key=lambda one: (one.level, -one.cause), default=None)
 
 
 class Ladder(NamedTuple):
@@ -97,14 +139,14 @@ class Seen(NamedTuple):
     """One observation, made at every telegram, and at every tick without one.
 
     ``age_ms``: age of the last accepted telegram (0 with a good one); ``standstill``: according to that telegram;
-    ``channel_lost``: the position that the law needs is lost.
+    ``finding``: the strongest of the other checks, None for none.
     """
 
     age_ms: int
     telegram: Reception = Reception.NONE
     standstill: bool = False
     overspeed: bool = False
-    channel_lost: bool = False
+    finding: Finding | None = None
 
 
 class SpeedWatchState(NamedTuple):
@@ -130,16 +172,19 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
     if (
         state.level is SpeedWatchLevel.NORMAL
         and seen.age_ms <= ladder.hold_ms
-        and seen.telegram is not Reception.BAD
-        and not (seen.overspeed or seen.channel_lost)
-        and (seen.telegram is Reception.NONE or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE))
+        and not (seen.overspeed or seen.finding)
+        and (
+            seen.telegram is Reception.NONE
+            or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE and seen.telegram is Reception.GOOD)
+        )
     ):
         # A channel that has been healthy for some time: nothing changes. This is nearly always the case.
         return state
+    bad = seen.telegram >= Reception.BAD
     if seen.telegram is not Reception.NONE:
-        recent = (recent << 1 | (seen.telegram is Reception.BAD)) & _RECENT_MASK
+        recent = (recent << 1 | bad) & _RECENT_MASK
     good_run = state.good_run
-    if seen.telegram is Reception.BAD or seen.age_ms > ladder.hold_ms:
+    if bad or seen.finding or seen.age_ms > ladder.hold_ms:
         good_run = 0
     elif seen.telegram is Reception.GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
@@ -166,25 +211,31 @@ def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
 
 
 def _demanded(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
-    """Level demanded by this observation alone, and why."""
-    bad = seen.telegram is Reception.BAD
+    """Level demanded by this observation alone, and why; of two equal demands the speed telegrams are named."""
     if seen.overspeed:
         return SpeedWatchLevel.EMERGENCY, CtlCause.OVERSPEED
-    if seen.age_ms > ladder.emergency_ms and not seen.standstill:
-        return SpeedWatchLevel.EMERGENCY, CtlCause.SPEED_AGE
-    if seen.age_ms > ladder.service_brake_ms:
-        return SpeedWatchLevel.SERVICE_BRAKE, CtlCause.SPEED_AGE
-    if seen.channel_lost:
-        return SpeedWatchLevel.SERVICE_BRAKE, CtlCause.POSITION_LOST
-    if seen.age_ms > ladder.traction_cut_ms:
+    level, cause = _by_telegrams(ladder, recent, seen)
+    if seen.finding is not None and seen.finding.level > level:
+        return seen.finding
+    return level, cause
+
+
+def _by_telegrams(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
+    age_ms, bad = seen.age_ms, seen.telegram >= Reception.BAD
+    if age_ms > ladder.service_brake_ms:
+        emergency = age_ms > ladder.emergency_ms and not seen.standstill
+        level = SpeedWatchLevel.EMERGENCY if emergency else SpeedWatchLevel.SERVICE_BRAKE
+        return level, CtlCause.SPEED_AGE
+    if age_ms > ladder.traction_cut_ms:
         return SpeedWatchLevel.TRACTION_CUT, CtlCause.SPEED_AGE
+    refused = CtlCause.SPEED_IMPLAUSIBLE if seen.telegram is Reception.IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
     # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
     if bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT:
-        return SpeedWatchLevel.TRACTION_CUT, CtlCause.BAD_TELEGRAMS
-    if seen.age_ms > ladder.hold_ms:
+        return SpeedWatchLevel.TRACTION_CUT, refused
+    if age_ms > ladder.hold_ms:
         return SpeedWatchLevel.HOLD, CtlCause.SPEED_AGE
     if bad:
-        return SpeedWatchLevel.HOLD, CtlCause.BAD_TELEGRAMS
+        return SpeedWatchLevel.HOLD, refused
     return SpeedWatchLevel.NORMAL, CtlCause.NONE
 
 

@@ -78,6 +78,8 @@ class Port:
     mode: str
     comment: str
     signals: tuple[Signal, ...]
+    #: Sent only in scenarios that ask for it.
+    optional: bool = False
 
     @property
     def data_bytes(self) -> int:

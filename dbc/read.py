@@ -137,6 +137,7 @@ def _made(file: str, table: Mapping[str, Any], sha256: str) -> Contract:
             mode=str(entry["mode"]),
             comment=str(entry["comment"]),
             signals=tuple(_signal(file, name, item, prefix) for item in entries),
+            optional=bool(entry.get("optional", False)),
         )
         ports.append(_checked(file, port))
     bus = table["bus"]

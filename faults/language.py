@@ -244,6 +244,8 @@ def checked(fault: Fault, complain: Complain) -> Fault:
         raise complain(f"x{fault.count}", "a count from x1")
     if ends and not word.lasts:
         raise complain(ends[0], f"{fault.what} without a duration")
+    if word.name == "restart" and fault.duration_s is None:
+        raise complain("", "restart for some time, such as for 500ms")
     if fault.after and fault.after not in word.after:
         allowed = f"after {' or '.join(word.after)}" if word.after else f"{fault.what} without after"
         raise complain(fault.after, allowed, did_you_mean(fault.after, word.after))

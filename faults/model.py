@@ -6,10 +6,10 @@ Times are simulation time. What a fault does to a sensor, a telegram or a proces
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal, Protocol
 
 #: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
 LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
@@ -115,3 +115,29 @@ class Truth:
     acceleration: str = ""
     traction: str = ""
     levels: Mapping[str, str] = field(default_factory=dict)
+
+
+class Random(Protocol):
+    """Random numbers of one fault while it is active."""
+
+    def random(self) -> float:
+        """A number from 0 to below 1."""
+
+    def integers(self, low: int, high: int, /) -> Any:
+        """A whole number from ``low`` to below ``high``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Injection:
+    """What the injectors of one run need to know.
+
+    ``faults``: all of the run with their distributions drawn; number n is the n-th. ``samples``: number of a fault ->
+    its random numbers. ``truth``, ``named``, ``units``: those of the system; ``events``: its milestones, by number.
+    """
+
+    faults: tuple[Fault, ...]
+    samples: Callable[[int], Random]
+    truth: Truth | None = None
+    named: Mapping[str, str] = field(default_factory=dict)
+    units: tuple[str, ...] = ()
+    events: Mapping[int, str] = field(default_factory=dict)

@@ -241,7 +241,7 @@ _NODE = (
     Word("stop", "node", "stopped and continued (SIGSTOP, SIGCONT)", _POSIX, after=DELIVERY),
     Word("restart", "node", "made anew, silent in between", _POSIX),
     Word("slow", "node", "answers late", _POSIX,
-         (Parameter("delay_s", TIME, None, "how late", low=0.001, high=100.0),), after=DELIVERY),
+         (Parameter("delay_s", TIME, None, "how late", low=0.001, high=100.0),), after=("deliver", "drop")),
 )  # fmt: skip
 
 _BUS = (

@@ -27,7 +27,7 @@ from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import add_fault_argument, add_set_argument
+from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -39,6 +39,7 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--timing-file", type=Path, metavar="FILE", help="realtime: write lateness and latencies there at the end"
     )
+    add_fault_log_argument(parser)
     add_lifeline_argument(parser)
     add_sent_argument(parser)
     add_priority_argument(parser, None, f"default {NODE_PRIORITY} with --pace realtime, else 0")
@@ -66,6 +67,9 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
         with cycle("plant", priority):
             node.run()
     finally:
+        if node.faults is not None:
+            finish_undisturbed()
+            node.write_fault_logs()
         if timing_file is not None and node.timing is not None:
             finish_undisturbed()
             node.timing.write(timing_file)
@@ -88,7 +92,9 @@ def main(words: Sequence[str] | None = None) -> int:
     link.lifelines = Lifelines(dict(namespace.lifeline))
     link.sent = SentFrames(namespace.sent_file, "plant") if namespace.sent_file else None
     try:
-        node = PlantNode(scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout)
+        node = PlantNode(
+            scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout, fault_log=namespace.fault_log
+        )
         run_plant(node, priority, namespace.timing_file)
     finally:
         link.close()

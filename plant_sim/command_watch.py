@@ -5,17 +5,19 @@ level          entered when                              what the train does    
 ============== ========================================= =================================== ========================
 NORMAL         age <= hold                               follows the commands
 HOLD           age > hold                                keeps the last accepted notch       1 good command
-TRACTION_CUT   age > traction cut                        no traction, braking kept           5 good in a row
-SERVICE_BRAKE  age > service brake, or before the first  full service brake, jerk limited    standstill and 1 good, or
-               accepted command                                                              10 good in a row and below
+TRACTION_CUT   age > traction cut, notch out of range,   no traction, braking kept           5 good in a row
+               too large a step, 3 bad in 10
+SERVICE_BRAKE  age > service brake, before the first     full service brake, jerk limited    standstill and 1 good, or
+               accepted command, two controllers                                             10 good in a row and below
                                                                                              the speed limit
 EMERGENCY      age > emergency while moving, overspeed,  all the brake has, at once          never in a run
-               emergency command, safety loop open
+               emergency command, safety loop open,
+               a check of train_checks.py
 ============== ========================================= =================================== ========================
 
 The age is the simulation time since the last accepted command; "in a row" means that each command came within the hold
-limit after the previous one. Leaving any level leads to NORMAL. The thresholds are scenario data
-(:class:`railhil.scenarios.model.WatchLimits`).
+limit after the previous one, and nothing suspicious between them. Leaving any level leads to NORMAL. The thresholds are
+scenario data (:class:`railhil.scenarios.model.WatchLimits`).
 
 The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
 """
@@ -26,6 +28,7 @@ from enum import IntEnum
 from math import inf
 from typing import NamedTuple
 
+from railhil.bus.telegrams import WatchCause
 from railhil.common.compilable import compilable, larger, smaller
 from railhil.scenarios.model import WatchLimits
 
@@ -47,6 +50,16 @@ class CommandWatchLevel(IntEnum):
     TRACTION_CUT = 2
     SERVICE_BRAKE = 3
     EMERGENCY = 4
+
+
+#: Level that each finding of the gate (:mod:`railhil.plant_sim.gate`) demands.
+SUSPICIONS = {
+    WatchCause.NONE: CommandWatchLevel.NORMAL,
+    WatchCause.BAD_COMMANDS: CommandWatchLevel.TRACTION_CUT,
+    WatchCause.NOTCH_RANGE: CommandWatchLevel.TRACTION_CUT,
+    WatchCause.NOTCH_STEP: CommandWatchLevel.TRACTION_CUT,
+    WatchCause.TWO_SOURCES: CommandWatchLevel.SERVICE_BRAKE,
+}
 
 
 class WatchTicks(NamedTuple):
@@ -83,14 +96,21 @@ def watch_ticks(limits: WatchLimits, base_tick_ns: int) -> WatchTicks:
 
 @compilable
 def watch_step(
-    limits: WatchTicks, state: CommandWatchState, accepted: bool, moving: bool, below_limit: bool, emergency: bool
+    limits: WatchTicks,
+    state: CommandWatchState,
+    accepted: bool,
+    suspicion: int,
+    moving: bool,
+    below_limit: bool,
+    emergency: bool,
 ) -> CommandWatchState:
     """State of the ladder one tick later.
 
     :param accepted: a command was accepted at this tick.
+    :param suspicion: level demanded by what the gate found in the commands of this tick, 0 for none.
     :param moving: the train is not at standstill.
     :param below_limit: the speed is below the limit of the line and the train.
-    :param emergency: overspeed, an emergency command or an open safety loop.
+    :param emergency: overspeed, an emergency command, an open safety loop, or a check of the train's forces and place.
     """
     level, age, good = state
     age += 1
@@ -99,6 +119,8 @@ def watch_step(
     if accepted:
         age = 0
         good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
+    if suspicion > 0:
+        good = 0
     if level == CommandWatchLevel.EMERGENCY or emergency:
         # There is no stronger level. In compiled code a level is a number, as in the last line.
         return CommandWatchState(larger(level, CommandWatchLevel.EMERGENCY), age, good)
@@ -113,6 +135,8 @@ def watch_step(
             demanded = CommandWatchLevel.SERVICE_BRAKE
         if age > limits.emergency and moving:
             demanded = CommandWatchLevel.EMERGENCY
+    if suspicion > demanded:
+        demanded = suspicion  # type: ignore[assignment]
     return CommandWatchState(larger(level, demanded), age, good)
 
 

@@ -15,7 +15,7 @@ law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Protocol
 
 from railhil.bus.layout import Telegram
@@ -98,6 +98,16 @@ class TickLoop:
 
         :raises PlantError: the simulation has failed.
         """
+        for _ in self.ticks():
+            pass
+
+    def ticks(self) -> Iterator[None]:
+        """Execute ticks until the run has ended; gives control back at the instant of each, after all its telegrams.
+
+        Whoever has control may end the run through the surroundings.
+
+        :raises PlantError: the simulation has failed.
+        """
         plant, around, ending = self._plant, self._around, self._ending
         while True:
             tick = plant.tick
@@ -120,6 +130,7 @@ class TickLoop:
                 event = ending.reached(tick, around.controller_lost)
                 if event is not None:
                     around.end(event)
+            yield
             if around.ended is not None:
                 return
             plant.advance()

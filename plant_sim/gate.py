@@ -6,34 +6,83 @@ from collections import Counter
 
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.telegrams import NotchCmd
+from railhil.bus.telegrams import NotchCmd, WatchCause
+
+#: Number of commands with a wrong check variable among the last :data:`RECENT` that is suspicious.
+BAD_FOR_SUSPICION = 3
+RECENT = 10
+#: Number of the last commands in which old ones are looked for.
+ORDER = 16
+
+_RECENT_MASK = (1 << RECENT) - 1
+_ORDER_MASK = (1 << ORDER) - 1
 
 
 class CommandGate:
     """Accepts NOTCH_CMD telegrams only with a fresh life sign, a correct check variable and a notch in range.
 
     Refusals are counted by cause: ``duplicate``, ``out_of_order``, ``check_variable``, ``out_of_range``; ``gap``
-    counts accepted telegrams that came after lost ones.
+    counts accepted telegrams that came after lost ones, ``notch_step`` those whose step was too large.
+
+    ``suspicion``: what the last telegram means for the train's watch. Two controllers answer in turn, so that good
+    commands and old ones alternate.
+
+    :param step_max_256th: largest step from one command to the next; a command after a larger one is followed only as
+        far as it brakes.
+    :param two_sources_max: so many old commands, each directly after a good one, are permitted less one.
     """
 
-    def __init__(self, notch_max_256th: int) -> None:
+    def __init__(self, notch_max_256th: int, step_max_256th: int, two_sources_max: int) -> None:
         self.counters: Counter[str] = Counter()
+        self.suspicion = WatchCause.NONE
+        #: Notch of the last accepted command that the train follows, 1/256.
+        self.notch_256th = 0
         self._notch_max = notch_max_256th
+        self._step_max = step_max_256th
+        self._two_sources_max = two_sources_max
         self._life = LifeSign()
+        # The last commands, newest in bit 0: 1 for a wrong check variable, and for an old one after a good one.
+        self._bad = 0
+        self._disorder = 0
+        self._was_good = False
+        # Notch of the last command in range.
+        self._given_256th = 0
 
     def accept(self, command: NotchCmd) -> bool:
-        """True when the command is accepted."""
+        """True when the command is accepted; sets ``suspicion`` and ``notch_256th``."""
+        self.suspicion = WatchCause.NONE
+        was_good, self._was_good = self._was_good, False
+        if self._bad or self._disorder:
+            self._bad = self._bad << 1 & _RECENT_MASK
+            self._disorder = self._disorder << 1 & _ORDER_MASK
         life = self._life.judge(command.life)
         if not life.fresh:
+            if was_good and life is Life.OUT_OF_ORDER:
+                self._disorder |= 1
+                if self._disorder.bit_count() >= self._two_sources_max:
+                    self.suspicion = WatchCause.TWO_SOURCES
             return self._refuse(life.value)
         if command.check != CHECK_CORRECT:
+            self._bad |= 1
+            if self._bad.bit_count() >= BAD_FOR_SUSPICION:
+                self.suspicion = WatchCause.BAD_COMMANDS
             return self._refuse("check_variable")
-        if abs(command.notch_256th) > self._notch_max:
+        notch = command.notch_256th
+        if abs(notch) > self._notch_max:
+            self.suspicion = WatchCause.NOTCH_RANGE
             return self._refuse("out_of_range")
         if life is Life.GAP:
             self.counters["gap"] += 1
         self._life.accept(command.life)
         self.counters["accepted"] += 1
+        self._was_good = True
+        if abs(notch - self._given_256th) > self._step_max:
+            self.counters["notch_step"] += 1
+            self.suspicion = WatchCause.NOTCH_STEP
+            self.notch_256th = min(notch, self.notch_256th)
+        else:
+            self.notch_256th = notch
+        self._given_256th = notch
         return True
 
     def _refuse(self, cause: str) -> bool:
@@ -42,5 +91,5 @@ class CommandGate:
 
     @staticmethod
     def emergency(command: NotchCmd) -> bool:
-        """Anything other than a valid "false" applies the emergency brake (ANTIVALENT2)."""
+        """Anything other than a valid "false" applies the emergency brake (ANTIVALENT2), whatever the notch."""
         return command.emergency != FLAG_FALSE

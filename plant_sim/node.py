@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from pathlib import Path
 from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
@@ -17,15 +21,19 @@ from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
+from railhil.scenarios.fault_list import injection_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
+#: Name of the log of the faults inside the plant, as of a node (:mod:`railhil.bus.injector.log`).
+INSIDE = "inside-plant"
 
 
 class Refused(BusError):
@@ -42,6 +50,7 @@ class PlantNode:
     :param reply_ns: real time: an answer to a poll later than this, on the wall clock, counts as missed.
     :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
         the limit is longer.
+    :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
     """
 
     def __init__(
@@ -54,12 +63,16 @@ class PlantNode:
         appear_s: float = APPEAR_S,
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
+        fault_log: Path | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
         self._own_events = system.events
         self.plant: AnyPlant
+        #: What is injected inside the plant; None: nothing.
+        self.injections: Injections | None
         self.plant, self.injections = make_plant(scenario, run)
+        self._fault_log = fault_log
         self._ident = make_ident(
             Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
         )
@@ -68,6 +81,13 @@ class PlantNode:
         #: None in lockstep, which has no deadlines.
         self.timing = PlantTiming() if run.is_realtime else None
         endpoint.lossless = not run.is_realtime
+        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
+        #: What is injected into what the plant sends; None: nothing.
+        self.faults: NodeFaults | None = None
+        injection = injection_of(scenario, run.seed)
+        if injection is not None:
+            self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
+            endpoint = FaultyEndpoint(endpoint, self.faults, contract.bit_rate)
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(
@@ -82,7 +102,6 @@ class PlantNode:
             contract=contract,
         )
         self.milestones = Milestones(self.administrator.publish, self._tick_ns)
-        schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
         #: Attributes of :class:`railhil.plant_sim.cycle.Surroundings`.
         self.publish = self.administrator.publish
         self.ended: Event | None = None
@@ -107,6 +126,13 @@ class PlantNode:
     def counters(self) -> dict[str, int]:
         """Polls, missed polls, and telegrams refused by cause."""
         return {**self.administrator.counters, **self._store.counters}
+
+    def write_fault_logs(self) -> None:
+        """Write the logs of what was injected at this node, and inside the plant, into the run folder."""
+        if self.faults is not None:
+            self.faults.write()
+        if self.injections is not None and self._fault_log is not None:
+            self.injections.log.write(self._fault_log, INSIDE, self.injections.activities)
 
     # -- before the run -------------------------------------------------------------------------------------------
 
@@ -155,23 +181,37 @@ class PlantNode:
         """
         self.handshake()
         try:
-            self._run()
+            for _ in self.ticks():
+                pass
         except (KeyboardInterrupt, SystemExit):
             # A controller on another machine, or a board, learns of the end only from this: otherwise it would take the
             # next run for this one.
             self._announce(Event.ENDED_BY_SUPERVISOR)
             self.administrator.flush()
             raise
+        return self.ending()
+
+    def ending(self) -> Event:
+        """The event that ended the run.
+
+        :raises PeerSilent: the controller has been lost.
+        """
         if self.controller_lost:
             raise PeerSilent(self._silence)
         assert self.ended is not None
         return self.ended
 
-    def _run(self) -> None:
+    def ticks(self) -> Iterator[None]:
+        """The run after the handshake, tick by tick (:meth:`railhil.plant_sim.cycle.TickLoop.ticks`); :meth:`end` ends
+        it.
+
+        :raises PeerSilent: the supervisor is gone.
+        :raises BusLost: the bus is gone.
+        """
         self._pacer.start()
         self._supervisor.heard(time.monotonic_ns())
         try:
-            self._loop.run()
+            yield from self._loop.ticks()
         except PlantError:
             self.end(Event.ENDED_PLANT_ERROR)
             raise

@@ -10,6 +10,7 @@ from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import (
     INITIAL,
+    SUSPICIONS,
     CommandWatchLevel,
     CommandWatchState,
     watch_brake_mps2,
@@ -20,6 +21,7 @@ from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.plant_sim.status import TrainStatus
+from railhil.plant_sim.train_checks import OwnChecks
 from railhil.scenarios.model import Balise, Profile, Scenario, profile_value
 from railhil.scenarios.profiles import front_speed_limit
 
@@ -66,7 +68,10 @@ class Plant:
         self.watch_cause = WatchCause.NO_COMMAND
         self._watch_brake_mps2 = train.service_braking_mps2
         self._accepted = False
+        self._suspicion = WatchCause.NONE
         self._emergency_commanded = False
+        self._own_checks = OwnChecks(scenario, self._constants)
+        self._own = WatchCause.NONE
         self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
         self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
         self._applied_of: tuple[Motion, Window] | tuple[None, None] = (None, None)
@@ -95,6 +100,11 @@ class Plant:
         if code != self._staged_code:
             self._staged_code = code
             self._staged.append((self.tick + self._delay_ticks, code))
+
+    def suspect(self, cause: WatchCause) -> None:
+        """What the gate found in a NOTCH_CMD of the current tick; of several the strongest counts."""
+        if SUSPICIONS[cause] > SUSPICIONS[self._suspicion]:
+            self._suspicion = cause
 
     # -- time -----------------------------------------------------------------------------------------------------
 
@@ -136,15 +146,19 @@ class Plant:
         moving = speed_mps > 0.0
         status = self.status
         before = self._watch
+        self._own = own = self._own_checks.finding(self._acting_code, self._motion, self._window.brake_min_n)
         emergency = (
             self._emergency_commanded
             or not status.safety_loop_closed
             or speed_mps > self._limit_mps + self._overspeed_margin_mps
+            or own is not WatchCause.NONE
         )
+        suspicion = self._suspicion
         watch = watch_step(
             self._limits,
             before,
             self._accepted,
+            SUSPICIONS[suspicion] if suspicion else 0,
             moving,
             speed_mps < self._limit_mps,
             emergency,
@@ -154,6 +168,7 @@ class Plant:
         if watch.level != before.level:
             self.watch_cause = self._cause(watch)
             self._event("watch", 0.0, position_m)
+        self._suspicion = WatchCause.NONE
         traction = status.traction_enabled and watch.level < CommandWatchLevel.TRACTION_CUT
         if traction and self._watch_brake_mps2 == 0.0:
             self._window = dynamics.FREE
@@ -188,6 +203,14 @@ class Plant:
             return WatchCause.SAFETY_LOOP
         if self._motion.speed_mps > self._limit_mps + self._overspeed_margin_mps:
             return WatchCause.OVERSPEED
+        if self._own is not WatchCause.NONE:
+            return self._own
+        # The age of the command is named where it demands as much.
+        by_age = watch.age_ticks > self._limits.service_brake or (
+            watch.age_ticks > self._limits.traction_cut and watch.level <= CommandWatchLevel.TRACTION_CUT
+        )
+        if self._suspicion and not by_age:
+            return self._suspicion
         return WatchCause.COMMAND_AGE
 
     def _move(self, from_tick: float, ticks: float) -> None:

@@ -8,6 +8,8 @@ import numpy as np
 
 from railhil.bus.clock import rate_to_10th, to_time_sync
 from railhil.bus.layout import Telegram, flag
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt, safe_tick_fields
+from railhil.bus.sdt import SafeSource, source_identity
 from railhil.bus.telegrams import (
     BalisePassed,
     PltStat,
@@ -59,6 +61,9 @@ class TrainTelegrams:
             SimTruth.PORT: self._truth,
             BalisePassed.PORT: self._repeated_balise,
         }
+        if scenario.safety.sdt:
+            self._safe = SafeSource(source_identity(SpeedSdt.port().address), SAFE_DATA_VERSION)
+            self.makers[SpeedSdt.PORT] = self._safe_speed
 
     def _next_life(self, port: str, modulus: int = 16) -> int:
         self._life[port] = life = (self._life.get(port, -1) + 1) % modulus
@@ -66,6 +71,11 @@ class TrainTelegrams:
 
     def _speed(self) -> TrnSpeed:
         return TrnSpeed(self._plant.speed_01mmps, life=self._next_life(TrnSpeed.PORT))
+
+    def _safe_speed(self) -> SpeedSdt:
+        plant = self._plant
+        telegram = SpeedSdt(plant.speed_01mmps, odometer_mm=plant.odometer_mm, **safe_tick_fields(plant.tick))
+        return SpeedSdt.decode(self._safe.secured(telegram.encode()))
 
     def _time(self) -> TimeSync:
         return to_time_sync(

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from railhil.bus.layout import Telegram
-from railhil.bus.telegrams import CtlStat, NotchCmd
+from railhil.bus.safe_telegrams import NotchSdt
+from railhil.bus.telegrams import CtlStat, NotchCmd, WatchCause
+from railhil.plant_sim.command_watch import CommandWatchState
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, Plant
 from railhil.plant_sim.run_end import RunEnd
+from railhil.plant_sim.safe_command import SafeCommand
 from railhil.plant_sim.telegrams import TrainTelegrams
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
@@ -22,28 +25,55 @@ class TrainOnBus(Plant):
     :param rate: pace of the run, simulated seconds per wall second; 0: lockstep.
     """
 
-    commands: ClassVar[Mapping[str, type[Telegram]]] = {NotchCmd.PORT: NotchCmd}
     statuses = (CtlStat.PORT,)
 
     def __init__(self, scenario: Scenario, seed: int, drawn: bool = False, rate: float = 0.0) -> None:
         actual = perturbed(scenario, seed) if drawn else scenario
         super().__init__(actual, seed)
-        self.gate = CommandGate(round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH))
+        self.gate = CommandGate(
+            round(actual.train.notch_max * NOTCH_LSB_PER_NOTCH),
+            round(actual.watch.notch_step_max * NOTCH_LSB_PER_NOTCH),
+            actual.watch.two_sources_max,
+        )
         self._telegrams = TrainTelegrams(actual, self, rate)
         self.makers = self._telegrams.makers
         self.ending = RunEnd(actual, self)
+        self.commands: Mapping[str, type[Telegram]] = {NotchCmd.PORT: NotchCmd}
+        self._safe: SafeCommand | None = None
+        if actual.safety.sdt:
+            self._safe = SafeCommand(actual)
+            self.commands = {NotchCmd.PORT: NotchCmd, NotchSdt.PORT: NotchSdt}
         self._abandoned_ns = actual.watch.emergency_ms * 1_000_000
 
     @property
     def refused(self) -> Mapping[str, int]:
-        """Counters of the gate."""
-        return self.gate.counters
+        """Counters of the gate, and of the safe channel if there is one."""
+        return self.gate.counters if self._safe is None else {**self.gate.counters, **self._safe.counters}
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD if it passes the gate."""
+        """Take NOTCH_CMD if it passes the gate, and tell the watch what the gate finds suspicious; with a safe channel,
+        take it only if NOTCH_SDT confirms it."""
+        gate, safe = self.gate, self._safe
+        if isinstance(telegram, NotchSdt):
+            assert safe is not None
+            command = safe.confirmed(telegram, self.tick)
+            if command is not None:
+                self.command(gate.notch_256th, gate.emergency(command))
+            return
         assert isinstance(telegram, NotchCmd)
-        if self.gate.accept(telegram):
-            self.command(telegram.notch_256th, self.gate.emergency(telegram))
+        if gate.accept(telegram):
+            emergency = gate.emergency(telegram)
+            if safe is None or emergency:
+                self.command(gate.notch_256th, emergency)
+            else:
+                safe.hold(telegram, self.tick)
+        if gate.suspicion:
+            self.suspect(gate.suspicion)
+
+    def _cause(self, watch: CommandWatchState) -> WatchCause:
+        cause = super()._cause(watch)
+        unsafe = cause is WatchCause.COMMAND_AGE and self._safe is not None and self._safe.refuses
+        return WatchCause.SAFETY_CODE if unsafe else cause
 
     def telegram_of(self, event: Any) -> Telegram | None:
         """BALISE for a balise passing, TRN_WATCH for a new level of the watch."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
@@ -23,6 +24,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters
 from railhil.controller_node.controller import Controller
+from railhil.controller_node.faulty import controller_of, was_killed, write_fault_log
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.telemetry_file import telemetry_document
@@ -38,6 +40,7 @@ from railhil.scenarios.model import AnyScenario, Scenario
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import FaultOutcome, check_faults, fault_outcomes
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score, score
@@ -59,6 +62,8 @@ class BenchRun:
     telemetry: dict[str, Any] = field(default_factory=dict)
     #: Event counters of the law's arithmetic over the whole run; only for a direct run.
     arithmetic: Counters | None = None
+    #: What became of the faults of the run, by number.
+    faults: list[FaultOutcome] = field(default_factory=list)
 
     @property
     def notches(self) -> list[int]:
@@ -93,11 +98,19 @@ def local_run(
     """
     system = system_named(scenario.system)
     spec = spec or RunSpec(law=LawSpec(system.law))
+    check_faults(scenario, ["local"], spec.pace)
     log = FrameLog(folder)
     session = Session(scenario, log.write, spec, fd=fd)
-    node: AnyController = system.part("controller")(scenario, spec.law, controller, fd=fd)
-    plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire)
-    ended = plant.run()
+    node = controller_of(scenario, spec.law, spec.seed, controller, fd=fd, folder=folder)
+    plant = plant_beside(scenario, spec, node, session, fd=fd, wire=wire, folder=folder)
+    try:
+        ended = plant.run()
+    except PeerSilent:
+        # As asked for by a fault: the train has stopped by itself.
+        if not was_killed(node) or plant.ended is None:
+            raise
+        ended = plant.ended
+    write_fault_logs(plant, node)
     sha256 = log.close()
     trace = trace_of(read_log(log.path), system.contract)
     return BenchRun(
@@ -113,6 +126,7 @@ def local_run(
             "supervisor": session.counters,
         },
         telemetry_document(node),
+        faults=fault_outcomes(folder, scenario, spec.seed),
     )
 
 
@@ -124,16 +138,25 @@ def plant_beside(
     *,
     fd: bool = False,
     wire: Callable[[Frame], list[Frame]] | None = None,
+    folder: Path | None = None,
 ) -> PlantNode:
     """The plant of a run in this process: its :meth:`~railhil.plant_sim.node.PlantNode.run` is the run.
 
     :param wire: as in :func:`local_run`.
+    :param folder: where the logs of its faults go (:func:`write_fault_logs`).
     """
 
     def to_controller(frame: Frame) -> list[Frame]:
         return [answer for item in wire(frame) for answer in node.handle(item)] if wire else node.handle(frame)
 
-    return PlantNode(scenario, spec, LocalBus([to_controller, session.handle]), fd=fd)
+    bus = LocalBus([to_controller, session.handle])
+    return PlantNode(scenario, spec, bus, fd=fd, fault_log=folder)
+
+
+def write_fault_logs(plant: PlantNode, node: AnyController) -> None:
+    """Write the logs of what the injectors of a run did into its folder."""
+    plant.write_fault_logs()
+    write_fault_log(node)
 
 
 def unrecorded_run(scenario: AnyScenario, spec: RunSpec | None = None, controller: Any = None) -> BenchRun:
@@ -160,8 +183,11 @@ def coupled_schedule(scenario: Scenario) -> Schedule:
     """Periods of the ports for a run without a bus.
 
     :raises InputError: the speed is sent less often than NOTCH_CMD is polled: the law would then see an old speed, and
-        the controller's watch, which only the nodes have, would act.
+        the controller's watch, which only the nodes have, would act. Or the scenario has a safe channel: it takes two
+        telegrams to begin, which only the nodes exchange.
     """
+    if scenario.safety.sdt:
+        raise InputError(scenario.name, "safety.sdt", Words("true"), "false, or the run over a bus (railhil run)")
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns)
     speed, notch = schedule.ticks(TrnSpeed.PORT), schedule.ticks(NotchCmd.PORT)
     if speed > notch:

@@ -5,14 +5,12 @@ The functions work like the commands: the same folders, hashes and verdicts.
 
 from __future__ import annotations
 
-import argparse
-import json
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -21,31 +19,29 @@ from railhil.cli.bus_run import NeverBegan, as_recorded, chosen_bus, recorded
 from railhil.common.command_line import RATE
 from railhil.common.errors import InputError, Words
 from railhil.common.output import Output
+from railhil.run_arguments import Parameters, Settings, bus_words, checked_spec, placed, settings_of, spec_of
 from railhil.scenarios.load import stable_name
 from railhil.scenarios.model import AnyScenario
-from railhil.scenarios.parameters import ParameterSet, load_parameters
 from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO
-from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.scenarios.settings import setting
-from railhil.scenarios.system import system_named
+from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.criteria import Criterion
 from railhil.supervisor.documents import CERTIFICATE
-from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
-from railhil.supervisor.folder import run_folder, signal_table, signal_units
-from railhil.supervisor.inputs import PARAMETERS
+from railhil.supervisor.events.summary import why
+from railhil.supervisor.folder import run_folder
 from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.record import checked_record
+from railhil.supervisor.record import Record, checked_record
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.run import Run
 from railhil.supervisor.score import Score
+from railhil.supervisor.signals import signal_table, signal_units
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.trace import FloatArray, Trace
 
-__all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
+if TYPE_CHECKING:
+    from railhil.local_run import LocalRun
 
-#: Scenario keys to set: a mapping, or ``KEY=VALUE`` as on the command line.
-Settings = Mapping[str, Any] | Sequence[str]
-#: A file, parameters read from one, or values of the law's parameters by name.
-Parameters = str | Path | ParameterSet | Mapping[str, Any]
+__all__ = ["CampaignOutcome", "NeverBegan", "Outcome", "RecordedEvent", "Signals", "campaign", "open_run", "run"]
 
 
 class Signals(Mapping[str, FloatArray]):
@@ -96,6 +92,13 @@ class Outcome:
     signed: Mapping[str, float | None]
     certificate: Mapping[str, Any] = field(repr=False)
     trace: Trace = field(repr=False)
+    #: What happened, as in ``events.csv``, in the order of the instants.
+    events: tuple[RecordedEvent, ...] = field(default=(), repr=False)
+
+    @property
+    def why(self) -> str:
+        """What the watches did, or which telegrams were refused or missing, in a sentence; empty for a healthy run."""
+        return why(self.scenario, self.events)
 
     @property
     def passed(self) -> bool:
@@ -125,40 +128,27 @@ class Outcome:
         header, rows = signal_table(self.scenario, self.trace, notes)
         return Signals(dict(zip(header, rows.T.copy(), strict=True)), signal_units(self.scenario, self.trace, notes))
 
-    @cached_property
-    def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, as in ``events.csv``, in the order of the instants."""
-        return events_of(self.scenario, self.trace)
 
-
-def _outcome(
-    folder: Path, scenario: AnyScenario, trace: Trace, found: Score, invalid: str, certificate: Mapping[str, Any]
-) -> Outcome:
+def _outcome(record: Record, found: Score, events: tuple[RecordedEvent, ...]) -> Outcome:
     document: dict[str, Any] = found.as_json()
-    verdict, reasons = (found.verdict, found.failures) if not invalid else ("INVALID", (invalid,))
-    return Outcome(folder, scenario, verdict, reasons, document["scores"], document["signed"], certificate, trace)
-
-
-def _settings(given: Settings) -> tuple[str, ...]:
-    if isinstance(given, Mapping):
-        # JSON values are TOML values, except tables and null, which no key has.
-        given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
-    return tuple(setting(text) for text in given)
-
-
-def _parameters(given: Parameters | None, law: str) -> ParameterSet | None:
-    """Parameters; values given without a file count as read from the run folder, where they will be written."""
-    if given is None or isinstance(given, ParameterSet):
-        return given
-    if isinstance(given, Mapping):
-        return ParameterSet(law, dict(given), Path(PARAMETERS))
-    return load_parameters(Path(given).resolve())
+    verdict, reasons = (found.verdict, found.failures) if not record.invalid else ("INVALID", (record.invalid,))
+    return Outcome(
+        record.log.parent,
+        record.scenario,
+        verdict,
+        reasons,
+        document["scores"],
+        document["signed"],
+        record.certificate,
+        record.trace,
+        events,
+    )
 
 
 def run(
     scenario: str | Path | RunSpec = USUAL_SCENARIO,
     *,
-    controller: str = USUAL_LAW,
+    controller: str | None = None,
     arithmetic: str = "iq",
     indexing: str = "time",
     parameters: Parameters | None = None,
@@ -169,42 +159,50 @@ def run(
     rate: float = RATE,
     bus: str = "local",
     memory: str | Path | None = None,
+    no_controller: bool = False,
     out: str | Path | None = None,
 ) -> Outcome:
     """Make one run, record and score it.
 
-    :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``out`` is used.
+    :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
+        and ``out`` are used.
+    :param controller: the law; None: the usual one of the scenario's system.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
-        choose.
+        choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
+        ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
     :param memory: file with the law's memory from run to run: read at the beginning, replaced after a valid run.
+    :param no_controller: the controller is a board or another program on the bus.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.
     :raises NeverBegan: the nodes refused the run, or no frame came.
     """
+    kind, namespace = bus_words(bus, "railhil.run")
     if isinstance(scenario, RunSpec):
-        spec = scenario
+        spec = scenario if kind == bus else replace(scenario, bus=kind)
     else:
-        law = LawSpec(controller, arithmetic, indexing, _parameters(parameters, controller))
-        spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
-        spec = replace(spec, memory_file=None if memory is None else str(Path(memory).resolve()))
-    # Whatever its source, it is checked like a file.
-    checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
-    spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
-    loaded = spec.load()
-    system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
-    how = StartUp()
-    with chosen_bus(argparse.Namespace(), spec) as choice:
+        spec = spec_of(
+            scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,
+            settings=settings, seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind, memory=memory,
+        )  # fmt: skip
+    spec, loaded = checked_spec(spec)
+    if no_controller and spec.is_local:
+        raise InputError("railhil.run", "no_controller", Words("a run in this process"), "a bus beside it")
+    with chosen_bus(namespace, spec, no_controller) as choice:
         folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
-        given = spec.law.parameters
-        if given is not None and given.source == Path(PARAMETERS):
-            placed = replace(given, source=folder.resolve() / PARAMETERS)
-            spec = replace(spec, law=replace(spec.law, parameters=placed))
+        spec = placed(spec, folder)
+        how = StartUp(foreign=no_controller)
         done, result = recorded(loaded, spec, how, choice, folder, made, Output(stderr=True), quiet=True)
     if done.stopped_exit_code:
         raise KeyboardInterrupt(result.line)
+    return outcome_of(folder, loaded, done, result)
+
+
+def outcome_of(folder: Path, scenario: AnyScenario, done: Run | LocalRun, result: RunResult) -> Outcome:
+    """A run that has just been written into its folder."""
     row = as_recorded(folder, done, result)
     invalid = "" if result.trusted else result.line or "no reason given"
-    return _outcome(folder, loaded, done.trace, result.score, invalid, row.certificate)
+    record = Record(folder / "frames.log", scenario, done.trace, invalid, row.certificate)
+    return _outcome(record, result.score, result.events)
 
 
 def open_run(folder: str | Path) -> Outcome:
@@ -214,7 +212,7 @@ def open_run(folder: str | Path) -> Outcome:
     """
     record = checked_record(str(folder), None)
     found = judging_of(record.scenario).score(record.scenario, record.trace)
-    return _outcome(record.log.parent, record.scenario, record.trace, found, record.invalid, record.certificate)
+    return _outcome(record, found, record.events)
 
 
 @dataclass(frozen=True)
@@ -297,7 +295,7 @@ def campaign(
 
     request = Request(
         scenario=stable_name(str(scenario)),
-        settings=_settings(settings),
+        settings=settings_of(settings),
         runs=runs,
         first_seed=first_seed,
         laws=tuple(laws),

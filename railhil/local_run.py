@@ -8,18 +8,21 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from railhil.bench import plant_beside
+from railhil.bench import plant_beside, write_fault_logs
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of, was_killed
 from railhil.controller_node.telemetry_file import write_telemetry
 from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import fault_outcomes, missed_faults
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
@@ -84,30 +87,52 @@ class LocalRun:
                 line, code = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s", INVALID
             finally:
                 sha256 = self.log.close()
-            return self._result(sha256, line, code)
+            return self.finish(sha256, line, code)
+
+    def nodes(self) -> tuple[PlantNode, AnyController]:
+        """Plant and controller of the run.
+
+        :raises InputError: the law cannot be made, or does not fit the scenario.
+        """
+        node = controller_of(self.scenario, self.spec.law, self.spec.seed, folder=self.folder)
+        return plant_beside(self.scenario, self.spec, node, self.session, folder=self.folder), node
 
     def _run(self) -> tuple[str, int]:
         """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
-        node: AnyController = self._system.part("controller")(self.scenario, self.spec.law)
-        plant = plant_beside(self.scenario, self.spec, node, self.session)
+        plant, node = self.nodes()
         try:
             plant.run()
-        except (PeerSilent, PlantError) as error:
-            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
-        except (BusError, InputError) as error:
-            # Nodes that disagree, or a law that raises.
-            return "; ".join(self.session.disagreements) or str(error), USAGE
+        except (BusError, PlantError, InputError) as error:
+            if isinstance(error, PeerSilent) and was_killed(node) and self.session.ended is not None:
+                # As asked for: the run is judged by what the train did.
+                return "", PASS
+            return self.incomplete(error)
         finally:
             write_telemetry(node, self.folder / TELEMETRY)
+            write_fault_logs(plant, node)
         return "", PASS
 
-    def _result(self, sha256: str, line: str, code: int) -> RunResult:
+    def incomplete(self, error: Exception) -> tuple[str, int]:
+        """Why a run that ended with this error is incomplete, and its exit code."""
+        if isinstance(error, (PeerSilent, PlantError)):
+            return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
+        # Nodes that disagree, or a law that raises.
+        return "; ".join(self.session.disagreements) or str(error), USAGE
+
+    def finish(self, sha256: str, line: str, code: int) -> RunResult:
+        """The result of the closed log.
+
+        :param line: why the run is incomplete, with its exit code; empty and PASS for a complete run.
+        """
         session = self.session
         contract = self._system.contract
         self.trace = trace_of(read_log(self.log.path), contract) if session.frames else Trace(contract)
         found = self._judging.score(self.scenario, self.trace)
         if code == PASS:
             code = {"PASS": PASS, "FAIL": FAIL}.get(found.verdict, INVALID)
+        faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if session.recording else []
+        if code in (PASS, FAIL) and (missed := missed_faults(faults)):
+            code, line = INVALID, missed
         if session.ended is Event.ENDED_PLANT_ERROR:
             code = TOOL_ERROR
         recording = session.recording
@@ -125,4 +150,5 @@ class LocalRun:
             origin=read_origin(self.folder),
             counters=session.counters,
             timing=lockstep_timing(self.trace),
+            faults=faults,
         )

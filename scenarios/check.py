@@ -9,6 +9,7 @@ import numpy as np
 
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import model
+from railhil.scenarios.effort import force_limit_n
 from railhil.scenarios.profiles import front_speed_limit
 from railhil.scenarios.schema import PORTS
 from railhil.scenarios.target import Target
@@ -28,6 +29,8 @@ LOOP_DELAY_MAX_S = 0.3
 #: number, and some in between may have been lost.
 BALISES_BETWEEN = 15
 _SAMPLE_S = 0.1
+#: No train on rails is faster.
+_FASTEST_MPS = 200.0
 
 
 def check_tables(train: model.Train, line: model.Line, refuse: Refuse) -> None:
@@ -102,6 +105,22 @@ def check_watch(watch: model.WatchLimits, refuse: Refuse) -> None:
     for before, after in pairwise(levels):
         if getattr(watch, after) <= getattr(watch, before):
             raise refuse(("watch", after), getattr(watch, after), f"more than {before} = {getattr(watch, before)}")
+
+
+def check_authority(scenario: model.Scenario, refuse: Refuse) -> None:
+    """The emergency brake can follow the curve to the end of the train's authority."""
+    watch, train = scenario.watch, scenario.train
+    if not watch.end_of_authority:
+        return
+    speeds_mps = np.arange(0.0, min(train.speed_limit_mps, _FASTEST_MPS) + 1.0)
+    steepest_permil = max(0.0, -min(permil for _, permil in scenario.line.grade_permil))
+    force_n = float(force_limit_n(train.brake, speeds_mps).min()) - train.mass_kg * train.gravity_mps2 * (
+        steepest_permil / 1000
+    )
+    largest_mps2 = force_n / train.inertial_mass_kg
+    if watch.end_of_authority_braking_mps2 > largest_mps2:
+        allowed = f"at most {largest_mps2:.2f} m/s2, what the brake gives on the steepest descent"
+        raise refuse(("watch", "end_of_authority_braking_mps2"), watch.end_of_authority_braking_mps2, allowed)
 
 
 def checked_target(curve: model.TargetCurve, refuse: Refuse) -> Target:

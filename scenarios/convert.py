@@ -182,7 +182,26 @@ def watch(table: schema.WatchTable) -> model.WatchLimits:
         service_brake_ms=table.service_brake_ms,
         emergency_ms=table.emergency_ms,
         overspeed_margin_mps=table.overspeed_margin_kmh / 3.6,
+        speed_change_max_mps2=table.speed_change_max_mps2,
+        stuck_change_mps=table.stuck_change_kmh / 3.6,
+        scale_error_max_percent=table.scale_error_max_percent,
+        channel_bad_max=table.channel_bad_max,
+        brake_share_min_percent=table.brake_share_min_percent,
+        runaway_mps=table.runaway_kmh / 3.6,
+        overruns_max=table.overruns_max,
+        notch_step_max=table.notch_step_max,
+        two_sources_max=table.two_sources_max,
+        traction_left_max_percent=table.traction_left_max_percent,
+        grade_allowance_permil=table.grade_allowance_permil,
+        end_of_authority=table.end_of_authority,
+        end_of_authority_margin_m=table.end_of_authority_margin_m,
+        end_of_authority_braking_mps2=table.end_of_authority_braking_mps2,
     )
+
+
+def safety(table: schema.SafetyTable) -> model.Safety:
+    """Safe data transmission."""
+    return model.Safety(sdt=table.sdt, n_rxsafe=table.n_rxsafe, cmthr=table.cmthr)
 
 
 def perturbations(table: schema.PerturbationsTable) -> model.Perturbations:

@@ -11,12 +11,14 @@ from typing import Any
 from railhil.common.errors import InputError, did_you_mean
 from railhil.dbc import Port
 from railhil.faults.language import FAULTS_MAX, fault_text, parse
-from railhil.faults.model import Draw, Fault, Value
+from railhil.faults.model import Draw, Fault, Injection, Place, Random, Value
 from railhil.faults.places import place_text
+from railhil.faults.ports import life_signal, port_names
 from railhil.faults.tables import fault_of
 from railhil.faults.words import CLEAR, kind_of_part
 from railhil.scenarios import streams
-from railhil.scenarios.system import System
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import System, system_named
 
 #: Events that every run has: milestones of the bench.
 _MILESTONES = ("departed", "stopped", "emergency")
@@ -61,10 +63,15 @@ class _Refuse:
 def _check(fault: Fault, system: System, refuse: _Refuse) -> None:
     place, trigger = fault.place, fault.trigger
     if place.level == "telegram":
-        for port in fault_ports(fault, system, refuse):
-            _check_port(fault, port, system, refuse)
+        for name in port_names(fault, system.contract, system.units, system.named):
+            _check_port(fault, _port(name, system, refuse), system, refuse)
         if fault.what == "masquerade":
-            _port(str(fault.values["port"]), system, refuse)
+            _check_port(
+                replace(fault, place=Place("telegram")),
+                _port(str(fault.values["port"]), system, refuse),
+                system,
+                refuse,
+            )
     elif place.level == "command":
         if place.name not in system.named:
             known = ", ".join(f"command.{name}" for name in system.named) or "no command of this system has a name"
@@ -92,9 +99,22 @@ def _port(name: str, system: System, refuse: _Refuse) -> Port:
     return system.contract.port(name)
 
 
+def disturbed_signals(system: System) -> dict[str, list[str]]:
+    """The ports on which faults may act, in the order of the port table, with the names of their signals."""
+    return {
+        port.name: [signal.name for signal in port.signals]
+        for port in system.contract.ports
+        if not _is_instrument(port, system)
+    }
+
+
+def _is_instrument(port: Port, system: System) -> bool:
+    own = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
+    return port.name in own or port.source == "supervisor"
+
+
 def _check_port(fault: Fault, port: Port, system: System, refuse: _Refuse) -> None:
-    instrument = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
-    if port.name in instrument or port.source == "supervisor":
+    if _is_instrument(port, system):
         raise refuse(port.name, "a port of the vehicle: the bench itself needs this one to observe the run")
     part = fault.place.part
     if kind_of_part("telegram", part) == "signal":
@@ -103,25 +123,6 @@ def _check_port(fault: Fault, port: Port, system: System, refuse: _Refuse) -> No
             raise refuse(part, f"counter, checksum, {', '.join(names)}", did_you_mean(part, names))
     if part == "counter" and life_signal(port) is None:
         raise refuse(f"{port.name}.counter", "a port with a life sign")
-
-
-def life_signal(port: Port) -> str | None:
-    """Name of the life sign of a port; None: it has none."""
-    return next((signal.name for signal in port.signals if signal.name.endswith("Life")), None)
-
-
-def fault_ports(fault: Fault, system: System, refuse: _Refuse | None = None) -> list[Port]:
-    """The ports of a fault at the level of telegrams; with units, the name is what follows the unit's in the port.
-
-    :raises InputError: there is no such port.
-    """
-    refuse = refuse or _Refuse(Path("fault"), fault_text(fault))
-    name, units = fault.place.name, system.units
-    names = [port.name for port in system.contract.ports]
-    if name in names or not units:
-        return [_port(name, system, refuse)]
-    chosen = [units[number - 1] for number in fault.units if number <= len(units)] if fault.units else list(units)
-    return [_port(f"{unit}_{name}", system, refuse) for unit in chosen]
 
 
 def events_of(system: System) -> list[str]:
@@ -172,6 +173,29 @@ def drawn(fault: Fault, number: int, seed: int) -> Fault:
 
     values = {name: one(fault.values[name]) for name in sorted(fault.values)}
     return replace(fault, values=MappingProxyType(values))
+
+
+def injection_of(scenario: AnyScenario, seed: int) -> Injection | None:
+    """What the injectors of a run need to know; None: nothing is injected.
+
+    :param seed: of the run.
+    """
+    if not scenario.faults:
+        return None
+    faults = drawn_faults(scenario.faults, seed)
+    system = system_named(scenario.system)
+
+    def samples(number: int) -> Random:
+        return streams.fault_generator(streams.FAULT_SAMPLES, seed, number, faults[number - 1].seed)
+
+    return Injection(
+        tuple(faults),
+        samples,
+        system.truth,
+        system.named,
+        system.units,
+        {number: name for name, number in system.events.items()},
+    )
 
 
 def drawn_faults(texts: Sequence[str], seed: int) -> list[Fault]:

@@ -38,12 +38,12 @@ def short_names() -> dict[str, str]:
     return {name: short_name(name, known) for name in known}
 
 
-def load(name_or_path: str | Path, settings: Sequence[str] = ()) -> model.Scenario:
+def load(name_or_path: str | Path, settings: Sequence[str] = (), faults: Sequence[str] = ()) -> model.Scenario:
     """Like :func:`load_any`, for code that works only with railhil's own system ``ato``.
 
     Raises :class:`~railhil.common.errors.InputError` also for a scenario of another system.
     """
-    scenario = load_any(name_or_path, settings)
+    scenario = load_any(name_or_path, settings, faults)
     if not isinstance(scenario, model.Scenario):
         allowed = f"{DEFAULT}: nothing else has what this needs"
         raise InputError(find(name_or_path), "system", scenario.system, allowed)
@@ -189,12 +189,14 @@ def _build(parts: Parts, faults: tuple[str, ...]) -> model.Scenario:
         sensors=convert.sensors(file.sensors),
         energy=convert.energy(file.energy),
         watch=watch,
+        safety=convert.safety(file.safety),
         perturbations=perturbations,
         published=tuple(model.PublishedScore.of(row.model_dump()) for row in file.published),
         assumptions=(*file.train.assumptions, *file.line.assumptions, *file.assumptions),
         faults=faults,
     )
     check.check_run(scenario, target, refuse)
+    check.check_authority(scenario, refuse)
     return replace(scenario, sha256=scenario_sha256(scenario))
 
 

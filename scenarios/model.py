@@ -141,9 +141,10 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class WatchLimits:
-    """Reaction ladder: age of the last accepted telegram at which each level is entered.
+    """Limits of both watches: age of the last accepted telegram at which each level is entered, and the other checks.
 
-    The defaults are those of the shipped scenarios; a watch with a higher limit is weaker.
+    The defaults are those of the shipped scenarios; a watch with a higher limit, or a lower share of the brake, is
+    weaker. The documentation of the keys is in :mod:`railhil.scenarios.keys`.
     """
 
     hold_ms: int = 20
@@ -151,16 +152,48 @@ class WatchLimits:
     service_brake_ms: int = 256
     emergency_ms: int = 1000
     overspeed_margin_mps: float = 5 / 3.6
+    speed_change_max_mps2: float = 2.0
+    stuck_change_mps: float = 0.36 / 3.6
+    scale_error_max_percent: float = 3.0
+    channel_bad_max: int = 30
+    brake_share_min_percent: float = 50.0
+    runaway_mps: float = 1.08 / 3.6
+    overruns_max: int = 3
+    notch_step_max: float = 254.0
+    two_sources_max: int = 6
+    traction_left_max_percent: float = 5.0
+    grade_allowance_permil: float = 35.0
+    end_of_authority: bool = False
+    end_of_authority_margin_m: float = 5.0
+    end_of_authority_braking_mps2: float = 0.8
 
     @property
     def weakened(self) -> str:
-        """Limits that are higher than usual, by their keys in a scenario file; empty if there are none."""
+        """Limits that are weaker than usual, by their keys in a scenario file; empty if there are none."""
         usual = WatchLimits()
-        ages = ("hold_ms", "traction_cut_ms", "service_brake_ms", "emergency_ms")
-        rows = [(name, float(getattr(self, name)), float(getattr(usual, name))) for name in ages]
-        margin, usual_margin = (round(limits.overspeed_margin_mps * 3.6, 6) for limits in (self, usual))
-        rows.append(("overspeed_margin_kmh", margin, usual_margin))
-        return ", ".join(f"{key} {value:g} (usual {most:g})" for key, value, most in rows if value > most)
+        rows = []
+        for item in fields(self):
+            if item.name == "end_of_authority":
+                # Off is usual.
+                continue
+            key, factor = (item.name.replace("_mps", "_kmh"), 3.6) if item.name.endswith("_mps") else (item.name, 1)
+            value, most = (round(getattr(limits, item.name) * factor, 6) for limits in (self, usual))
+            if (value < most) if "_min" in item.name else (value > most):
+                rows.append(f"{key} {value:g} (usual {most:g})")
+        return ", ".join(rows)
+
+
+@dataclass(frozen=True, slots=True)
+class Safety:
+    """Safe data transmission (SDTv2, :mod:`railhil.bus.sdt`).
+
+    ``sdt``: speed and command count only if SPEED_SDT and NOTCH_SDT confirm them. ``n_rxsafe``: cycles without a fresh
+    safe telegram that are tolerated. ``cmthr``: telegrams within which a second CRC error fails the channel.
+    """
+
+    sdt: bool = False
+    n_rxsafe: int = 3
+    cmthr: int = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +321,7 @@ class Scenario:
     system: str = "ato"
     #: What is injected, as canonical texts (:mod:`railhil.faults.language`), in the order of their numbers.
     faults: tuple[str, ...] = ()
+    safety: Safety = Safety()
 
     @property
     def planned_s(self) -> float:

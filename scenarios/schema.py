@@ -22,7 +22,7 @@ RUNNING_TIME_MAX_S = 28_800.0
 #: Ports whose period a scenario may set: those that have one in the port table (a test compares the two).
 PORTS = (
     "TIME_SYNC", "SUP_CMD", "NOTCH_CMD", "TRN_SPEED", "TRN_POS", "PLT_STAT", "TRK_INFO", "CTL_STAT", "BALISE",
-    "TRN_WATCH", "SIM_TRUTH",
+    "TRN_WATCH", "SIM_TRUTH", "SPEED_SDT", "NOTCH_SDT",
 )  # fmt: skip
 
 Number = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST)]
@@ -200,13 +200,36 @@ class EnergyTable(Table):
 
 
 class WatchTable(Table):
-    """Reaction ladder: ages in ms (increasing) and the overspeed margin."""
+    """Reaction ladder: ages in ms (increasing), the overspeed margin, and limits of the other checks."""
 
     hold_ms: Annotated[int, Field(gt=0)] = 20
     traction_cut_ms: Annotated[int, Field(gt=0)] = 64
     service_brake_ms: Annotated[int, Field(gt=0)] = 256
     emergency_ms: Annotated[int, Field(gt=0)] = 1000
     overspeed_margin_kmh: Positive = 5.0
+    speed_change_max_mps2: Positive = 2.0
+    stuck_change_kmh: Positive = 0.36
+    scale_error_max_percent: Annotated[float, Field(gt=0, le=100)] = 3.0
+    channel_bad_max: Annotated[int, Field(ge=1, le=10_000)] = 30
+    brake_share_min_percent: Annotated[float, Field(ge=0, le=100)] = 50.0
+    runaway_kmh: Positive = 1.08
+    overruns_max: Annotated[int, Field(ge=0, le=1_000_000)] = 3
+    # Twice the largest notch range: no limit.
+    notch_step_max: Annotated[float, Field(gt=0, le=254)] = 254.0
+    two_sources_max: Annotated[int, Field(ge=1, le=16)] = 6
+    traction_left_max_percent: Annotated[float, Field(gt=0, le=1000)] = 5.0
+    grade_allowance_permil: Annotated[float, Field(ge=0, le=1000)] = 35.0
+    end_of_authority: bool = False
+    end_of_authority_margin_m: NotNegative = 5.0
+    end_of_authority_braking_mps2: Positive = 0.8
+
+
+class SafetyTable(Table):
+    """Safe data transmission (SDTv2) of speed and command, in addition to their telegrams."""
+
+    sdt: bool = False
+    n_rxsafe: Annotated[int, Field(ge=2, le=20)] = 3
+    cmthr: Annotated[int, Field(ge=1, le=100_000)] = 1000
 
 
 class PerturbationsTable(Table):
@@ -308,6 +331,7 @@ class ScenarioFile(Table):
     sensors: SensorsTable
     energy: EnergyTable
     watch: WatchTable = WatchTable()
+    safety: SafetyTable = SafetyTable()
     perturbations: PerturbationsTable = PerturbationsTable()
     published: list[PublishedTable] = []
     fault: FaultRows = []

@@ -69,6 +69,13 @@ def add_fault_argument(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_fault_log_argument(parser: argparse.ArgumentParser) -> None:
+    """Option of every node that injects faults."""
+    parser.add_argument(
+        "--fault-log", type=Path, metavar="FOLDER", help="write there what the faults did (the run folder)"
+    )
+
+
 def _fault(text: str) -> str:
     """The canonical text of a fault.
 

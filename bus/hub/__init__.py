@@ -13,10 +13,11 @@ module       content
 ``switch``   the loop that carries packets from one port to all others
 ``bitlength`` length of a frame on the wire, stuff bits counted
 ``model``    optional bit rate and arbitration
+``orders``   optional disturbances and the notices about them, for clients and hub
+``disturbance`` their effect on the traffic; ``cancontroller``, ``lines`` the models of a client for it
 ``server``   the hub process; ``cli`` its command line
 ============ ==================================================================================
 
-The hub is reliable and gives every client the same total order. It does not model acknowledgement, error
-counters (TEC/REC), bus-off, error frames caused by bit errors, or sampling; bit rate and arbitration only
-when requested.
+The hub is reliable and gives every client the same total order. Bit rate, arbitration, error counters, bus-off and
+redundant lines only when requested; :mod:`railhil.bus.limits` has the list.
 """

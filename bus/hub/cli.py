@@ -15,7 +15,7 @@ from railhil.common.plain_text import plain
 from railhil.common.scheduling import cycle
 
 #: Upper limits, far beyond any CAN bus and any memory.
-_BITRATE_MAX_BPS, _QUEUE_MAX_BYTES = 1_000_000_000, 1 << 40
+_BITRATE_MAX_BPS, _QUEUE_MAX_BYTES, _RESTART_MAX_MS = 1_000_000_000, 1 << 40, 3_600_000
 _bit_rate = whole_number(1, _BITRATE_MAX_BPS)
 
 
@@ -49,6 +49,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="frames that wait at the same time leave in order of their identifier",
     )
     parser.add_argument(
+        "--faults",
+        action="store_true",
+        help="take orders that disturb the bus: error counters, bus-off, two redundant lines, full transmit queue",
+    )
+    parser.add_argument(
+        "--restart-ms",
+        type=whole_number(1, _RESTART_MAX_MS),
+        metavar="MS",
+        help="with --faults: a bus-off client restarts by itself after this wall time (default: only by order)",
+    )
+    parser.add_argument(
         "--queue-limit",
         type=whole_number(1, _QUEUE_MAX_BYTES),
         default=DEFAULT_QUEUE_LIMIT_BYTES,
@@ -78,6 +89,8 @@ def run(args: argparse.Namespace) -> int:
             raise BusUnavailable(f"option {option}: found without --bitrate-model, allowed: only with it")
         if args.lossless and not args.port:
             raise BusUnavailable("option --lossless: found without --port, allowed: only with it")
+        if args.restart_ms is not None and not args.faults:
+            raise BusUnavailable("option --restart-ms: found without --faults, allowed: only with it")
         channel = args.channel or default_channel()
         ports = parse_ports(args.port, channel)
         bitrate_bps = (args.bitrate or DEFAULT_BITRATE_BPS) if args.bitrate_model else None
@@ -93,6 +106,8 @@ def run(args: argparse.Namespace) -> int:
                 queue_limit_bytes=args.queue_limit,
                 ports=ports,
                 lossless=args.lossless,
+                faults=args.faults,
+                restart_ms=args.restart_ms or 0,
             )
     except BusUnavailable as error:
         print(plain(f"railhil bus hub: error: {error}"), file=sys.stderr)

@@ -20,6 +20,7 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub import wire
 from railhil.bus.hub.address import HUB_START_S, Address, connect, default_channel, describe, new_socket, parse_channel
+from railhil.bus.hub.cancontroller import ERROR_PASSIVE
 from railhil.bus.hub.connection import (
     HubConnection,
     HubLost,
@@ -28,6 +29,7 @@ from railhil.bus.hub.connection import (
     SendTimeout,
     StreamConnection,
 )
+from railhil.bus.hub.orders import Host, Notices, Order
 
 #: Name in ``Message.channel``: neutral, so that a log does not depend on the path of the socket.
 CHANNEL_NAME = "railhil"
@@ -39,6 +41,10 @@ _RETRY_ERRNOS = frozenset((errno.ECONNREFUSED, errno.ENOENT, errno.EAGAIN))
 
 class HubUnavailable(BusUnavailable, can.CanInitializationError):
     """No hub answers on the channel, or it refuses this client."""
+
+
+class QueueFull(can.CanOperationError):
+    """The transmit queue is full (ENOBUFS), by order."""
 
 
 class HubBus(can.BusABC):
@@ -53,7 +59,8 @@ class HubBus(can.BusABC):
     ``Message.timestamp`` is the wall clock at reception by this client.
 
     :ivar hub_properties: properties reported by the hub: ``bitrate_model``, ``arbitration``, ``bitrate_bps``,
-        ``data_bitrate_bps``, ``queue_limit_bytes``.
+        ``data_bitrate_bps``, ``queue_limit_bytes``, ``faults``, ``restart_ms``.
+    :ivar notices: on a hub with ``--faults``, what it tells about this client's CAN controller and lines; else None.
     """
 
     def __init__(
@@ -110,6 +117,7 @@ class HubBus(can.BusABC):
                 "name": name or f"pid {os.getpid()}",
                 "receive_own": bool(receive_own_messages),
             }
+            hello["hears_faults"] = True
             if role is not None:
                 hello |= {"role": role, "hears_roles": True}
             if coalesce_frames:
@@ -120,6 +128,7 @@ class HubBus(can.BusABC):
             hub_bitrate = self.hub_properties.get("bitrate_bps")
             if bitrate is not None and hub_bitrate is not None and int(bitrate) != hub_bitrate:
                 raise HubUnavailable(f"hub at {address}: bitrate: found {bitrate}, the hub models {hub_bitrate}")
+            self.notices = Notices() if self.hub_properties.get("faults") else None
         except BaseException:
             # On Ctrl-C, too, the connection must be closed.
             link.close()
@@ -175,10 +184,12 @@ class HubBus(can.BusABC):
 
     @property
     def state(self) -> can.BusState:
-        """ACTIVE, PASSIVE (listen only), or ERROR once the hub is gone."""
-        if self._link is None or self._link.is_lost:
+        """ACTIVE, PASSIVE (listen only, or error-passive), or ERROR once the hub is gone or while bus-off."""
+        host = Host() if self.notices is None else self.notices.host
+        if self._link is None or self._link.is_lost or host.is_off:
             return can.BusState.ERROR
-        return can.BusState.PASSIVE if self._is_passive else can.BusState.ACTIVE
+        is_passive = self._is_passive or host.state == ERROR_PASSIVE
+        return can.BusState.PASSIVE if is_passive else can.BusState.ACTIVE
 
     @state.setter
     def state(self, new_state: can.BusState) -> None:
@@ -188,15 +199,16 @@ class HubBus(can.BusABC):
 
     # --- batches ------------------------------------------------------------------------------------------
 
-    def send_frames(self, frames: Sequence[Frame], timeout_s: float | None = None) -> None:
+    def send_frames(self, frames: Sequence[Frame], timeout_s: float | None = None, *, even_full: bool = False) -> None:
         """Send frames in order, up to 256 classic frames in one packet, each CAN FD frame in its own.
 
-        ``timeout_s``: seconds for the whole list, None waits for ever. Raises as :meth:`send`; ValueError
-        is raised before anything is sent.
+        ``timeout_s``: seconds for the whole list, None waits for ever. ``even_full``: give the hub also what a full
+        transmit queue does not take; it discards it and tells who waits for it. Raises as :meth:`send`; ValueError is
+        raised before anything is sent.
         """
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         for packet in self._packets(frames):
-            self._send(packet, deadline_s)
+            self._send(packet, deadline_s, even_full)
 
     def offer_frames(self, frames: Sequence[Frame]) -> int:
         """Send as many of the frames, from the first on, as the hub takes without waiting; returns their number.
@@ -207,13 +219,14 @@ class HubBus(can.BusABC):
         for packet in self._packets(frames):
             try:
                 self._send(packet, 0.0)
-            except SendTimeout:
+            except (SendTimeout, QueueFull):
                 break
             taken += 1 if len(packet) == wire.FD_SIZE else len(packet) // wire.CLASSIC_SIZE
         return taken
 
     def recv_frames(self, timeout_s: float | None) -> list[Frame]:
-        """All frames of the next packet that pass the filters; [] after the timeout (None waits for ever).
+        """All frames of the next packet that pass the filters; [] after the timeout (None waits for ever), and after a
+        notice of a hub with ``--faults``.
 
         The rest of a packet partly read by ``recv`` comes first. Raises :class:`HubLost`.
         """
@@ -236,6 +249,15 @@ class HubBus(can.BusABC):
         """Whether a node of the bench is on the hub, as far as what it sent has been read."""
         return role in self._here
 
+    def order(self, order: Order) -> None:
+        """Disturb the bus from the next packet on; see :mod:`railhil.bus.hub.orders`.
+
+        Raises :class:`can.CanOperationError` if the hub takes no orders, and as :meth:`send`.
+        """
+        if self.notices is None:
+            raise can.CanOperationError(f"{self.channel_info}: takes no orders, it must be started with --faults")
+        self._open_link().send_packet(wire.encode_notice(order=order.encoded()), None)
+
     # --- inside -------------------------------------------------------------------------------------------
 
     def _open_link(self) -> HubConnection:
@@ -249,10 +271,14 @@ class HubBus(can.BusABC):
             raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
         return packets
 
-    def _send(self, packet: bytes, deadline_s: float | None) -> None:
+    def _send(self, packet: bytes, deadline_s: float | None, even_full: bool = False) -> None:
         link = self._open_link()
         if self._is_passive:
             raise can.CanOperationError("the bus is in state PASSIVE (listen only)")
+        if self.notices is not None:
+            if self.notices.host.full and not even_full:
+                raise QueueFull("transmit queue full", error_code=errno.ENOBUFS)
+            self.notices.sending()
         link.send_packet(packet, deadline_s)
 
     def _next_packet(self, deadline_s: float | None) -> bool:
@@ -260,10 +286,17 @@ class HubBus(can.BusABC):
             packet = self._open_link().receive_packet(deadline_s)
             if packet is None:
                 return False
-            if not len(packet) & wire.ROLES_LENGTH_BIT:
+            if not len(packet) & wire.NOTICE_LENGTH_BIT:
                 break
-            self._here = wire.decode_roles(packet)
-            self._seen |= self._here
+            notice = wire.decode_notice(packet)
+            if "roles" in notice:
+                self._here = frozenset(notice["roles"])
+                self._seen |= self._here
+            elif self.notices is not None:
+                self.notices.take(notice)
+                # On TCP the next packet may be here already, where the socket does not show it.
+                self._update_readiness()
+                return False
         self._packet_is_own = bool(len(packet) & wire.OWN_LENGTH_BIT)
         self._packet = packet[: -len(wire.OWN_MARK)] if self._packet_is_own else packet
         self._offset = 0

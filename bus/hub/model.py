@@ -11,7 +11,7 @@ queues is sent first. Without a bit rate the wire is always idle; then the frame
 the hub's loop arbitrate. In a tie (the same identifier from two clients, an error on a real bus) the earlier arrival
 wins.
 
-Not modelled: acknowledgement, bit errors, error counters, bus-off, propagation delay.
+Not modelled: acknowledgement, propagation delay; errors do not lengthen a frame (:mod:`railhil.bus.hub.orders`).
 """
 
 from __future__ import annotations

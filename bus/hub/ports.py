@@ -46,6 +46,9 @@ class SwitchPort(ABC):
         #: Which node of a bench the client is, and whether it is informed about the others.
         self.role: str | None = None
         self.hears_roles = False
+        #: The name in its hello, and whether it is told what happens to its CAN controller (``--faults``).
+        self.client_name = ""
+        self.hears_faults = False
         #: Set for a client that reads in bulk.
         self.coalescer: Coalescer | None = None
         #: Packets wait in the queue; the switch calls :meth:`flush` when the port becomes writable.

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, Self
 
 from railhil.bus.hub.address import Address, file_identity, listen, parse_channel, remove_socket_file
+from railhil.bus.hub.disturbance import Disturbance
 from railhil.bus.hub.gateway import BusPort
 from railhil.bus.hub.model import WireModel
 from railhil.bus.hub.portspec import PROGRAM, PortSpec
@@ -31,6 +32,8 @@ def serve(
     queue_limit_bytes: int = DEFAULT_QUEUE_LIMIT_BYTES,
     ports: Sequence[PortSpec] = (),
     lossless: bool = False,
+    faults: bool = False,
+    restart_ms: int = 0,
 ) -> None:
     """Run a hub on ``channel`` (a path, or ``tcp://127.0.0.1:PORT``) until SIGTERM, SIGINT or SIGHUP.
 
@@ -38,7 +41,9 @@ def serve(
     CAN FD data phases at ``data_bitrate_bps`` (None: the same). ``arbitration``: frames that wait at the same time are
     sent by priority of their identifiers. ``queue_limit_bytes``: how far a client may fall behind before it is
     disconnected. ``ports``: other buses to which frames are forwarded in both directions; ``lossless``: frames for them
-    wait when they are full or down (lockstep) instead of being dropped.
+    wait when they are full or down (lockstep) instead of being dropped. ``faults``: model the CAN controllers and the
+    two lines of the clients, and take orders that disturb them (:mod:`railhil.bus.hub.orders`); ``restart_ms``: wall
+    time after which a bus-off controller restarts by itself (0: only by order).
 
     A stop first delivers, for at most a second, what clients had already sent. At the start the hub waits for another
     hub behind a port; a stop ends that wait too.
@@ -68,15 +73,18 @@ def serve(
                     "bitrate_bps": bitrate_bps,
                     "data_bitrate_bps": data_bitrate_bps,
                     "queue_limit_bytes": queue_limit_bytes,
+                    "faults": faults,
+                    "restart_ms": restart_ms,
                     "ports": [spec.transport for spec in ports],
                 },
                 report=_report,
                 model=model,
+                disturbance=Disturbance(restart_ms, 1e9 / bitrate_bps if bitrate_bps else 0.0) if faults else None,
                 once=once,
                 bus_ports=bus_ports,
             )
             with contextlib.closing(switch), signals.sent_to(switch):
-                print(_ready_line(address, bitrate_bps, data_bitrate_bps, arbitration, ports), flush=True)
+                print(_ready_line(address, bitrate_bps, data_bitrate_bps, arbitration, faults, ports), flush=True)
                 switch.run()
                 switch.report_statistics()
         except _StoppedAtStart:
@@ -96,6 +104,7 @@ def _ready_line(
     bitrate_bps: int | None,
     data_bitrate_bps: int | None,
     arbitration: bool,
+    faults: bool,
     ports: Sequence[PortSpec],
 ) -> str:
     time_model = "no bit rate"
@@ -103,7 +112,8 @@ def _ready_line(
         time_model = f"bit rate {bitrate_bps} bit/s (FD data {data_bitrate_bps} bit/s), exact stuff bits"
     order_model = "arbitration by identifier" if arbitration else "no arbitration"
     others = f"; gateway to {', '.join(spec.transport for spec in ports)}" if ports else ""
-    return f"railhil hub ready at {address}: {time_model}; {order_model}; no error counters, no bus-off{others}"
+    fault_model = "error counters, bus-off and two lines by order" if faults else "no error counters, no bus-off"
+    return f"railhil hub ready at {address}: {time_model}; {order_model}; {fault_model}{others}"
 
 
 def _report(line: str) -> None:

@@ -14,10 +14,21 @@ from collections.abc import Callable, Sequence
 
 from railhil.bus.hub.address import describe
 from railhil.bus.hub.coalesce import HOLD_S, coalescer_of
+from railhil.bus.hub.disturbance import Disturbance
 from railhil.bus.hub.guests import HELLO_S, Guests
 from railhil.bus.hub.model import WireModel
+from railhil.bus.hub.orders import order_of
 from railhil.bus.hub.ports import PortClosed, PortFault, SocketPort, StreamPort, SwitchPort
-from railhil.bus.hub.wire import OWN_MARK, decode_hello, encode_hello, encode_roles, fault_of, role_of
+from railhil.bus.hub.wire import (
+    NOTICE_LENGTH_BIT,
+    OWN_MARK,
+    decode_hello,
+    decode_notice,
+    encode_hello,
+    encode_roles,
+    fault_of,
+    role_of,
+)
 
 MAX_CLIENTS = 256
 #: How long a stopped hub continues to deliver packets that it has already taken.
@@ -33,8 +44,8 @@ class Switch:
     """Ports around a listening socket.
 
     ``properties`` are part of the hello sent to each client. ``report`` is called with one line for each client
-    that is disconnected. With ``once`` the loop ends when the last client has left. ``bus_ports`` exist from the
-    beginning to the end.
+    that is disconnected. ``disturbance`` carries out orders of clients; None: a packet with an order is malformed. With
+    ``once`` the loop ends when the last client has left. ``bus_ports`` exist from the beginning to the end.
     """
 
     def __init__(
@@ -45,6 +56,7 @@ class Switch:
         properties: dict[str, object],
         report: Callable[[str], None],
         model: WireModel | None = None,
+        disturbance: Disturbance | None = None,
         once: bool = False,
         bus_ports: Sequence[SwitchPort] = (),
     ) -> None:
@@ -53,6 +65,11 @@ class Switch:
         self._properties = properties
         self._report = report
         self._model = model
+        self._disturbance = disturbance
+        #: Carries a packet: chosen once, so that an option that is off costs nothing for a packet.
+        self._carry: Callable[[SwitchPort, bytes], None] = (
+            self._carry_to_all if disturbance is None else self._carry_disturbed
+        )
         self._once = once
         self._ports: dict[int, SwitchPort] = {}
         #: Replaced, never changed in place: a port may be dropped while packets are being carried.
@@ -109,6 +126,8 @@ class Switch:
                     self._flush(port)
             if self._model is not None:
                 self._deliver_due(self._model)
+            if self._disturbance is not None:
+                self._tell_all(self._disturbance.due())
             if self._guests:
                 # After the events: a hello that has arrived while this process stood still is in time.
                 for port in self._guests.late():
@@ -130,7 +149,7 @@ class Switch:
     # --- the hot path -------------------------------------------------------------------------------------
 
     def _wait(self) -> list[tuple[int, int]]:
-        if self._model is not None or self._bus_ports or self._guests:
+        if self._model is not None or self._bus_ports or self._guests or self._disturbance is not None:
             due_ns = self._next_due_ns()
             if due_ns is not None:
                 # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
@@ -155,6 +174,8 @@ class Switch:
         times_ns = [self._guests.due_ns, *(port.due_ns for port in self._bus_ports)]
         if self._model is not None:
             times_ns.append(self._model.next_due_ns())
+        if self._disturbance is not None:
+            times_ns.append(self._disturbance.due_ns)
         due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
         if due_ns is not None and self._bulk_readers:
             for port in self._members:
@@ -187,6 +208,10 @@ class Switch:
                 continue
             fault_text = fault_of(packet)
             if fault_text is not None:
+                if self._disturbance is not None and len(packet) & NOTICE_LENGTH_BIT:
+                    fault_text = self._obey(self._disturbance, port, packet)
+                    if fault_text is None:
+                        continue
                 self._drop(port, f"malformed packet: {fault_text}")
                 return
             if self._model is None:
@@ -195,7 +220,7 @@ class Switch:
                 self._model.offer(port, packet, time.monotonic_ns())
                 self._update(port)
 
-    def _carry(self, source: SwitchPort, packet: bytes) -> None:
+    def _carry_to_all(self, source: SwitchPort, packet: bytes) -> None:
         for port in self._members:
             if port is source:
                 if not source.receive_own:
@@ -215,6 +240,37 @@ class Switch:
                 self._update(port)
         except PortFault as fault:
             self._drop(port, str(fault))
+
+    # --- disturbed traffic --------------------------------------------------------------------------------
+
+    def _carry_disturbed(self, source: SwitchPort, packet: bytes) -> None:
+        assert self._disturbance is not None
+        for port, told in self._disturbance.carry(source, packet, self._members):
+            if told is not None:
+                self._tell(port, told)
+            elif port is source:
+                self._tell(port, packet + OWN_MARK)
+            else:
+                self._tell(port, packet)
+
+    def _obey(self, disturbance: Disturbance, source: SwitchPort, packet: bytes) -> str | None:
+        """Carry out an order; the fault of the packet if it is none."""
+        try:
+            deliveries = disturbance.obey(source, order_of(decode_notice(packet).get("order")))
+        except ValueError as error:
+            return str(error)
+        self._tell_all(deliveries)
+        return None
+
+    def _tell_all(self, deliveries: Sequence[tuple[SwitchPort, bytes | None]]) -> None:
+        for port, packet in deliveries:
+            if packet is not None:
+                self._tell(port, packet)
+
+    def _tell(self, port: SwitchPort, packet: bytes) -> None:
+        """Give a packet to one member, behind all that it has not read yet."""
+        for ready in (packet,) if port.coalescer is None else port.coalescer.take(packet):
+            self._hand_over(port, ready)
 
     # --- the rest -----------------------------------------------------------------------------------------
 
@@ -293,12 +349,16 @@ class Switch:
         name = hello.get("name")
         if isinstance(name, str) and name:
             port.name += f" {name[:80]!r}"
+            port.client_name = name[:80]
         port.role = role
         port.receive_own = hello.get("receive_own") is True
         port.hears_roles = hello.get("hears_roles") is True
+        port.hears_faults = self._disturbance is not None and hello.get("hears_faults") is True
         port.send(encode_hello(**self._properties))
         port.is_member = True
         self._guests.remove(port)
+        if self._disturbance is not None:
+            self._disturbance.join(port)
         self._had_member = True
         self._members = [*self._members, port]
         self._bulk_readers = any(member.coalescer is not None for member in self._members)
@@ -311,8 +371,7 @@ class Switch:
             if port.hears_roles:
                 # Built again for each port: a port that is dropped here is no longer listed.
                 here = encode_roles([member.role for member in self._members if member.role is not None])
-                for packet in (here,) if port.coalescer is None else port.coalescer.take(here):
-                    self._hand_over(port, packet)
+                self._tell(port, here)
 
     def _drop(self, port: SwitchPort, reason: str) -> None:
         self._report(f"{port.name} is disconnected: {reason}")
@@ -327,6 +386,8 @@ class Switch:
             self._epoll.unregister(fd)
         port.close()
         self._guests.remove(port)
+        if self._disturbance is not None:
+            self._disturbance.leave(port)
         if not self._is_accepting:
             self._epoll.register(self._listener.fileno(), _READ)
             self._is_accepting = True

@@ -30,6 +30,17 @@ followed by that many bytes):
 
        hub -> client   {"roles": ["controller", "plant"]}
 
+5. on a hub with ``--faults``, *orders* (:mod:`railhil.bus.hub.orders`) and, to clients that asked for it
+   (``"hears_faults": true``), *notices*: the client's own state when it has changed, an order for which there was
+   nobody, and nodes that did not get the client's packet of that number (counted from 1) or whose packet did not get to
+   the client. JSON in UTF-8 of odd length, as 4; beside them such clients get error frames::
+
+       client -> hub   {"order": {"what": "errors", "who": "controller", "count": 5}}
+       hub -> client   {"host": {"state": "error-passive", "tec": 136, "rec": 0, "line": "A", "switch_overs": 0,
+                        "full": false}}
+                or     {"missed": "bus_off controller"}
+                or     {"cut_off": ["controller"], "packet": 4711}    or    {"cut_off": ["controller"]}
+
 A client that asked for its own frames (``receive_own``) gets them at their place in the total order, as the
 packet it sent followed by the four bytes :data:`OWN_MARK`; bit 2 of the packet length distinguishes them.
 Source of the structs and flag bits: ``linux/can.h``.
@@ -53,7 +64,7 @@ MAX_BATCH_FRAMES = 256
 MAX_PACKET_SIZE = MAX_BATCH_FRAMES * CLASSIC_SIZE
 OWN_MARK = b"own\x00"
 OWN_LENGTH_BIT = 4
-ROLES_LENGTH_BIT = 1
+NOTICE_LENGTH_BIT = 1
 #: Node names used in the hello.
 ROLES = ("plant", "controller", "supervisor")
 
@@ -123,13 +134,24 @@ def role_of(hello: dict[str, Any]) -> str | None:
 
 def encode_roles(roles: Sequence[str]) -> bytes:
     """Packet that lists the connected nodes; of odd length."""
-    packet = json.dumps({"roles": sorted(set(roles))}).encode()
-    return packet if len(packet) & ROLES_LENGTH_BIT else packet + b" "
+    return encode_notice(roles=sorted(set(roles)))
 
 
-def decode_roles(packet: bytes) -> frozenset[str]:
-    """The connected nodes, from a packet of odd length."""
-    return frozenset(json.loads(packet)["roles"])
+def encode_notice(**content: object) -> bytes:
+    """A packet that is no packet of frames; of odd length."""
+    packet = json.dumps(content).encode()
+    return packet if len(packet) & NOTICE_LENGTH_BIT else packet + b" "
+
+
+def decode_notice(packet: bytes) -> dict[str, Any]:
+    """The content of a packet of odd length. Raises ValueError with one line if it is not a JSON object."""
+    try:
+        content = json.loads(packet)
+    except (ValueError, RecursionError):
+        content = None
+    if not isinstance(content, dict):
+        raise ValueError(f"packet of odd length: found {packet[:24]!r}, allowed: a JSON object")
+    return content
 
 
 # --- frames -----------------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ from railhil.common.whole_file import whole_file
 
 #: Files of a run folder, by node: ``faults-plant.csv``.
 FILE_NAME = "faults-{node}.csv"
-_COLUMNS = ("fault", "time_ns", "what", "before", "after")
+#: Header of such a file.
+COLUMNS = ("fault", "time_ns", "what", "before", "after")
 
 
 class Hit(NamedTuple):
@@ -47,7 +48,7 @@ class InjectionLog:
                 rows.append((one.ended_ns, one.number, 2, Hit(one.number, one.ended_ns, "ended", "", "")))
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
-        writer.writerow(_COLUMNS)
+        writer.writerow(COLUMNS)
         writer.writerows(hit for *_, hit in sorted(rows, key=lambda row: row[:3]))
         return buffer.getvalue()
 

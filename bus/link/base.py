@@ -48,6 +48,10 @@ class Endpoint(Protocol):
     def has_ended(self, node: str) -> bool:
         """True when another node is known to have ended, so that waiting for it is useless."""
 
+    def is_cut_off(self, node: str) -> bool:
+        """True when no answer of another node to what was sent last can come, because a fault keeps one from the
+        other."""
+
     def close(self) -> None:
         """Leave the bus."""
 
@@ -123,6 +127,10 @@ class Link(ABC):
     def has_ended(self, node: str) -> bool:
         """See :meth:`Endpoint.has_ended`."""
         return self.lifelines.has_ended(node)
+
+    def is_cut_off(self, node: str) -> bool:
+        """See :meth:`Endpoint.is_cut_off`; only the hub tells."""
+        return False
 
     def may_deliver(self, node: str) -> bool:
         """Whether frames of a node that has ended may still be on their way; False where that cannot be known."""

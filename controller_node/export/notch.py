@@ -10,9 +10,11 @@ from typing import Any
 
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.common.errors import InputError, Words
 from railhil.controller_node import odometer
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic
+from railhil.controller_node.channel import Latency, channel_cost_ms
 from railhil.controller_node.cost import cost_of
 from railhil.controller_node.export import notch_runs
 from railhil.controller_node.export.control import Comments, Control, Define, Loop, Macro, Period, Play, Source, Word
@@ -23,6 +25,7 @@ from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading
 from railhil.controller_node.laws.note import SLOTS, slots
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
 from railhil.controller_node.node import ANSWERS, MAILBOXES
+from railhil.controller_node.plausibility import MotionLimits
 from railhil.controller_node.program.model import BALISE_INPUTS, Value
 from railhil.controller_node.program.record import record
 from railhil.controller_node.speed_watch import Ladder
@@ -35,6 +38,33 @@ _ARITHMETIC = "iq"
 _AGES = "age of the last accepted TRN_SPEED"
 _CYCLES_MAX = 0xFFFF
 _NS_PER_S = 1_000_000_000
+
+
+def _motion(scenario: Scenario) -> list[Define]:
+    """Thresholds and model of the checks of the motion, and of the monitors of the channel."""
+    limits, latency = MotionLimits.of(scenario), Latency(scenario)
+    return [
+        Define("JUMP_01MMPS", wide(limits.jump_01mmps), "change of the speed by noise alone"),
+        Define("SPEED_CHANGE_01MMPS2", wide(limits.accel_01mmps2), "a faster change is refused"),
+        Define("STUCK_01MMPS", wide(limits.stuck_01mmps), "change that is due while the reading does not change"),
+        Define("SCALE_ERROR_PERMIL", wide(limits.scale_permil), "disagreement of speed and odometer over 5 s"),
+        Define("DISAGREEMENT_01MM", wide(limits.disagreement_01mm), "in addition"),
+        Define("BRAKE_SHARE_PERMIL", wide(limits.brake_share_permil), "a brake below this does not answer"),
+        Define("RUNAWAY_01MMPS", wide(limits.runaway_01mmps), "excess of the speed without traction"),
+        Define("DECAY_Q16", wide(limits.decay_q16), "share of the way to the notch's force in 100 ms"),
+        Define("NOTCH_01MMPS2", wide(limits.notch_01mmps2), "acceleration of one notch"),
+        Define("BRAKE_01MMPS2", wide(limits.brake_01mmps2), "of the brake where it is weakest"),
+        Define("TRACTION_01MMPS2", wide(limits.traction_01mmps2), "of the traction where it is strongest"),
+        Define("WEAK_TRACTION_01MMPS2", wide(limits.weak_traction_01mmps2), "where it is weakest"),
+        Define("DAVIS_A", wide(limits.davis_a), "resistance of the nominal train, 0.1 mm/s2"),
+        Define("DAVIS_B_Q20", wide(limits.davis_b_q20)),
+        Define("DAVIS_C_Q40", wide(limits.davis_c_q40)),
+        Define("GRADE_Q16", wide(limits.grade_q16), "of a grade of 0.01 permil"),
+        Define("NOTCH_TICKS", wide(latency.poll_ticks), "between two polls of NOTCH_CMD"),
+        Define("LATENCY_MAX_TICKS", wide(latency.limit_ticks), "TRN_SPEED behind the polls"),
+        Define("CHANNEL_COST_MS", wide(channel_cost_ms(scenario)), "of a bad TRN_SPEED"),
+        Define("OVERRUNS_MAX", wide(scenario.watch.overruns_max), "late control periods in a row"),
+    ]
 
 
 class _NotchLoop:
@@ -60,11 +90,13 @@ class NotchControl(Control):
 
     scenario: Scenario
     folder = f"{SHARED}/notch"
-    sources = ("railhil_position.c", "railhil_guard.c", "railhil_law.c")
-    headers = ("railhil_position.h", "railhil_guard.h", "railhil_law.h")
+    sources = ("railhil_position.c", "railhil_motion.c", "railhil_guard.c", "railhil_law.c")
+    headers = ("railhil_position.h", "railhil_motion.h", "railhil_guard.h", "railhil_law.h")
 
     def __init__(self, scenario: Scenario, law: LawSpec) -> None:
         super().__init__(scenario, law)
+        if scenario.safety.sdt:
+            raise InputError(scenario.name, "safety.sdt", Words("true"), "false: the C has no safe channel")
         self.programs = record(scenario, law)
         first = [Word(name, name, name) for name in ("k", "speed_01mmps", "position_01mm")]
         balise = [Word(name, name, name) for name in (BALISE_INPUTS if self.programs.track else ())]
@@ -160,6 +192,7 @@ class NotchControl(Control):
             Define("ODOMETER_EXACT", wide(exact), "tolerance at standstill, 1e-13 m"),
             Define("SPEED_ERROR_01MMPS", wide(speed_error), "resolution and noise of the speed"),
             Define("ACCEL_MAX_01MMPS2", wide(round(odometer.ACCEL_MAX_MPS2 * 1e4))),
+            *_motion(scenario),
             Define("STEP_CYCLES", f"UINT32_C({cycles})", "estimated C28x cycles of a control period, at most 65535"),
         ]
 

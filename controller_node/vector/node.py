@@ -122,6 +122,10 @@ class VectorNode:
         """Note that the interface was down for ``wall_ns``: the readings are older by that time."""
         self._clock.silence(wall_ns)
 
+    def was_stopped(self, sim_ns: int) -> None:
+        """Note that it was stopped for ``sim_ns`` of simulation time: the readings are older by that time."""
+        self._clock.elapsed(sim_ns)
+
     def _event(self, reading: Reading[RunEvent]) -> None:
         number = reading.telegram.event
         if number in Event._value2member_map_ and Event(number).ends_run:

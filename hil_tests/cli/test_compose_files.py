@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -59,3 +60,17 @@ def test_the_volume_between_the_containers_knows_no_user() -> None:
     (volume,) = compose_file("docker-compose.yml")["volumes"].values()
     assert "uid" not in volume["driver_opts"]["o"]
     assert "gid" not in volume["driver_opts"]["o"]
+
+
+@pytest.mark.parametrize("name", ["docker-compose.yml", "docker-compose.hardware.yml"])
+def test_every_container_is_limited(name: str) -> None:
+    """A run that goes wild must not take the machine with it: processes, memory, files in memory."""
+    made = {role: service for role, service in compose_file(name)["services"].items() if "image" in service}
+    assert set(made) == ({"bus", "results", "plant", "controller", "supervisor"} if "hard" not in name else {"adapter"})
+    for service in made.values():
+        assert 0 < service["pids_limit"] <= 1024
+        assert service["mem_limit"] == "${MEMORY_LIMIT:-2g}"
+        assert service["read_only"] is True
+        assert [re.fullmatch(r"/tmp:size=\d+m", mount) is not None for mount in service["tmpfs"]] == [True]
+    if "volumes" in compose_file(name):
+        assert all("size=" in volume["driver_opts"]["o"] for volume in compose_file(name)["volumes"].values())

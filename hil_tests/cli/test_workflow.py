@@ -13,7 +13,11 @@ from typing import Any
 
 import pytest
 import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+from packaging.version import Version
 
+from hil_tests import locks
 from hil_tests.support.paths import ROOT
 
 _FOLDER = ROOT / ".github" / "workflows"
@@ -111,3 +115,61 @@ def test_bench_step_fails_when_the_run_does(tmp_path, name, value):
     assert done.returncode == 2, done.stdout + done.stderr
     assert value in (tmp_path / "summary.md").read_text()
     assert not (tmp_path / "broken").exists()
+
+
+# -- what pip installs there -------------------------------------------------------------------------------------------
+
+
+def locked_packages(path: Path) -> dict[str, Version]:
+    """Package -> version of a lock file; every entry must be one version with one hash."""
+    text = "".join(line for line in path.read_text().splitlines(keepends=True) if not line.startswith("#"))
+    entries = re.findall(r"^(\S+)==(\S+) \\\n    --hash=sha256:[0-9a-f]{64}\n", text, re.M)
+    assert len(entries) == text.count("\n") / 2, path
+    return {canonicalize_name(name): Version(version) for name, version in entries}
+
+
+@pytest.mark.parametrize(("name", "version"), [(name, v) for name, (_, found) in locks.LOCKS.items() for v in found])
+def test_a_lock_file_names_all_that_the_project_needs(name: str, version: str) -> None:
+    """pip refuses with --require-hashes what is not in it: `make locks` after a change of pyproject.toml."""
+    found = locked_packages(locks.FOLDER / f"{name}-{version}.txt")
+    for line in locks.requirements(locks.LOCKS[name][0]):
+        wanted = Requirement(line)
+        assert found[canonicalize_name(wanted.name)] in wanted.specifier, line
+
+
+def test_there_is_a_lock_file_for_each_python_and_no_other() -> None:
+    matrix = workflow("ci.yml")["jobs"]["tests"]["strategy"]["matrix"]["python"]
+    assert tuple(matrix) == locks.LOCKS["ci"][1]
+    names = {f"{name}-{version}.txt" for name, (_, versions) in locks.LOCKS.items() for version in versions}
+    assert {path.name for path in locks.FOLDER.iterdir()} == names
+
+
+def test_the_workflows_install_nothing_without_a_hash() -> None:
+    """But the bench itself, and in bench.yml the distribution of the caller."""
+    for job in workflow("ci.yml")["jobs"].values():
+        text = "\n".join(step.get("run", "") for step in job["steps"])
+        assert text.index("make locked") < re.search(r"make (lint|test)[\w-]*", text).start()  # type: ignore[union-attr]
+        assert "pip install" not in text
+    lines = [line.strip() for text in scripts() for line in text.splitlines() if "pip install" in line]
+    assert len(lines) == 3
+    assert ["--require-hashes" in line or "--no-deps" in line or '"$INSTALL"' in line for line in lines] == [True] * 3
+    done = subprocess.run(["make", "-n", "locked"], cwd=ROOT, capture_output=True, text=True, timeout=30, check=True)
+    assert "--require-hashes" in done.stdout
+
+
+def test_a_lock_file_is_made_of_pips_report() -> None:
+    report = {
+        "environment": {"python_version": "3.11", "sys_platform": "linux", "platform_machine": "x86_64"},
+        "install": [
+            {
+                "metadata": {"name": name, "version": "1.2"},
+                "download_info": {"archive_info": {"hashes": {"sha256": digit * 64}}},
+            }
+            for name, digit in (("zope", "a"), ("Attrs", "b"))
+        ],
+    }
+    lines = locks.lock_text(report).splitlines()
+    assert lines[0] == "# Made by `make locks` for Python 3.11 on linux x86_64:"
+    assert lines[2:] == [
+        "Attrs==1.2 \\", f"    --hash=sha256:{'b' * 64}", "zope==1.2 \\", f"    --hash=sha256:{'a' * 64}",
+    ]  # fmt: skip

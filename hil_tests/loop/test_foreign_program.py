@@ -69,7 +69,9 @@ def test_whole_runs_over_the_hub_have_the_same_frames(
     assert run.done.exit_code in (0, 1), run.done.err
     assert run.exit_code == 0, run.said
     assert re.search(r"\d+ control periods, run event 4$", run.said.strip()), run.said
-    assert json.loads((tmp_path / "c/certificate.json").read_text())["foreign"] is True
+    certificate = json.loads((tmp_path / "c/certificate.json").read_text())
+    assert certificate["foreign"] is True
+    assert certificate["not_witnessed"] == ["NOTCH_CMD", "CTL_STAT", "CTL_IDENT"]
     assert "parameters: not known: the controller was not railhil's" in run.done.out
     (tmp_path / "python").mkdir()
     seed, drawn = int(arguments[1]), "--perturbed" in arguments

@@ -117,6 +117,10 @@ def test_a_certificate_of_version_0_1_0_is_a_run_description(name: str) -> None:
 @pytest.mark.parametrize(
     ("given", "line"),
     [
+        ({"bus": "can0"}, "bus: found 'can0', allowed auto, local, hub or INTERFACE:CHANNEL[@BITRATE]"),
+        ({"bus": "slcan:/dev/ttyACM0@fast"}, "bus: found 'slcan:/dev/ttyACM0@fast'"),
+        ({"bus": "virtual:x"}, "--interface: found 'virtual'"),
+        ({"no_controller": True}, "no_controller: found a run in this process, allowed a bus beside it"),
         ({"arithmetic": "iq9"}, "arithmetic: found 'iq9'"),
         ({"seed": -1}, "seed: found -1"),
         ({"seed": 1.5}, "seed: found 1.5"),

@@ -53,7 +53,8 @@ def test_a_speed_sensor_that_is_off_cuts_the_traction(short: str, tmp_path: Path
     assert (off[0], off[-1], off.size) == (8.0, 8.19, 20)
     assert made.counters["controller"]["check_variable"] == 20
     cut_s = first_s(made, NotchCmd.PORT, "CtlMode", CtlMode.TRACTION_CUT)
-    assert cut_s is not None and 8.0 < cut_s <= 8.07
+    assert cut_s is not None
+    assert 8.0 < cut_s <= 8.07
     # The run goes on: the train stops by itself at the end of the journey.
     assert made.score.verdict in ("PASS", "FAIL")
     assert first_s(made, TrnWatch.PORT, "WatchLevel", CommandWatchLevel.EMERGENCY) is None
@@ -69,7 +70,8 @@ def test_an_impossible_speed_is_a_bad_telegram(short: str, tmp_path: Path, fault
     assert (speeds == raw).sum() == 20
     assert made.counters["controller"]["out_of_range"] == 20
     cut_s = first_s(made, NotchCmd.PORT, "CtlMode", CtlMode.TRACTION_CUT)
-    assert cut_s is not None and cut_s <= 8.05
+    assert cut_s is not None
+    assert cut_s <= 8.05
 
 
 def test_a_state_that_is_not_a_number_is_no_verdict(short: str, tmp_path: Path) -> None:

@@ -236,6 +236,7 @@ def test_attached_run_takes_the_telemetry_from_the_record(
     assert len(found["quantities"]) == len(short_run.telemetry["quantities"])
     assert "no overflow, as CTL_STAT tells it" in done.out
     certificate = json.loads((tmp_path / "run" / "certificate.json").read_text(encoding="utf-8"))
+    assert {"SIM_TRUTH", "RUN_EVENT", "NOTCH_CMD"} <= set(certificate["not_witnessed"])
     # Nobody is there any more to be attached to.
     assert "attach" not in certificate["command"]
     assert "hub.sock" not in certificate["command"]

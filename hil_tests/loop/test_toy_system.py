@@ -73,6 +73,26 @@ print(json.dumps([run.score.verdict, counters, kept, safe]))
 """
 
 
+_LIVE = """
+import json, sys
+from pathlib import Path
+from railhil.testing import Bench
+from railhil.testing.settings import Settings
+bench = Bench(Settings(), {"scenario": sys.argv[1]}, Path(), Path(sys.argv[2]), "toy")
+run = bench.run()
+with bench.start() as live:
+    begun_s = live.wait_until("UNIT1_STAT", Unit1Pos=lambda metres: metres > 1, timeout_s=20)
+    live.expect("UNIT2_CMD", within_s=0.1)
+    try:
+        live.wait_until(speed=1, timeout_s=1)
+    except ValueError as error:
+        print(json.dumps(str(error)))
+    whole = live.finish()
+same = whole.frames_sha256 == run.frames_sha256
+print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, same]))
+"""
+
+
 _TOLD = """
 import json, sys
 from pathlib import Path
@@ -80,9 +100,10 @@ from railhil.bench import local_run
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.telemetry import shown_telemetry
-from two_carts.wire import LAW_STAT
+from two_carts.wire import LAW_STAT, STATS
 scenario = load_any(sys.argv[1])
 judging = judging_of(scenario)
 run = local_run(scenario, Path(sys.argv[2]), RunSpec(law=LawSpec(system_named(scenario.system).law)))
@@ -93,6 +114,15 @@ def told():
 told()
 run.trace.add(LAW_STAT.PORT, 11_000_000_000, LAW_STAT(overflow_flags=1).encode())
 told()
+def happened():
+    events = events_of(scenario, run.trace)
+    print(json.dumps([[event.kind, event.source, event.cause, event.count] for event in events]))
+happened()
+last_ns = run.trace.end_ns
+run.trace.add(STATS[1].PORT, last_ns, STATS[1](0, life=5).encode())
+run.trace.add(STATS[1].PORT, last_ns, STATS[1](0, life=5).encode())
+run.trace.refuse(STATS[1].PORT, last_ns, "wrong_check_sequence")
+happened()
 """
 
 
@@ -136,6 +166,14 @@ def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) 
         done = railhil(site, "replay", str(recorded), "--node", node, "--json")
         assert done.returncode == 0, done.stdout + done.stderr
         assert json.loads(done.stdout)["same"]
+
+
+def test_a_users_test_holds_its_clock(site: Path, tmp_path: Path) -> None:
+    """Without a law the usual one of the system; conditions are those of its own ports."""
+    refused, (verdict, disturbed, law, begun_s, same) = python(site, _LIVE, str(SCENARIO), str(tmp_path))
+    assert (verdict, disturbed, law, same) == ("PASS", {}, "apart", True)
+    assert begun_s > 0.5
+    assert refused.startswith("speed: system two_carts has no column true_speed_mps")
 
 
 @pytest.mark.parametrize("unit", [0, 1])
@@ -207,11 +245,17 @@ def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path,
 
 def test_the_record_says_what_the_arithmetic_did_where_the_interface_has_it(site: Path, tmp_path: Path) -> None:
     """This also works without a file of the controller, as with --attach; a wrap fails the run, as in ``ato``."""
-    whole, wrapped = python(site, _TOLD, str(SCENARIO), str(tmp_path))
+    whole, wrapped, healthy, disturbed = python(site, _TOLD, str(SCENARIO), str(tmp_path))
     assert whole[0]["source"] == "LAW_STAT"
     assert whole[1:] == ["no overflow, as LAW_STAT tells it", "PASS", []]
     assert wrapped[0]["happened"] == ["wrap"]
     assert wrapped[2:] == ["FAIL", ["fixed-point wrap in the controller, reported at 11.00 s"]]
+    # The record also says what happened, by the system's own ports and milestones.
+    assert healthy == [["milestone", "plant", name, 1] for name in ("arrived", "ended_complete")]
+    assert [event for event in disturbed if event not in healthy] == [
+        ["refused", "UNIT2_STAT", "duplicate", 1],
+        ["refused", "UNIT2_STAT", "wrong_check_sequence", 1],
+    ]
 
 
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from hil_tests.mutation.in_memory import survivors
+from hil_tests.mutation.operators import mutants
 from hil_tests.support.gate_sweeps import SWEEPS
-from hil_tests.support.mutation import mutants, survivors
 from hil_tests.support.store_sweeps import PORTS, STORE_SWEEPS
 from railhil.bus import lifesign, store
 from railhil.bus.telegrams import TrkInfo, TrnPos
@@ -30,8 +31,8 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
         ("self.times_ns = [0] * port.blocks", "0 -> 1"): "read only when all blocks have come with their times",
         ("self.times_ns = [0] * port.blocks", "0 -> -1"): "read only when all blocks have come with their times",
         # The CAN FD length of F4, the only one that needs padding.
-        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
-        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17 (no. 2)"): "divisor: 40 / 17 is rounded up to 3 too",
+        ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15 (no. 2)"): "divisor: 40 / 15 is rounded up to 3 too",
     },
     gate: {},
     guard: {},
@@ -78,6 +79,8 @@ def test_the_mutator_itself() -> None:
             "a < 2 and b -> a < 2 or b",
             "a < 2 and b or True -> (a < 2 and b) and True",
             "True -> False",
+            "return a < 2 and b or True -> return True",
+            "return a < 2 and b or True -> return False",
         ]
     )
 

@@ -25,7 +25,14 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.session import Session
 
 #: The controller around the law; the program additionally has sockets and a loop.
-PORTABLE = ("railhil_clock.c", "railhil_position.c", "railhil_guard.c", "railhil_law.c", "railhil_control.c")
+PORTABLE = (
+    "railhil_clock.c",
+    "railhil_position.c",
+    "railhil_motion.c",
+    "railhil_guard.c",
+    "railhil_law.c",
+    "railhil_control.c",
+)
 PROGRAM = (*PORTABLE, "railhil_socket.c", "railhil_node.c")
 #: The same around a law of a system with an interface.
 PORTABLE_INTERFACE = ("railhil_clock.c", "railhil_law.c", "railhil_control.c")

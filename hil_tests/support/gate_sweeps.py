@@ -9,11 +9,13 @@ import random
 from types import ModuleType
 from typing import Any
 
-from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
+from railhil.bus.telegrams import CtlCause, NotchCmd, TrkInfo, TrnSpeed, WatchCause
 from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
 from railhil.controller_node.odometer import Odometer
 from railhil.controller_node.speed_watch import (
+    LEVELS,
+    Finding,
     Ladder,
     Reception,
     Seen,
@@ -38,7 +40,7 @@ def sweep_gate(module: ModuleType) -> None:
         for check in range(4):
             for notch in notches:
                 for step in range(-1, 16):
-                    fresh_gate = module.CommandGate(maximum)
+                    fresh_gate = module.CommandGate(maximum, 65536, 6)
                     if step >= 0:
                         assert fresh_gate.accept(NotchCmd(0, life=9))
                     before = int(step >= 0)
@@ -62,17 +64,80 @@ def sweep_gate(module: ModuleType) -> None:
                         if 2 <= step <= 7:
                             expected["gap"] = 1
                     assert fresh_gate.counters == expected
+                    ranged = wrong[:1] == ["out_of_range"]
+                    assert fresh_gate.suspicion is (WatchCause.NOTCH_RANGE if ranged else WatchCause.NONE)
+                    assert fresh_gate.notch_256th == (0 if wrong else notch)
                     # Refused telegrams are not remembered, accepted ones are.
                     again = fresh_gate.accept(NotchCmd(0, life=life))
                     assert again == (bool(wrong) and (step == -1 or 1 <= step <= 7))
+    _sweep_steps(module)
+    _sweep_order(module)
+    _sweep_bad(module)
     assert [module.CommandGate.emergency(NotchCmd(emergency=code)) for code in range(4)] == [True, False, True, True]
+
+
+def _sweep_steps(module: ModuleType) -> None:
+    """Every step around the largest, from either side: never more traction than before, braking followed."""
+    for before in (-500, 0, 500):
+        for step in (-101, -100, -1, 0, 1, 100, 101):
+            subject = module.CommandGate(1792, 100, 6)
+            for life, notch in enumerate(range(0, before + (before > 0) - (before < 0), before // 5 or 1)):
+                assert subject.accept(NotchCmd(notch, life=life))
+            assert subject.notch_256th == before
+            assert subject.accept(NotchCmd(before + step, life=life + 1))
+            assert subject.suspicion is (WatchCause.NOTCH_STEP if abs(step) > 100 else WatchCause.NONE)
+            assert subject.notch_256th == (before if step > 100 else before + step)
+            assert subject.counters["notch_step"] == (abs(step) > 100)
+            # The command after it is compared with what was given, and followed.
+            assert subject.accept(NotchCmd(before + step, life=life + 2))
+            assert subject.suspicion is WatchCause.NONE
+            assert subject.notch_256th == before + step
+
+
+def _sweep_order(module: ModuleType) -> None:
+    """Good and old commands, in every order that matters: six in sixteen, each after a good one."""
+    assert (module.ORDER, module.RECENT, module.BAD_FOR_SUSPICION) == (16, 10, 3)
+    for most in (1, 5, 6):
+        for goods in (1, 2, 3, 4):
+            subject, life, olds = module.CommandGate(1792, 65536, most), 0, []
+            for count in range(60):
+                old = count % (goods + 1) == goods
+                life += not old
+                assert subject.accept(NotchCmd(0, life=(life - 3 * old) % 16)) == (not old)
+                olds.append(old)
+                found = old and sum(olds[-16:]) >= most
+                assert subject.suspicion is (WatchCause.TWO_SOURCES if found else WatchCause.NONE), (most, goods, count)
+    # Old ones in a row are no second sender, nor are repeated ones.
+    for shift in (3, 0):
+        subject = module.CommandGate(1792, 65536, 2)
+        for life in range(5):
+            subject.accept(NotchCmd(0, life=life + 5))
+            assert not subject.accept(NotchCmd(0, life=life + 5 - shift)) or not shift
+            for _ in range(30 if shift else 0):
+                assert not subject.accept(NotchCmd(0, life=life + 5 - shift))
+                assert subject.suspicion is WatchCause.NONE
+            if not shift:
+                assert subject.suspicion is WatchCause.NONE
+
+
+def _sweep_bad(module: ModuleType) -> None:
+    """Two bad ones, some good ones, a third: three in ten."""
+    for gap in range(12):
+        subject, life = module.CommandGate(1792, 65536, 6), 0
+        for check in (1, 0, 3, *[1] * gap, 2):
+            life += check == 1
+            assert subject.accept(NotchCmd(0, check=check, life=(life + (check != 1)) % 16)) == (check == 1)
+        assert subject.suspicion is (WatchCause.BAD_COMMANDS if gap <= 7 else WatchCause.NONE), gap
 
 
 # -- the controller's guard -------------------------------------------------------------------------------------------
 
 
 class PlainGuard:
-    """The guard as a history: which telegrams were accepted, and when."""
+    """The guard as a history: which telegrams were accepted, and when.
+
+    Without the checks of the motion, which need more than random speeds.
+    """
 
     def __init__(self) -> None:
         self.ladder = Ladder.of(SCENARIO)
@@ -82,13 +147,26 @@ class PlainGuard:
         self.limits: list[int] = []
         self.sent: list[int] = [0]
         self.counters: dict[str, int] = {}
+        self.sample = (0, 0)
+        self.bad_ms: list[int] = []
+        self.old_ms: list[int] = []
+        self.is_old = False
 
-    def look(self, telegram: Reception, now_ns: int) -> None:
+    @staticmethod
+    def owes(instants_ms: list[int], cost_ms: int, limit_ms: int) -> bool:
+        """Whether events were too many, each with a cost that time pays back."""
+        debt_ms, at_ms = 0, 0
+        for instant_ms in instants_ms:
+            debt_ms = min(max(debt_ms - (instant_ms - at_ms), 0) + cost_ms, 2 * limit_ms)
+            at_ms = instant_ms
+        return debt_ms > limit_ms
+
+    def look(self, telegram: Reception, now_ns: int, finding: Finding | None = None) -> None:
         at_ns, speed = self.good[-1] if self.good else (0, -1)
         margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
         too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
         age_ms = (now_ns - at_ns) // MS
-        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast))
+        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast, finding))
 
     def count(self, cause: str) -> None:
         self.counters[cause] = self.counters.get(cause, 0) + 1
@@ -97,15 +175,32 @@ class PlainGuard:
         step = (life - self.fresh[-1]) % 16 if self.fresh else 1
         if step == 0 or step >= 8:
             self.count("out_of_order" if step else "duplicate")
-            return self.look(Reception.NONE, now_ns)
+            counts = step and not self.is_old
+            self.old_ms += [now_ns // MS] if counts else []
+            self.is_old = self.is_old or step > 0
+            found = counts and self.owes(self.old_ms, 20, 80)
+            return self.look(Reception.NONE, now_ns, LEVELS[CtlCause.TWO_SOURCES] if found else None)
         self.fresh.append(life)
+        self.is_old = False
         if step > 1:
             self.count("gap")
         if check != 1 or speed < 0 or speed > 1_500_000:
-            self.count("out_of_range" if check == 1 else "check_variable")
-            return self.look(Reception.BAD, now_ns)
+            return self.refuse("out_of_range" if check == 1 else "check_variable", Reception.BAD, now_ns)
+        if self.good:
+            # 2 m/s2 for at least one tick, 0.05 m/s, and resolution and 12 sigma of noise, each 0.01 km/h.
+            at_ns, before = self.sample
+            if abs(speed - before) > 500 + 361 + 20_000 * max(now_ns - at_ns, 10 * MS) // 10**9:
+                return self.refuse("speed_jump", Reception.IMPLAUSIBLE, now_ns)
+        if not self.good or now_ns - self.sample[0] >= 100 * MS:
+            self.sample = now_ns, speed
         self.good.append((now_ns, speed))
         return self.look(Reception.GOOD, now_ns)
+
+    def refuse(self, cause: str, telegram: Reception, now_ns: int) -> None:
+        self.count(cause)
+        self.bad_ms.append(now_ns // MS)
+        found = self.owes(self.bad_ms, 333, 10_000)
+        self.look(telegram, now_ns, LEVELS[CtlCause.CHANNEL_MONITOR] if found else None)
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         self.look(Reception.NONE, now_ns)
@@ -140,7 +235,7 @@ def sweep_guard_random(module: ModuleType) -> None:
             else:
                 law = draw.choice([1792, 500, 0, -500, -1792])
                 assert subject.notch(law, now_ns) == model.notch(law, now_ns)
-            assert subject.level == model.state.level
+            assert (subject.level, subject.cause) == (model.state.level, model.state.cause)
             assert subject.counters == model.counters
             assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
 

@@ -2,37 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from railhil.bench import BenchRun
-
-#: Counters of a node that do not indicate a fault.
-_HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox", "send_retries")
-
-
-def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
-    """The counters that must be 0 on a healthy bus but are not."""
-    return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
+from railhil.testing.health import disturbed_run
 
 
 def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
-    """Counters of lost, refused or reordered frames in all run folders below a folder, by their path.
-
-    In real time a poll may be missed because the machine is busy; the verdict on the timing covers that.
-    """
-    found = {}
-    for file in sorted(folder.rglob("score.json")):
-        run = json.loads(file.read_text(encoding="utf-8"))["run"]
-        counters = dict(run["counters"])
-        if run["pace"] == "lockstep" and run["timing"] is not None:
-            counters["missed_polls"] = run["timing"]["missed_polls"]
-        if apart := disturbed(counters):
-            found[str(file.parent.relative_to(folder))] = apart
-    return found
+    """Counters of lost, refused or reordered frames in all run folders below a folder, by their path."""
+    files = sorted(folder.rglob("score.json"))
+    found = {str(file.parent.relative_to(folder)): disturbed_run(file.parent) for file in files}
+    return {name: counters for name, counters in found.items() if counters}
 
 
 #: Runs in this process since the last test of such a folder began, including those made by fixtures.

@@ -10,6 +10,7 @@ from railhil.bench import local_run
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.documents import read_certificate
+from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.folder import write_folder
 from railhil.supervisor.framelog import log_line, read_log
 from railhil.supervisor.inputs import write_inputs
@@ -41,9 +42,11 @@ def recorded_folder(scenario: Scenario, folder: Path, *, seed: int = 0, arithmet
         telemetry=read_summary(folder),
         origin=read_origin(folder),
         timing=lockstep_timing(run.trace),
+        events=events_of(scenario, run.trace),
     )
     write_folder(folder, scenario, spec, StartUp(), result, run.trace, [])
-    return recorded_run(folder, read_certificate(folder) or {}, scenario, run.trace, run.score)
+    certificate = read_certificate(folder) or {}
+    return recorded_run(folder, certificate, scenario, run.trace, run.score, events=result.events)
 
 
 def tampered(folder: Path, address: int, number: int, byte: int) -> int:

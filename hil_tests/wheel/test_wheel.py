@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import zipfile
 from importlib.metadata import PathDistribution
 from pathlib import Path
@@ -18,7 +19,19 @@ from railhil.bench import BenchRun
 NEIGHBOURS = ("supervisor==4.3.0", "scenarios==0.0.2", "dbc==0.3.1")
 #: What a checkout has at its top and nobody may get by installing the bench.
 OURS_ALONE = ("bus", "common", "plant_sim", "controller_node", "hil_tests", "benchmarks", "docker", "docs")
-SUBCOMMANDS = ("run", "score", "report", "compare", "doctor", "bus hub", "new law", "new scenario", "new system")
+SUBCOMMANDS = (
+    "run",
+    "rerun",
+    "replay",
+    "score",
+    "report",
+    "compare",
+    "doctor",
+    "bus hub",
+    "new law",
+    "new scenario",
+    "new system",
+)
 #: Commands that become another program, each a Python of its own.
 PROGRAMS = ("campaign", "tune", "audit", "export-c", "node plant", "node controller")
 _HELPS = """
@@ -54,7 +67,8 @@ def test_wheel_holds_one_package_and_no_tests(built: Built) -> None:
     names = content(built.wheel)
     assert {name.split("/")[0] for name in names} == {"railhil", f"railhil-{project()['version']}.dist-info"}
     assert {"railhil/py.typed", "railhil/bus/store.py", "railhil/dbc/railhil.dbc"} <= names.keys()
-    assert not [name for name in names if "test" in name.lower() or "__pycache__" in name or "benchmark" in name]
+    ours = [name for name in names if not name.startswith(("railhil/testing/", "railhil/pytest_plugin.py"))]
+    assert not [name for name in ours if "test" in name.lower() or "__pycache__" in name or "benchmark" in name]
 
 
 def test_wheel_holds_every_tracked_file_of_the_package(built: Built) -> None:
@@ -125,6 +139,17 @@ def test_what_railhil_new_writes_is_installed_as_it_says(installed: Environment)
         installed.install_editable(installed.folder / f"my{kind}")
     installed.run("railhil", "run", "myscenario.toml", "--controller", "mylaw", "--no-report", "--out", "my_run")
     installed.run("railhil", "run", "mysystem/mysystem.toml", "--no-report", "--out", "my_system_run")
+
+
+def test_the_example_suite_of_a_user(installed: Environment) -> None:
+    """pytest finds the plugin by itself; the suite needs nothing beside it but the wheel."""
+    shutil.copytree(
+        ROOT / "docs/examples/suite", installed.folder / "suite", ignore=shutil.ignore_patterns("__pycache__")
+    )
+    words = ("-p", "no:cacheprovider", "--railhil-seeds", "7", "--railhil-runs", "kept", "suite")
+    said = installed.run("python", "-m", "pytest", *words)
+    assert "ATO-12  PASSED     1 of 1 tests passed" in said
+    assert (installed.folder / "kept" / "requirements.csv").is_file()
 
 
 def test_every_command_is_there(installed: Environment) -> None:

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from railhil.common.errors import InputError, Words
+from railhil.faults.capability import why_not
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.mismatch import Mismatch, is_constant
+from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.scenarios.fault_list import drawn, drawn_faults
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -50,8 +51,8 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
 
 
 def needs_nodes(scenario: AnyScenario) -> bool:
-    """Whether a fault of a scenario needs the nodes of the bench: all but :func:`is_constant`."""
-    return not all(is_constant(parse(text, "faults")) for text in scenario.faults)
+    """Whether a fault of a scenario needs the nodes of the bench."""
+    return any(why_not(parse(text), "batch", "lockstep") for text in scenario.faults)
 
 
 def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mismatch]:
@@ -62,5 +63,5 @@ def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mis
     if needs_nodes(scenario):
         allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
         raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
-    faults = [(number, parse(text, "faults")) for number, text in enumerate(scenario.faults, 1)]
+    faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
     return [Mismatch.of(drawn(fault, number, seed) for number, fault in faults) for seed in seeds]

@@ -4,7 +4,7 @@ The plant's own functions are compiled (:mod:`railhil.common.compilable`), the l
 the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
 a healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench
 (:mod:`railhil.batch.replay`), which takes a second. Of the faults of a scenario it computes a mass, a gradient and a
-resistance that differ from the start to the end (:func:`railhil.plant_sim.faults.mismatch.is_constant`). Needs numba
+resistance that differ from the start to the end (:func:`railhil.faults.capability.is_constant`). Needs numba
 (extra ``campaign``).
 """
 

@@ -22,6 +22,7 @@ from railhil.plant_sim.dynamics import Lag, Motion, Window, acceleration_mps2, a
 from railhil.plant_sim.forces import GradeTable, TrainConstants
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, SLIVER_TICKS
 from railhil.plant_sim.sensors import odometer_reading_mm, speed_reading_01mmps
+from railhil.plant_sim.train_checks import ForceState, forces_step, is_beyond_authority, is_running, is_weak
 from railhil.supervisor.measures import error_kmh, limits_under_train, work_j
 
 _COMPLETE, _NOT_STOPPED = int(Event.ENDED_COMPLETE), int(Event.ENDED_NOT_STOPPED)
@@ -100,6 +101,30 @@ def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
 
 
 @compiled.part
+def _watched_forces(common: Any, train: Any) -> bool:
+    """``Plant._look_at_forces`` and the checks of ``Plant._own_cause``."""
+    if train.acting_code > 0 or train.speed_mps <= 0.0:
+        train.left_n, train.running_ticks, train.floor_n, train.weak_ticks = inf, 0, 0.0, 0
+        running = False
+    else:
+        forces = forces_step(
+            common.checks,
+            _constants(common, train),
+            ForceState(train.left_n, train.running_ticks, train.floor_n, train.weak_ticks),
+            train.slow_decay,
+            train.acting_code * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH,
+            train.actuator_n,
+            train.brake_min_n,
+            train.speed_mps,
+            train.accel_mps2,
+        )
+        train.left_n, train.running_ticks = forces.left_n, forces.running_ticks
+        train.floor_n, train.weak_ticks = forces.floor_n, forces.weak_ticks
+        running = is_running(common.checks, forces) or is_weak(common.checks, forces)
+    return running or is_beyond_authority(common.checks, train.position_m, train.speed_mps)
+
+
+@compiled.part
 def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
     """``Plant._protect`` of a train whose equipment is healthy."""
     if train.position_m >= train.limit_to_m:
@@ -109,9 +134,10 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
         common.limits,
         CommandWatchState(before, train.age_ticks, train.good),
         polled,
+        0,
         train.speed_mps > 0.0,
         train.speed_mps < train.limit_mps,
-        train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
+        _watched_forces(common, train) or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
     )
     train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
     if watch.level < CommandWatchLevel.TRACTION_CUT and train.watch_brake_mps2 == 0.0:

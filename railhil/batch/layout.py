@@ -10,7 +10,7 @@ import numpy as np
 class Common(NamedTuple):
     """Constants not affected by perturbations; ticks are base ticks, tables are arrays.
 
-    ``traction`` and ``brake`` are effort tables, ``limits`` the watch's limits. ``front_limit_from_m`` and
+    ``traction`` and ``brake`` are effort tables, ``limits`` and ``checks`` the watch's. ``front_limit_from_m`` and
     ``front_limit_mps`` are the limit used by the train's watch, ``line_limits`` (rows, 2) that of the score. For each
     truth sample: ``truth_s`` its time, ``wanted_mps`` the set-point by time, ``cycle`` the column of the ITAE sums (-1:
     none), ``control_sample`` the column of the kept accelerations (-1: none).
@@ -26,6 +26,7 @@ class Common(NamedTuple):
     traction: Any
     brake: Any
     limits: Any
+    checks: Any
     grade_from_m: Any
     front_limit_from_m: Any
     front_limit_mps: Any
@@ -79,6 +80,9 @@ _FIELDS = [
         "actuator_n",
         "accel_mps2",
         "brake_min_n",
+        "slow_decay",
+        "left_n",
+        "floor_n",
         "watch_brake_mps2",
         "limit_mps",
         "limit_to_m",
@@ -98,6 +102,8 @@ _FIELDS = [
         "level",
         "age_ticks",
         "good",
+        "running_ticks",
+        "weak_ticks",
         "staged_last",
         "acting_code",
         "staged_first",

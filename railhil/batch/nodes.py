@@ -12,6 +12,7 @@ from railhil.bench import unrecorded_run
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import missed_faults
 from railhil.supervisor.judging import judging_of
 
 #: Number of hexadecimal digits of the frame log's hash that are used instead of the notch digest.
@@ -35,6 +36,8 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     runs = [unrecorded_run(case.scenario, case.run(int(seed))) for seed in seeds]
     scores = [run.score for run in runs]
     totals = [run.telemetry["totals"] for run in runs]
+    # A fault that did nothing: such a run says nothing about the controller.
+    missed = [missed_faults(run.faults) for run in runs]
     judging = judging_of(case.scenario)
     criteria = judging.criteria
     signed = [criterion.signed for criterion in criteria if criterion.signed is not None]
@@ -48,9 +51,11 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
         values={item.key: column([score.values[item.key] for score in scores]) for item in criteria},
         signed={key: column([score.signed[key] for score in scores]) for key in signed},
         extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
-        passed=np.array([score.verdict == "PASS" for score in scores], dtype=bool),
+        passed=np.array(
+            [score.verdict == "PASS" and not why for score, why in zip(scores, missed, strict=True)], dtype=bool
+        ),
         ended=tuple(score.ended for score in scores),
-        failures=tuple(score.failures for score in scores),
+        failures=tuple((*score.failures, *filter(None, (why,))) for score, why in zip(scores, missed, strict=True)),
         wraps=wraps,
         saturations=saturations,
         zero_divisions=zero_divisions,

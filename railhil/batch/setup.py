@@ -23,6 +23,7 @@ from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.run_end import RunEnd
+from railhil.plant_sim.train_checks import slow_decay, train_checks
 from railhil.scenarios.model import Effort, Scenario
 from railhil.scenarios.perturb import unit_draws, with_draws
 from railhil.scenarios.profiles import front_speed_limit
@@ -113,6 +114,7 @@ def common(scenario: Scenario, by_distance: bool, times: Times) -> Common:
         traction=_effort(train.traction),
         brake=_effort(train.brake),
         limits=watch_ticks(scenario.watch, timing.base_tick_ns),
+        checks=train_checks(scenario),
         grade_from_m=force_tables.grade_rows(scenario.line.grade_permil, train.length_m)[0],
         front_limit_from_m=np.array([row[0] for row in limit]),
         front_limit_mps=np.array([row[1] for row in limit]),
@@ -179,6 +181,9 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     records["grade_n_per_permil"], records["pole_per_s"] = constants.grade_n_per_permil, constants.pole_per_s
     full = [lag(pole, timing.base_tick_ns * 1e-9) for pole in records["pole_per_s"].tolist()]
     records["lag_decay"], records["lag_mean"] = [one.decay for one in full], [one.mean for one in full]
+    step_s = timing.base_tick_ns * 1e-9
+    records["slow_decay"] = [slow_decay(pole, step_s) for pole in records["pole_per_s"].tolist()]
+    records["left_n"] = inf
     records["force_per_notch_n"] = train.force_per_notch_n
     records["wheel_factor"], records["noise_sigma_mps"] = sensors.wheel_factor, sensors.speed_noise_sigma_mps
     records["delay_ticks"] = actual.timing.loop_delay_s * 1e9 / timing.base_tick_ns

@@ -29,6 +29,7 @@ from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import keep_memory, memory_after, with_memory
@@ -155,6 +156,7 @@ def recorded(
     with ExitStack() as held:
         try:
             on_progress = held.enter_context(_progress(scenario, spec, console, quiet))
+            check_faults(scenario, transports_of(choice, start_up.foreign), spec.pace)
             write_inputs(folder, scenario, spec.law.parameters)
             spec = with_memory(spec, folder)
             run = _bench(scenario, spec, start_up, choice, folder, on_progress)
@@ -186,7 +188,7 @@ def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> Recorde
     """A run that has just ended, as recorded in its folder."""
     invalid = "" if result.exit_code in (0, 1) else result.line or "no reason given"
     certificate = read_certificate(folder) or {}
-    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, result.events)
+    return recorded_run(folder, certificate, run.scenario, run.trace, result.score, invalid, events=result.events)
 
 
 def report_line(runs: Sequence[RecordedRun], folder: Path, notes: Sequence[str] = ()) -> str:

@@ -17,6 +17,7 @@ _MODULES = (
     "rerun",
     "replay",
     "compare",
+    "faults",
     "score",
     "report",
     "plot",

@@ -12,6 +12,7 @@ import can
 from can.cli import add_bus_arguments
 
 from railhil.bus.errors import BusUnavailable
+from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
@@ -77,7 +78,8 @@ def work(namespace: argparse.Namespace) -> int:
     found = findings(namespace.quick) + ([asked] if asked else [])
     code = USAGE if asked and asked.advice else PASS
     if namespace.json:
-        print_json({**facts(choice), "findings": [asdict(item) for item in found], "limits": LIMITS})
+        hub = [row._asdict() for row in HUB]
+        print_json({**facts(choice), "findings": [asdict(item) for item in found], "limits": LIMITS, "hub": hub})
         return code
     console = Output()
     for key, value in facts(choice).items():
@@ -92,4 +94,12 @@ def work(namespace: argparse.Namespace) -> int:
     for transport, text in LIMITS.items():
         limits.add_row(transport, text)
     console.print(limits)
+    models = table()
+    models.add_column("on the hub", no_wrap=True)
+    models.add_column("option", no_wrap=True)
+    models.add_column("what it does")
+    models.add_column("what it does not model")
+    for row in HUB:
+        models.add_row(row.subject, row.option, row.by or "nothing", row.without)
+    console.print(models)
     return code

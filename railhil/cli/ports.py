@@ -52,18 +52,26 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.port:
         _print_layout(console, chosen[0])
         return 0
-    total = sum(loads.values())
+    total, optional = _usual(contract, loads), [port.name for port in contract.ports if port.optional]
     console.say(f"load at {bit_rate / 1000:g} kbit/s, longest stuffing: {total:.1%} (limit 40 %)")
+    if optional:
+        console.say(f"load in scenarios that use {', '.join(optional)}: {sum(loads.values()):.1%}")
     console.say(f"DBC sha256 {contract.sha256}")
     if namespace.dbc:
         console.say(f"{namespace.dbc}: describes these telegrams")
     return 0
 
 
+def _usual(contract: Contract, loads: dict[str, float]) -> float:
+    """Load of the ports that every run uses."""
+    return sum(loads[port.name] for port in contract.ports if not port.optional)
+
+
 def _document(contract: Contract, ports: list[Port], bit_rate: int, loads: dict[str, float]) -> dict[str, object]:
     return {
         "bit_rate": bit_rate,
-        "load": sum(loads.values()),
+        "load": _usual(contract, loads),
+        "load_with_optional": sum(loads.values()),
         "dbc_sha256": contract.sha256,
         "ports": [
             {
@@ -74,6 +82,7 @@ def _document(contract: Contract, ports: list[Port], bit_rate: int, loads: dict[
                 "period_ms": port.period_ns // 1_000_000,
                 "source": port.source,
                 "mode": port.mode,
+                "optional": port.optional,
                 "load": loads[port.name],
                 "signals": [
                     {

@@ -63,4 +63,5 @@ def _run(folder: Path, scenario: str | None) -> RecordedRun:
     record = checked_record(str(folder), scenario)
     found = judging_of(record.scenario).score(record.scenario, record.trace)
     invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
-    return recorded_run(record.log.parent, record.certificate, record.scenario, record.trace, found, invalid)
+    folder = record.log.parent
+    return recorded_run(folder, record.certificate, record.scenario, record.trace, found, invalid, events=record.events)

@@ -133,7 +133,8 @@ def work(namespace: argparse.Namespace) -> int:
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
-    notes = [line for line in (memory_line(run.spec, result), again) if line]
+    notes = [one.line for one in result.faults]
+    notes += [line for line in (memory_line(run.spec, result), again) if line]
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             notes.append(report)

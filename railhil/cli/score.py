@@ -7,7 +7,6 @@ import argparse
 from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
-from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.summary import explained, summary, why
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
@@ -26,9 +25,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
-    scenario, trace = record.scenario, record.trace
-    found, events = judging_of(scenario).score(scenario, trace), events_of(scenario, trace)
-    reason = why(scenario, events)
+    found, events = judging_of(record.scenario).score(record.scenario, record.trace), record.events
+    reason = why(record.scenario, events)
     verdict, line = found.verdict, "; ".join(found.failures)
     if record.invalid:
         # The reason why the run was INVALID (its timing, a killed node) need not be visible in the log.
@@ -36,7 +34,7 @@ def work(namespace: argparse.Namespace) -> int:
         verdict, line = "INVALID", "; ".join(dict.fromkeys((*own, record.invalid)))
     if namespace.json:
         beside = {"watch_weakened": record.scenario.watch_weakened, "memory": record.certificate.get("memory")}
-        beside |= {"why": reason, "events": summary(scenario, events)}
+        beside |= {"why": reason, "events": summary(record.scenario, events)}
         print_json({**found.as_json(), **beside, "verdict": verdict, "line": line})
     else:
         console = Output()

@@ -13,8 +13,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.errors import InputError
@@ -28,17 +26,15 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
-from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.events.event import EVENTS, LOST, MISSED_POLL, REFUSED, write_events
-from railhil.supervisor.events.levels import ranks, reports
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
-from railhil.supervisor.judging import Judging, judging_of
-from railhil.supervisor.notes import note_values
+from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.signals import write_signals
 from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.trace import FloatArray, Trace
+from railhil.supervisor.trace import Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _CODE = (
@@ -156,6 +152,7 @@ def score_json(scenario: AnyScenario, result: RunResult, spec: RunSpec) -> dict[
     document["line"] = result.line
     document["why"] = why(scenario, result.events)
     document["events"] = summary(scenario, result.events)
+    document["faults"] = [one.as_json() for one in result.faults]
     parameters = spec.law.parameters
     document["run"] = spec.as_json() | {
         # Their values are in the certificate.
@@ -214,6 +211,8 @@ def certificate(
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
+        # What was injected, with all draws: as texts of --fault they make the run again.
+        "injected": [one.as_json() for one in result.faults],
         # Watch limits above the usual ones; empty: none.
         "watch_weakened": scenario.watch_weakened,
     }
@@ -274,62 +273,6 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
 def _xml(text: str) -> str:
     """Text without the control characters that XML cannot represent."""
     return plain(" ".join(text.split()))
-
-
-def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
-    """Header and rows ``(n, columns)`` of the signals: one row per telegram of the truth port, with the last known
-    values.
-
-    :param notes: the law's declaration of its notes, as in the certificate; None: not known.
-    """
-    judging = judging_of(scenario)
-    time_s = trace.times_s(judging.truth)
-    found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
-    if judging.status is not None:
-        port = judging.status.port
-        found += [(note.name, port, note_values(trace, note, port)) for note in judging.status.notes]
-    found += judging.told(trace, notes)
-    watches = _watches(judging, trace)
-    found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
-    found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
-    columns = [time_s]
-    for _, port, values in found:
-        if port == judging.truth:
-            columns.append(values)
-            continue
-        at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
-        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
-    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
-
-
-def _watches(judging: Judging, trace: Trace) -> list[Watch]:
-    """The watches of which the record has the levels."""
-    return [watch for watch in judging.watches if reports(trace, watch)]
-
-
-def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict[str, str]:
-    """Unit of each column of :func:`signal_table`, empty for numbers without one."""
-    judging = judging_of(scenario)
-
-    def unit(port: str, signal: str) -> str:
-        return next(item.unit for item in trace.contract.port(port).signals if item.name == signal)
-
-    return {
-        "time_s": "s",
-        **{header: unit(port, signal) for header, port, signal in judging.columns},
-        **{note.name: note.unit for note in (judging.status.notes if judging.status else ())},
-        **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
-        **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
-        **dict.fromkeys((f"{watch.name}_level" for watch in _watches(judging, trace)), ""),
-        **{header: unit for header, unit, _ in judging.reckoned(scenario, trace)},
-    }
-
-
-def write_signals(scenario: AnyScenario, trace: Trace, path: Path, notes: Any = None) -> None:
-    """Write ``signals.csv``: header with units, then one row per telegram of the truth port; unknown values are
-    ``nan``."""
-    header, rows = signal_table(scenario, trace, notes)
-    np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")
 
 
 def write_folder(

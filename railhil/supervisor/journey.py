@@ -81,7 +81,7 @@ class ErrorGrid:
         step_s = _samples(scenario)
         time_s: FloatArray = np.asarray(np.arange(1, round(cycles * period_s / step_s) + 1) * step_s, dtype=np.float64)
         cycle = np.ceil(np.round(time_s / period_s, 9)).astype(np.int64) - 1
-        inside = (cycle >= 0) & (cycle < cycles)
+        inside = cycle < cycles
         time_s, cycle = time_s[inside], cycle[inside]
         return cls(step_s, period_s, time_s, cycle, np.bincount(cycle, minlength=cycles))
 
@@ -118,5 +118,5 @@ def comfort_mps2_per_km(run: Journey) -> float:
     """Eq. (6), from the first SIM_TRUTH of each control period."""
     period_s = run.scenario.timing.control_period_ns / 1e9
     ticks_s = np.arange(0, int(run.time_s[-1] / period_s) + 1) * period_s
-    samples = run.accel_mps2[np.minimum(np.searchsorted(run.time_s, ticks_s - 1e-9), len(run.time_s) - 1)]
+    samples = run.accel_mps2[np.searchsorted(run.time_s, ticks_s - 1e-9)]
     return float(measures.comfort_mps2_per_km(samples, run.scenario.plan.distance_m))

@@ -24,9 +24,15 @@ def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice) 
     nodes.start("hub", "railhil.bus.hub", arguments)
 
 
-def start_nodes(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, folder: Path) -> None:
-    """Start plant and controller; what they measure goes into the run folder."""
+def start_nodes(
+    nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, folder: Path, *, faulty: bool = False
+) -> None:
+    """Start plant and controller; what they measure goes into the run folder.
+
+    :param faulty: something is injected: the nodes log it, and the controller needs the seed.
+    """
     patience = ["--patience", str(run.patience_s)]
+    logged = ["--fault-log", str(folder)] if faulty else []
     plant = [*run.scenario_words, "--seed", str(run.seed), "--pace", run.pace]
     plant += ["--appear-timeout", str(start_up.appear_s), *patience]
     plant += ["--perturbed"] * run.perturbed
@@ -37,10 +43,11 @@ def start_nodes(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice
         plant += ["--timing-file", str(folder / TIMING)]
     plant += ["--sent-file", str(sent_file(folder, "plant"))]
     ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
-    nodes.start("plant", "railhil.plant_sim", plant + choice.arguments, watches=ours)
+    nodes.start("plant", "railhil.plant_sim", plant + logged + choice.arguments, watches=ours)
     if start_up.foreign:
         return
     law = [*run.law.words, "--telemetry", str(folder / TELEMETRY), *patience]
     law += ["--sent-file", str(sent_file(folder, "controller"))]
     law += _scheduling(run, start_up, NODE_PRIORITY)
+    law += [*logged, "--seed", str(run.seed)] if faulty else []
     nodes.start("controller", "railhil.controller_node", [*run.scenario_words, *law, *choice.arguments])

@@ -14,6 +14,8 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.stored import SCENARIO, any_judged_sha256, earlier_scenario, read_scenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import Trace, trace_of
 
@@ -34,6 +36,11 @@ class Record:
     trace: Trace
     invalid: str = ""
     certificate: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def events(self) -> tuple[RecordedEvent, ...]:
+        """What happened, in the order of the instants."""
+        return events_of(self.scenario, self.trace)
 
 
 def log_path(text: str) -> Path:

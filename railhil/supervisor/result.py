@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.scenarios.memory import Memory
 from railhil.supervisor.events.event import RecordedEvent
+from railhil.supervisor.fault_report import FaultOutcome
 from railhil.supervisor.jitter import RunTiming
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
@@ -39,6 +40,8 @@ class RunResult:
     memory: Memory | None = None
     #: What happened in the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
+    #: What became of the faults of the run, by number.
+    faults: list[FaultOutcome] = field(default_factory=list)
 
     @property
     def trusted(self) -> bool:

@@ -16,9 +16,11 @@ from railhil.bus.telegrams import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
+from railhil.faults.language import parse
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -134,10 +136,21 @@ class Run:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
                 if self.session.ended is Event.ENDED_CONTROLLER_LOST:
                     self._lost = self._lost or self._who_died(nodes)
+                faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
+                if self.session.ended is not None and self._was_killed(nodes, faults):
+                    # As asked for: the run is judged by what the train did.
+                    self._lost = ""
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
-        return self._result(started_ns, sha256, counters, line, refused)
+        return self._result(started_ns, sha256, counters, line, refused, faults)
+
+    def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
+        """Whether a fault of the run has killed the controller, and nothing else has ended a node."""
+        killed = any(
+            parse(one.text).place.name == "controller" and one.hits for one in outcomes if " kill " in one.text
+        )
+        return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
 
     def _join(self, nodes: Nodes) -> Link:
         """Start the nodes and open the bus; an existing bus is checked first."""
@@ -159,7 +172,7 @@ class Run:
 
     def _start(self, nodes: Nodes) -> None:
         if not self.start_up.attach:
-            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder)
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=bool(self.scenario.faults))
 
     def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
         priority = RECORDER_PRIORITY if self.start_up.realtime_scheduling(self.spec) else 0
@@ -296,7 +309,15 @@ class Run:
             return f"record: the recorder was off the bus for {self.session.unheard_ns / 1e9:.2f} s"
         return ""
 
-    def _result(self, started_ns: int, sha256: str, counters: dict[str, int], line: str, refused: bool) -> RunResult:
+    def _result(
+        self,
+        started_ns: int,
+        sha256: str,
+        counters: dict[str, int],
+        line: str,
+        refused: bool,
+        faults: list[FaultOutcome],
+    ) -> RunResult:
         session = self.session
         # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
         complete = self.choice.needs_hub and not self.spec.is_realtime and not line
@@ -314,6 +335,8 @@ class Run:
         code = {"PASS": PASS, "FAIL": FAIL}.get(result.verdict, INVALID)
         if timing.jitter is not None and not timing.jitter.valid and code in (PASS, FAIL):
             code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
+        if code in (PASS, FAIL):
+            line = line or missed_faults(faults)
         if line:
             code = USAGE if refused else INVALID
         if session.ended is Event.ENDED_PLANT_ERROR:
@@ -333,6 +356,7 @@ class Run:
             counters=counters,
             timing=timing,
             not_witnessed=found.not_witnessed,
+            faults=faults,
         )
 
     def _shown(self) -> ShownTelemetry | None:

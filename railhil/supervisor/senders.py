@@ -98,7 +98,7 @@ def _strange(rest: Sequence[tuple[int, bytes]], due: Sequence[bytes], ahead: int
 @dataclass(slots=True)
 class Findings:
     """``said``: one clause for each port on which somebody else spoke, or of which frames are missing;
-    ``not_witnessed``: names of the ports whose owner has not said what it sent."""
+    ``not_witnessed``: names of the recorded ports whose owner has not said what it sent."""
 
     said: list[str] = field(default_factory=list)
     not_witnessed: list[str] = field(default_factory=list)
@@ -116,6 +116,7 @@ class Senders:
         self._complete = complete
         self._folder = folder
         self._streams: dict[int, _Stream] = {}
+        # Frames of nodes that have said nothing, and of nobody.
         self._answers: Counter[int] = Counter()
         lists = {node: read_sent(sent_file(folder, node)) for node in WITNESSES}
         self._witnesses = [node for node, sent in lists.items() if sent is not None]
@@ -149,7 +150,7 @@ class Senders:
         for port in self._contract.ports:
             if port.source in self._witnesses:
                 found.said += self._said(port.name, port.source, (*port.can_ids, port.fd_id))
-            elif port.source in WITNESSES:
+            elif port.source in WITNESSES and any(self._answers[can_id] for can_id in (*port.can_ids, port.fd_id)):
                 found.not_witnessed.append(port.name)
                 found.said += self._beyond_polls(port)
         if "plant" in self._witnesses:

@@ -9,11 +9,13 @@ from __future__ import annotations
 import time
 from array import array
 from collections.abc import Callable
+from operator import itemgetter
 
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import F_DEVICE_STATUS
+from railhil.bus.lifesign import MAX_STEP
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, RunEvent, SupCmd, SupCommand, TimeSync
@@ -22,6 +24,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_line
 from railhil.supervisor.senders import Strangers
+from railhil.supervisor.truth_clock import TruthClock
 
 
 class Session:
@@ -40,7 +43,8 @@ class Session:
         fd: bool = False,
         on_progress: Callable[[float], None] | None = None,
     ) -> None:
-        contract = system_named(scenario.system).contract
+        system = system_named(scenario.system)
+        contract = system.contract
         self.ended: Event | None = None
         #: Disagreements between the nodes, one sentence each; the run is then not started.
         self.disagreements: list[str] = []
@@ -63,9 +67,10 @@ class Session:
         self._ident = make_ident(Role.SUPERVISOR, scenario.sha256, **run.identity, contract=contract)
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
+        schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
         self._responder = Responder(
             Role.SUPERVISOR,
-            Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract),
+            schedule,
             sinks,
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
@@ -80,8 +85,20 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
+        # A fault may touch the clock port and TIME_SYNC, but not the truth.
+        truth = system.truth if scenario.faults else None
+        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
+        self._time = self._truth_clock or self._clock
+        self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
+        # Otherwise the fastest poll, whoever is asked, keeps the time going while the clock port is missing.
+        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
+        self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
+        self._pace: Frame | None = None
+        if self._truth_clock is None and self._pace_ticks <= MAX_STEP:
+            self._pace = master_frame(fastest.f_code, fastest.address)
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
+        self._seen_ids |= self._truth_ids
         self._seen_ids |= {can_id for port in sinks for can_id in (*port.can_ids, port.fd_id)}
         #: Frames under the supervisor's own identifiers that came from the bus, by port.
         self.strangers = {port.name: Strangers() for port in contract.ports if port.source == "supervisor"}
@@ -96,7 +113,7 @@ class Session:
     @property
     def sim_time_s(self) -> float:
         """Simulation time of the current tick."""
-        return self._clock.now_ns / 1e9
+        return self._time.now_ns / 1e9
 
     @property
     def heard_ns(self) -> int:
@@ -113,6 +130,8 @@ class Session:
         if self.recording:
             self.unheard_ns += wall_ns
         self._clock.silence(wall_ns)
+        if self._truth_clock is not None:
+            self._truth_clock.silence(int(wall_ns * self._clock.rate))
 
     @property
     def counters(self) -> dict[str, int]:
@@ -124,30 +143,49 @@ class Session:
         if frame[0] in self._seen_ids:
             can_id = frame[0]
             if can_id in self._clock_ids:
-                if self._responder.opens_tick(frame):
-                    self.wall_ticks.append(self._clock.tick)
-                    self.wall_ns.append(time.monotonic_ns())
+                truth_clock = self._truth_clock
+                if truth_clock.clock(frame) if truth_clock is not None else self._responder.opens_tick(frame):
+                    self._arrived()
             elif can_id == self._status_id:
                 return []
             elif can_id in self._own_ids:
                 if self.recording:
-                    self._own_ids[can_id].add(self._clock.now_ns)
+                    self._own_ids[can_id].add(self._time.now_ns)
+            elif can_id in self._truth_ids:
+                if self._truth_clock is not None and self._truth_clock.truth(frame):
+                    self._arrived()
             else:
                 return self._handle_own(frame)
         if self.recording:
             self.frames += 1
-            self._write(log_line(self._clock.now_ns, frame))
+            self._write(log_line(self._time.now_ns, frame))
         return []
+
+    def _paced(self) -> None:
+        """A frame of the second time base."""
+        tick = self._clock.tick
+        self._clock.polled(self._pace_ticks)
+        if self._clock.tick > tick:
+            self._arrived()
+
+    def _arrived(self) -> None:
+        """A new tick has arrived."""
+        self.wall_ticks.append(self._time.tick)
+        self.wall_ns.append(time.monotonic_ns())
 
     def _handle_own(self, frame: Frame) -> list[Frame]:
         """A poll, or a telegram that the supervisor reads itself."""
         scan = frame.can_id == self._poll_id and frame.data[:1] and frame.data[0] >> 4 == F_DEVICE_STATUS
+        if frame == self._pace:
+            self._paced()
         if not self.recording and frame.can_id in self._opening_ids:
             self.recording = True
             self.first_frame_ns = self.last_poll_ns = time.monotonic_ns()
         if not self.recording and not scan:
             # A run that began without this supervisor belongs to another one.
             return []
+        # A TIME_SYNC that corrects the time has the time of its other frames.
+        time_ns = self._time.now_ns
         answers = self._responder.handle(frame)
         if answers:
             # The plant's last poll comes after its last event: only then is the record complete.
@@ -156,7 +194,7 @@ class Session:
             # The device status scan continues until all nodes have appeared: bus management, not part of the record.
             for item in (frame, *answers):
                 self.frames += 1
-                self._write(log_line(self._clock.now_ns, item))
+                self._write(log_line(time_ns, item))
         return answers
 
     def _event(self, reading: Reading[RunEvent]) -> None:

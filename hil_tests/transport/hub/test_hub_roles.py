@@ -32,10 +32,10 @@ def test_the_roles_are_those_of_the_bench() -> None:
 @pytest.mark.parametrize("roles", [[], ["plant"], ["plant", "controller"], ["plant", "plant", "supervisor"]])
 def test_a_packet_of_roles_is_no_packet_of_frames(roles: list[str]) -> None:
     packet = wire.encode_roles(roles)
-    assert wire.decode_roles(packet) == set(roles)
-    assert len(packet) & wire.ROLES_LENGTH_BIT
+    assert wire.decode_notice(packet) == {"roles": sorted(set(roles))}
+    assert len(packet) & wire.NOTICE_LENGTH_BIT
     for length in (wire.CLASSIC_SIZE, wire.FD_SIZE, len(wire.OWN_MARK)):
-        assert not length & wire.ROLES_LENGTH_BIT
+        assert not length & wire.NOTICE_LENGTH_BIT
 
 
 @pytest.mark.parametrize("coalesce_frames", [0, 64])

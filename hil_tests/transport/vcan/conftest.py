@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.support.health import disturbed
 from railhil.bench import BenchRun, local_run
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
+from railhil.testing.health import disturbed
 
 _TOOLS = ("candump", "cansend", "cangen", "canplayer", "ip")
 #: A move of 17 s and 48 m: up to 17 km/h, coast, brake. Short, because the machine is slow; the train departs and

@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.foreign import build_node, export_node, without_status
-from hil_tests.support.health import disturbed
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bench import BenchRun
 from railhil.bus.ident import Role
@@ -17,6 +16,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
+from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import wait_for
-from hil_tests.support.health import disturbed
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.portspec import parse_ports
 from railhil.bus.hub.server import serve
 from railhil.bus.link import Link, open_link
+from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

@@ -8,7 +8,6 @@ import struct
 
 import pytest
 
-from hil_tests.support.health import disturbed
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil import cli
@@ -16,6 +15,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.exit_codes import PASS
+from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

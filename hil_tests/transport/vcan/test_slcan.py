@@ -20,7 +20,6 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.support.health import disturbed
 from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
@@ -33,6 +32,7 @@ from railhil.machines.adapter.terminal import Terminal
 from railhil.scenarios.model import Scenario, TargetCurve
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.target import Target
+from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
 

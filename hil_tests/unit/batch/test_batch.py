@@ -135,6 +135,21 @@ def starved() -> Scenario:
     return replace(scenario, timing=timing, plan=plan, watch=watch)
 
 
+def ended() -> Scenario:
+    """An end of authority with so flat a curve that the train passes it."""
+    scenario = load("lvshun_tieshan")
+    watch = replace(scenario.watch, end_of_authority=True, end_of_authority_braking_mps2=0.3)
+    return replace(scenario, watch=watch)
+
+
+def unanswered() -> Scenario:
+    """A watch that wants all of the demanded deceleration, on a line that takes some of it."""
+    scenario = load("lvshun_tieshan")
+    line = replace(scenario.line, grade_permil=((0.0, -15.0),))
+    watch = replace(scenario.watch, brake_share_min_percent=100.0, grade_allowance_permil=0.0)
+    return replace(scenario, line=line, watch=watch)
+
+
 @pytest.mark.parametrize(
     ("make", "expected"),
     [
@@ -144,6 +159,8 @@ def starved() -> Scenario:
         (rolling, "stop error"),
         (other_periods, ""),
         (starved, ""),
+        (ended, "emergency brake at"),
+        (unanswered, "emergency brake at"),
     ],
 )
 def test_runs_that_go_wrong_are_the_same_too(make, expected):

@@ -26,6 +26,7 @@ class FakeEndpoint:
 
     is_down = False
     ended = False
+    cut_off: tuple[str, ...] = ()
 
     def __init__(self, wall: SetClock, answer: Callable[[Frame], list[tuple[int, Frame]]] = lambda frame: []) -> None:
         self.sent: list[Frame] = []
@@ -54,6 +55,9 @@ class FakeEndpoint:
 
     def has_ended(self, node: str) -> bool:
         return self.ended
+
+    def is_cut_off(self, node: str) -> bool:
+        return node in self.cut_off
 
     def close(self) -> None:
         raise AssertionError("the administrator does not own its endpoint")
@@ -173,6 +177,16 @@ def test_lockstep_does_not_wait_for_a_peer_that_has_ended(wall: SetClock, answer
     with pytest.raises(PeerSilent, match=expected):
         administrator.poll(NOTCH)
     assert wall.now_ns == 200_000_000
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.0])
+def test_an_answer_that_a_fault_holds_back_is_a_missed_telegram(wall: SetClock, rate: float) -> None:
+    """In lockstep, too, where the bus says that none can come: simulated time goes on."""
+    endpoint = FakeEndpoint(wall)
+    endpoint.cut_off = ("supervisor", "controller")
+    administrator, _ = make(endpoint, rate=rate)
+    assert administrator.poll(NOTCH) is False
+    assert administrator.counters == {"polls": 1, "missed_polls": 1}
 
 
 def test_lockstep_takes_the_answer_that_lies_there_after_this_process_stood_still(wall: SetClock) -> None:

@@ -135,6 +135,8 @@ def test_any_other_error_is_a_lost_bus(wall: SetClock, error: Exception) -> None
 class Batched:
     """The batch calls of the hub's interface on top of any python-can bus."""
 
+    notices = None
+
     def __init__(self, bus: can.BusABC) -> None:
         self.bus = bus
         self.channel_info = bus.channel_info

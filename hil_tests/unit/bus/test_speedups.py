@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from railhil.bus import ident, telegrams
+from railhil.bus import ident, safe_telegrams, telegrams
 from railhil.bus.frame import Frame, quick_frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import check_sequence, parse_master_frame
@@ -22,7 +22,7 @@ from railhil.supervisor.framelog import log_line
 
 CLASSES = [
     kind
-    for module in (telegrams, ident)
+    for module in (telegrams, safe_telegrams, ident)
     for kind in vars(module).values()
     if isinstance(kind, type) and issubclass(kind, Telegram) and "PORT" in vars(kind)
 ]

@@ -37,6 +37,8 @@ def test_same_law_and_scenario_give_the_same_bytes(tmp_path: Path) -> None:
             "railhil_iq.h",
             "railhil_law.c",
             "railhil_law.h",
+            "railhil_motion.c",
+            "railhil_motion.h",
             "railhil_mvb.h",
             "railhil_node.c",
             "railhil_position.c",

@@ -34,14 +34,16 @@ def test_files_include_each_other_one_way(folder: Path) -> None:
     assert "railhil_guard.h" not in found["railhil_position.c"]
     # Raises CycleError if the includes are circular.
     TopologicalSorter(found).prepare()
-    for name in ("mvb", "clock", "position", "guard", "law", "control"):
+    for name in ("mvb", "clock", "position", "motion", "guard", "law", "control"):
         (folder / "alone.c").write_text(f'#include "railhil_{name}.h"\nint nothing;\n')
         build(folder, ["alone.c"], "alone.o", (*STRICT, "-c"))
 
 
 def test_program_is_integer_code_without_memory(folder: Path) -> None:
     """No float and no heap in any file; no name is longer than 31 characters."""
-    headers = [f"railhil_{name}.h" for name in ("mvb", "clock", "position", "guard", "law", "control", "socket")]
+    headers = [
+        f"railhil_{name}.h" for name in ("mvb", "clock", "position", "motion", "guard", "law", "control", "socket")
+    ]
     names = [*PROGRAM, *headers, "ipfc_plus_node.h"]
     for name in names:
         text = re.sub(r"/\*.*?\*/", " ", (folder / name).read_text(encoding="ascii"), flags=re.DOTALL)

@@ -71,6 +71,25 @@ def test_distance_indexing_is_the_curve_at_the_position(arithmetic: str, positio
     np.testing.assert_allclose(points, expected, atol=slack_kmh + 2 * LSB_KMH)
 
 
+@pytest.mark.parametrize("arithmetic", ["float64", "iq"])
+def test_distance_indexing_is_the_curve_from_its_first_position_on(arithmetic: str) -> None:
+    for position_01mm in (50_001, 50_100, 52_000):
+        time_s = float(TARGET.time_s(position_01mm / 1e4))
+        expected = TARGET.speed_mps(time_s + np.arange(11) * 0.5) * 3.6
+        np.testing.assert_allclose(kmh(arithmetic, "distance", 3, position_01mm), expected, atol=5e-4)
+
+
+def test_at_the_last_entries_of_a_slow_stop() -> None:
+    """0.01 m/s2: the last two entries of the table have the same position, to 0.1 mm."""
+    slow = replace(SCENARIO, target=TargetCurve(((0.0, 0.5), (3.9, 0.5), (4.1, -0.01), (300.0, -0.01))))
+    stop_01mm = round(Target(slow.target).stop_position_m * 1e4)
+    for arithmetic in ("float64", "iq"):
+        number = make(arithmetic)
+        points = SetPoints(number, slow, "distance", 2)
+        past = [points.at(600, stop_01mm + away)[0] for away in (1, 2, 100)]
+        assert past[0] == past[1] == past[2] == number.raw(past[2], SPEED_Q) == 0
+
+
 def test_distance_indexing_starts_by_time() -> None:
     assert kmh("iq", "distance", 4, 49_999) == kmh("iq", "time", 4, 0)
     assert kmh("iq", "distance", 4, 50_000) == kmh("iq", "time", 4, 0)
@@ -97,6 +116,34 @@ def test_many_trains_get_the_set_points_of_each(arithmetic: str, indexing: str) 
         assert [np.broadcast_to(ahead, 6)[train] for ahead in preview] == list(expected_preview)
 
 
+def test_the_table_ends_with_the_overtime_of_plan_or_target() -> None:
+    """205 s are 410 periods; 206.2 s a part of one more. Later the entry of that period holds."""
+    late = replace(SCENARIO, plan=replace(SCENARIO.plan, running_time_s=196.2))
+    early = replace(SCENARIO, plan=replace(SCENARIO.plan, running_time_s=190.0))
+    for scenario, last_k in ((SCENARIO, 410), (late, 413), (early, 410)):
+        points = SetPoints(make("float64"), scenario, "time", 3)
+        for k in (last_k - 1, last_k, last_k + 1, last_k + 50):
+            times_s = (min(k, last_k) + np.arange(4)) * 0.5
+            set_point, preview = points.at(k, 0)
+            assert [set_point, *preview] == pytest.approx(TARGET.speed_mps(times_s) * 3.6)
+
+
+def test_virtual_speeds_end_at_minus_100_kmh() -> None:
+    """4 m/s2: -144 km/h after 10 s."""
+    hard: Any = replace(SCENARIO, target=TargetCurve(((0.0, 4.0), (9.0, 4.0), (11.0, -4.0), (20.0, -4.0))))
+    points = SetPoints(make("float64"), hard, "time", 10).at(10_000, 0)
+    assert [points[0], *points[1]] == [-100.0] * 11
+
+
+@pytest.mark.parametrize(("share", "kept"), [(0.45, False), (0.55, True), (1.5, True)])
+def test_a_set_point_below_half_a_bit_is_zero(share: float, kept: bool) -> None:
+    """v = a t, with this share of a bit at 0.5 s."""
+    accel = share * LSB_KMH / 3.6 / 0.5
+    creeping = replace(SCENARIO, target=TargetCurve(((0.0, accel), (100.0, accel), (101.0, -1.0), (102.0, -1.0))))
+    set_point, _ = SetPoints(make("float64"), creeping, "time", 1).at(1, 0)
+    assert (set_point != 0.0) == kept
+
+
 def test_unknown_indexing_is_one_line() -> None:
     with pytest.raises(InputError, match=r"^indexing: name: found 'tme', allowed one of time, distance$"):
         SetPoints(make("iq"), SCENARIO, "tme", 10)
@@ -107,3 +154,6 @@ def test_distance_indexing_needs_a_distance() -> None:
     with pytest.raises(InputError, match="more than 5 m"):
         SetPoints(make("iq"), hop, "distance", 10)
     assert SetPoints(make("iq"), hop, "time", 10).at(0, 0)[0] == 0
+    five_metres: Any = replace(SCENARIO, target=TargetCurve(((0.0, 0.3), (10.0, -0.3))))
+    with pytest.raises(InputError, match="found '5 m to the stop', allowed more than 5 m"):
+        SetPoints(make("iq"), five_metres, "distance", 10)

@@ -14,7 +14,7 @@ import pytest
 
 from hil_tests.support.closed_loop import SCENARIO, closed_loop, flat
 from railhil.bus.responder import Reading
-from railhil.bus.telegrams import TrnPos, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.arithmetic.base import Constant
 from railhil.controller_node.arithmetic.iq import C28, Portable
 from railhil.controller_node.controller import Controller
@@ -200,9 +200,10 @@ def test_no_float_in_the_law(run: Any) -> None:
 
 def test_no_float_in_the_node(run: Any) -> None:
     """From the telegrams' signals through watch and law to the notch of NOTCH_CMD."""
-    # Here TRN_POS comes once per control period.
+    # Here telegrams and polls come once per control period.
     period_ns = SCENARIO.timing.control_period_ns
-    scenario = replace(SCENARIO, timing=replace(SCENARIO.timing, port_period_ns={TrnPos.PORT: period_ns}))
+    periods = dict.fromkeys((TrnPos.PORT, TrnSpeed.PORT, NotchCmd.PORT), period_ns)
+    scenario = replace(SCENARIO, timing=replace(SCENARIO.timing, port_period_ns=periods))
     node: Any = ControllerNode(scenario, LawSpec("ipfc", run.arithmetic, indexing=run.indexing), run.poisoned)
     for (k, speed, position), code in zip(run.given, run.codes, strict=True):
         now_ns = k * period_ns

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.bus.telegrams import BalisePassed, TrnPos
+from railhil.bus.telegrams import BalisePassed, CtlCause, TrnPos
 from railhil.controller_node.balises import Balises
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE
@@ -52,7 +52,7 @@ class Ride:
 
     @property
     def lost(self) -> bool:
-        return self.odometer.lost(self.now_ns)
+        return self.odometer.lost(self.now_ns) is not CtlCause.NONE
 
 
 @pytest.fixture
@@ -93,6 +93,8 @@ def test_a_second_on_the_reckoned_position_and_then_lost(ride: Ride, fault: dict
         # Between two telegrams the odometer is up to 20 ms old.
         assert abs(ride.off_01mm) <= CRUISE_01MMPS // 50
         assert ride.lost == (tick > 100)
+    lost = CtlCause.POSITION_IMPLAUSIBLE if cause == "position_jump" else CtlCause.POSITION_LOST
+    assert ride.odometer.lost(ride.now_ns) is lost
     assert ride.odometer.counters == ({cause: 150} if cause else {})
     # Ten telegrams in a row that fit, and it counts again; the first of them come with old life signs.
     fitted = 0

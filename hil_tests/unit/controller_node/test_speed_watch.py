@@ -10,7 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from railhil.bus.telegrams import CtlCause
 from railhil.controller_node.speed_watch import (
+    LEVELS,
+    Finding,
     Ladder,
     Reception,
     Seen,
@@ -18,12 +21,13 @@ from railhil.controller_node.speed_watch import (
     SpeedWatchState,
     command,
     observe,
+    stronger,
 )
 from railhil.scenarios.load import load
 
 SCENARIO = load("lvshun_tieshan")
 LADDER = Ladder.of(SCENARIO)
-GOOD, BAD, NONE = Reception.GOOD, Reception.BAD, Reception.NONE
+GOOD, BAD, NONE, IMPLAUSIBLE = Reception.GOOD, Reception.BAD, Reception.NONE, Reception.IMPLAUSIBLE
 
 
 def after(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
@@ -47,7 +51,8 @@ class Reference:
     def look(self, seen: Seen) -> int:
         if seen.telegram is not NONE:
             self.telegrams.append(seen.telegram is GOOD)
-        trouble = seen.telegram is BAD or seen.age_ms > 20
+        bad = seen.telegram in (BAD, IMPLAUSIBLE)
+        trouble = bad or seen.finding or seen.age_ms > 20
         self.since_trouble = 0 if trouble else self.since_trouble + (seen.telegram is GOOD)
         left = {
             0: True,
@@ -57,24 +62,39 @@ class Reference:
             4: False,
         }[self.level]
         rules = {
-            1: seen.age_ms > 20 or seen.telegram is BAD,
-            2: seen.age_ms > 64 or (seen.telegram is BAD and self.telegrams[-10:].count(False) >= 3),
-            3: seen.age_ms > 256 or seen.channel_lost,
+            1: seen.age_ms > 20 or bad,
+            2: seen.age_ms > 64 or (bad and self.telegrams[-10:].count(False) >= 3),
+            3: seen.age_ms > 256,
             4: seen.overspeed or (seen.age_ms > 1000 and not seen.standstill),
         }
+        if seen.finding:
+            rules[seen.finding.level] = True
         demanded = max([level for level, holds in rules.items() if holds], default=0)
         self.level = max(demanded, 0 if left else self.level)
         return self.level
+
+
+def cause_of(seen: Seen, level: int) -> CtlCause:
+    """Why a level was entered: the strongest demand, the age of the speed before other causes."""
+    if seen.overspeed:
+        return CtlCause.OVERSPEED
+    by_age = sum(seen.age_ms > limit for limit in (20, 64, 256)) + (seen.age_ms > 1000 and not seen.standstill)
+    if by_age == level:
+        # A bad telegram demands at most TRACTION_CUT, and is named only where the age is not that old.
+        return CtlCause.SPEED_AGE
+    if seen.finding and seen.finding.level == level:
+        return seen.finding.cause
+    return CtlCause.SPEED_IMPLAUSIBLE if seen.telegram is IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
 
 
 RARELY = st.integers(0, 19).map(lambda x: x == 0)
 #: Mostly good telegrams, with runs of silence and of bad ones.
 EVENTS = st.lists(
     st.tuples(
-        st.sampled_from([GOOD] * 6 + [BAD] + [NONE] * 2),
+        st.sampled_from([GOOD] * 12 + [BAD, IMPLAUSIBLE] + [NONE] * 4),
         st.sampled_from([1, 10, 10, 10, 16, 50, 200, 400]),
         RARELY,
-        RARELY,
+        st.sampled_from([None] * 200 + list(LEVELS.values())),
         st.integers(0, 4).map(lambda x: x == 0),
         st.integers(-1792, 1792),
     ),
@@ -86,12 +106,14 @@ EVENTS = st.lists(
 @given(EVENTS)
 def test_ladder_equals_the_reference(events: list[Any]) -> None:
     state, reference, age_ms = SpeedWatchState(), Reference(), 0
-    for telegram, elapsed_ms, overspeed, lost, standstill, law_code in events:
+    for telegram, elapsed_ms, overspeed, finding, standstill, law_code in events:
         age_ms = 0 if telegram is GOOD else age_ms + elapsed_ms
-        seen = Seen(age_ms, telegram, standstill, overspeed, lost)
+        seen = Seen(age_ms, telegram, standstill, overspeed, finding)
         before = state
         state = observe(LADDER, state, seen)
         assert state.level == reference.look(seen)
+        if state.level > before.level and not (seen.finding and seen.telegram >= BAD):
+            assert state.cause is cause_of(seen, state.level)
         state, code, emergency = command(LADDER, state, law_code, elapsed_ms)
         assert state.code == code
         _assert_safe(before, state, code, emergency, law_code, elapsed_ms)
@@ -185,6 +207,26 @@ def test_an_old_burst_does_not_cut_again_after_the_good_run() -> None:
     state = after(SpeedWatchState(), *[Seen(10, BAD)] * 3, *goods(5))
     assert state.level is SpeedWatchLevel.NORMAL
     assert after(state, *goods(1)).level is SpeedWatchLevel.NORMAL
+
+
+@pytest.mark.parametrize("finding", LEVELS.values(), ids=lambda finding: finding.cause.name)
+def test_a_finding_lasts_as_long_as_it_is_found(finding: Finding) -> None:
+    state = after(SpeedWatchState(), *goods(20), *goods(20, finding=finding))
+    assert (state.level, state.cause) == finding
+    left = after(state, *goods(10))
+    emergency = finding.level is SpeedWatchLevel.EMERGENCY
+    assert left[0] is (SpeedWatchLevel.EMERGENCY if emergency else SpeedWatchLevel.NORMAL)
+    assert left.cause is (finding.cause if emergency else CtlCause.NONE)
+
+
+def test_of_several_findings_the_strongest_counts() -> None:
+    cut, brake = LEVELS[CtlCause.OVERRUNS], LEVELS[CtlCause.POSITION_LOST]
+    assert stronger() is None
+    assert stronger(None, cut, brake, None) is brake
+    assert stronger(LEVELS[CtlCause.TWO_SOURCES], brake) is brake
+    assert stronger(cut, LEVELS[CtlCause.SPEED_LATENCY]).cause is CtlCause.SPEED_LATENCY  # type: ignore[union-attr]
+    # Nor does a weaker one hide what the age of the speed demands.
+    assert after(SpeedWatchState(), Seen(300, finding=cut))[:1] == (SpeedWatchLevel.SERVICE_BRAKE,)
 
 
 @pytest.mark.parametrize("run", range(13))

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from hil_tests.support.paths import ROOT
-from railhil.bus import ident, telegrams
+from railhil.bus import ident, safe_telegrams, telegrams
 from railhil.bus.layout import Telegram
 
 PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "railhil", "hil_tests", "benchmarks")
@@ -54,7 +54,7 @@ def test_no_exception_is_swallowed_in_silence() -> None:
 def telegram_classes() -> list[type[Telegram]]:
     found = [
         item
-        for module in (telegrams, ident)
+        for module in (telegrams, safe_telegrams, ident)
         for item in vars(module).values()
         if isinstance(item, type) and issubclass(item, Telegram) and item is not Telegram
     ]

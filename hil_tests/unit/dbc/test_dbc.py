@@ -13,6 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import railhil.bus.ident
+import railhil.bus.safe_telegrams
 import railhil.bus.telegrams
 from hil_tests.support.paths import ROOT
 from railhil.bus.generate_codecs import codecs_text, telegram_classes
@@ -25,7 +26,7 @@ from railhil.supervisor.trace import Trace
 
 FOLDER = ROOT / "dbc"
 DATABASE = cantools.database.load_file(FOLDER / "railhil.dbc")
-CLASSES = telegram_classes(railhil.bus.telegrams, railhil.bus.ident)
+CLASSES = telegram_classes(railhil.bus.telegrams, railhil.bus.safe_telegrams, railhil.bus.ident)
 
 
 def telegrams() -> st.SearchStrategy[Telegram]:
@@ -56,7 +57,7 @@ def test_dbc_file_is_what_the_port_table_describes():
 
 def test_codecs_are_what_the_port_table_describes():
     """Else: make dbc."""
-    classes = telegram_classes(railhil.bus.telegrams, railhil.bus.ident)
+    classes = telegram_classes(railhil.bus.telegrams, railhil.bus.safe_telegrams, railhil.bus.ident)
     assert (ROOT / "bus" / "codecs.py").read_text(encoding="utf-8") == codecs_text(classes)
 
 

@@ -32,11 +32,18 @@ def after(
     moving: bool = True,
     below_limit: bool = True,
     emergency: bool = False,
+    suspicion: int = 0,
 ) -> CommandWatchState:
     """State after one tick per character: ``c`` an accepted command, ``.`` none."""
     for mark in pattern:
         state = watch_step(
-            limits, state, accepted=mark == "c", moving=moving, below_limit=below_limit, emergency=emergency
+            limits,
+            state,
+            accepted=mark in "cs",
+            suspicion=suspicion if mark == "s" else 0,
+            moving=moving,
+            below_limit=below_limit,
+            emergency=emergency,
         )
     return state
 
@@ -121,6 +128,17 @@ def test_an_emergency_demand_wins_over_every_level(level: CommandWatchLevel) -> 
     assert after(at_level(level), "c", emergency=True).level is CommandWatchLevel.EMERGENCY
 
 
+@pytest.mark.parametrize("level", [CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.SERVICE_BRAKE])
+def test_a_suspicion_demands_its_level_and_breaks_the_row(level: CommandWatchLevel) -> None:
+    state = after(GOOD, "s", suspicion=level)
+    assert state == (level, 0, 0)
+    needed = 5 if level is CommandWatchLevel.TRACTION_CUT else 10
+    assert after(state, "c" * (needed - 1)).level is level
+    assert after(state, "c" * needed).level is CommandWatchLevel.NORMAL
+    assert after(at_level(CommandWatchLevel.EMERGENCY), "s", suspicion=level).level is CommandWatchLevel.EMERGENCY
+    assert after(GOOD, "." * 30 + "s", suspicion=2).level is CommandWatchLevel.SERVICE_BRAKE
+
+
 class LadderAgainstHistory(RuleBasedStateMachine):
     """The ladder against a reference that keeps the whole history of accepted commands instead of counters."""
 
@@ -128,7 +146,9 @@ class LadderAgainstHistory(RuleBasedStateMachine):
     def start(self) -> None:
         self.state = INITIAL
         self.now_ms = 0
+        #: Since the last suspicion.
         self.accepted_ms: list[int] = []
+        self.last_ms = 0
         self.level = 3
         self.moving = False
 
@@ -153,6 +173,16 @@ class LadderAgainstHistory(RuleBasedStateMachine):
         self.now_ms += 10
         self._reference(self.moving, True, demanded=True)
 
+    @rule(level=st.sampled_from([2, 3]), accepted=st.booleans())
+    def suspicion(self, level: int, accepted: bool) -> None:
+        self.state = watch_step(TICKS, self.state, accepted, level, self.moving, True, False)
+        self.now_ms += 10
+        self.accepted_ms = []
+        if accepted:
+            self.last_ms = self.now_ms
+        self._reference(self.moving, True, demanded=False)
+        self.level = max(self.level, level)
+
     def _in_a_row(self) -> int:
         row, later = 0, self.now_ms
         for when in reversed(self.accepted_ms):
@@ -163,7 +193,8 @@ class LadderAgainstHistory(RuleBasedStateMachine):
 
     def _reference(self, moving: bool, below_limit: bool, demanded: bool) -> None:
         row = self._in_a_row()
-        age_ms = self.now_ms - (self.accepted_ms[-1] if self.accepted_ms else 0)
+        self.last_ms = max([self.last_ms, *self.accepted_ms[-1:]])
+        age_ms = self.now_ms - self.last_ms
         left = {
             0: True,
             1: row >= 1,

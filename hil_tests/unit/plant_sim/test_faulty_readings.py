@@ -79,7 +79,8 @@ def test_random_words_use_the_fault_s_own_numbers() -> None:
     assert spread == pytest.approx(1000, rel=0.1)
     garbage = raws(fault("sensor.speed", "garbage"), raw=raw)
     assert all(FULL[0] <= value <= FULL[1] for value in garbage)
-    assert min(garbage) < FULL[0] // 2 and max(garbage) > FULL[1] // 2
+    assert min(garbage) < FULL[0] // 2
+    assert max(garbage) > FULL[1] // 2
     off = readings(fault("sensor.speed", "intermittent", 0.0, {"share": 0.3}), raw=raw)
     assert sum(not reading.valid for reading in off) == pytest.approx(120, abs=30)
     # The same run again, another run, a seed of the fault's own in two runs, and the same fault as the second.
@@ -143,7 +144,7 @@ def test_a_hit_is_a_changed_reading_that_was_sent() -> None:
     assert (first[2], first[3]) == (str(int(first[2])), "0")
     # Three telegrams, one in two ticks; then the count is over.
     assert odometer.hits == 3
-    assert [hit[1:] for hit in shown(plant) if hit[0] == 2][0][0] == 5.0
+    assert next(hit[1:] for hit in shown(plant) if hit[0] == 2)[0] == 5.0
     assert [check for _, check in position[250:254]] == [CHECK_ERRONEOUS] * 3 + [CHECK_CORRECT]
     assert [at for at, _ in position[250:253]] == [0, 0, 0]
 

@@ -15,9 +15,11 @@ from railhil.scenarios.model import Scenario
 from railhil.supervisor.criteria import (
     ATO_CRITERIA,
     STOP_ERROR,
+    STOP_WITHIN_M,
     TIME_ERROR,
     Criterion,
     Limit,
+    limit_key,
     limited,
     scores,
     unscored,
@@ -36,6 +38,18 @@ def test_documented_keys() -> None:
     assert [criterion.heading for criterion in ATO_CRITERIA] == [
         "ITAE\nkm/h s2", "energy\nkJ", "time\nerror s", "stop\nerror m", "comfort\nm/s2/km",
     ]  # fmt: skip
+    shown = ("digits", "published_digits", "statistics_digits", "tuning_digits", "audit_allowed", "name", "brief")
+    assert [tuple(getattr(criterion, field) for field in shown) for criterion in ATO_CRITERIA] == [
+        (1, 0, None, 0, None, "ITAE", "ITAE"),
+        (0, None, None, None, None, "energy", "energy"),
+        (4, None, None, 3, 0.01, "time_error", "time"),
+        (4, None, None, 3, 0.01, "stop_error", "stop"),
+        (3, None, 4, None, None, "comfort", "comfort"),
+    ]
+    assert STOP_WITHIN_M == (0.1, 0.2, 0.3)
+    assert [criterion.limit.place for criterion in limited() if criterion.limit is not None] == [0, 1]
+    assert [limit_key(criterion) for criterion in (STOP_ERROR, HEADROOM)] == ["stop_error_m", "headroom_m"]
+    assert limit_key(TIME_ERROR) == "time_error_s"
     assert [criterion.unit_typeset for criterion in ATO_CRITERIA] == ["km/h s²", "kJ", "s", "m", "m/s²/km"]
 
 
@@ -71,6 +85,7 @@ def test_a_value_with_a_sign_is_scored_without_it() -> None:
         (STOP_ERROR, None, ""),
         (HEADROOM, 1.0, "1.0 m3, allowed at least 2 m3"),
         (HEADROOM, 2.0, ""),
+        (replace(HEADROOM, better="low"), 2.0, ""),
         (replace(HEADROOM, better="low"), 2.5, "2.5 m3, allowed at most 2 m3"),
         (ATO_CRITERIA[0], 1e9, ""),
     ],
@@ -79,10 +94,16 @@ def test_what_is_said_of_a_limit(lvshun: Scenario, criterion: Criterion, value: 
     assert criterion.missed(lvshun, value) == said
 
 
+def test_a_value_in_a_table() -> None:
+    assert [STOP_ERROR.shown(value) for value in (0.25, None)] == ["0.2500", "-"]
+    assert STOP_ERROR.shown(0.25, 1) == "0.2"
+
+
 def test_more_may_be_better(lvshun: Scenario) -> None:
     assert (HEADROOM.best([1.0, 3.0]), STOP_ERROR.best([1.0, 3.0])) == (3.0, 1.0)
     assert HEADROOM.inside(lvshun, np.array([1.0, 2.0, np.nan])).tolist() == [False, True, False]
-    assert STOP_ERROR.inside(lvshun, np.array([1.0, 0.2, np.nan])).tolist() == [False, True, False]
+    assert STOP_ERROR.inside(lvshun, np.array([1.0, 0.3, np.nan])).tolist() == [False, True, False]
+    assert (STOP_ERROR.badness(np.array([2.0]))[0], HEADROOM.badness(np.array([2.0]))[0]) == (2.0, -2.0)
     assert limited((HEADROOM, TIME_ERROR, STOP_ERROR)) == [STOP_ERROR, TIME_ERROR, HEADROOM]
 
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.cli import railhil
+from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS
 from railhil.common.scheduling import NODE_PRIORITY
 from railhil.supervisor.doctor import lateness, scheduling
@@ -251,6 +252,7 @@ def test_every_finding_stands_in_text_and_json() -> None:
     done = railhil("doctor", "--quick", "--json")
     assert done.exit_code == 0
     assert done.json["limits"] == LIMITS
+    assert done.json["hub"] == [row._asdict() for row in HUB]
     subjects = [item["subject"] for item in done.json["findings"]]
     assert {"kernel CAN", "SCHED_FIFO", "locked memory", "throttle", "preemption", "clock", "processors"} <= set(
         subjects
@@ -258,6 +260,10 @@ def test_every_finding_stands_in_text_and_json() -> None:
     assert {"serial ports", "railhil vcan", "docker"} <= set(subjects)
     assert "10 ms loop" not in subjects
     text = railhil("doctor", "--quick").out
+    words = " ".join(text.split())
+    for row in HUB:
+        assert f"{row.subject} " in words
+        assert row.without.split()[0] in words
     for item in done.json["findings"]:
         assert f"\n{item['subject']:18} " in text
         assert not item["advice"] or f"-> {item['advice']}\n" in text

@@ -57,6 +57,16 @@ def test_the_verdict_is_on_the_standstill_that_the_plan_means(
         assert stop.error_m == reached[planned][1] - 2940
 
 
+def test_standstills_within_a_millimetre_are_one() -> None:
+    for away_m, count in ((0.0, 1), (0.001, 1), (0.001005, 2), (0.5, 2)):
+        assert len(standstills_of([(1.0, 0.0), (2.0, away_m)])) == count
+
+
+def test_a_limit_that_is_just_met_is_not_missed() -> None:
+    (stop,) = scored_stops([PlannedStop("here", 0.0, 0.3, 2.0, 0.5)], standstills_of([(2.5, -0.3)]))
+    assert (stop.error_m, stop.late_s, stop.verdict) == (-0.3, 0.5, "PASS")
+
+
 def test_two_stops_of_one_run_are_scored_each_and_the_verdict_names_the_one_that_is_missed() -> None:
     score = two_stops()
     assert score.failures == ("stop Xiaohongmen: +0.412 m (allowed +-0.3 m)",)

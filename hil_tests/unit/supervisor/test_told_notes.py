@@ -10,11 +10,11 @@ import pytest
 from hil_tests.support.recordings import recorded_folder
 from railhil.bus.telegrams import CtlStat
 from railhil.scenarios.model import Scenario
-from railhil.supervisor.folder import signal_table
 from railhil.supervisor.notes import note_values, notes_of, told_notes
 from railhil.supervisor.report.figures import ATO_PANELS, Panel, Picture
 from railhil.supervisor.report.page import page
 from railhil.supervisor.report.recorded import RecordedRun
+from railhil.supervisor.signals import signal_table
 from railhil.supervisor.trace import Trace
 
 TURN = {
@@ -75,4 +75,4 @@ def test_the_page_walks_the_panels_that_it_is_given(run: RecordedRun) -> None:
     text = page([run], panels=[own])
     assert '<figure id="own">' in text
     assert text.count("<figure ") == 1
-    assert [panel.name for panel in ATO_PANELS][:3] == ["speed", "error", "stop"]
+    assert [panel.name for panel in ATO_PANELS][:4] == ["speed", "reactions", "error", "stop"]

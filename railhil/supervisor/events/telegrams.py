@@ -17,6 +17,8 @@ from railhil.supervisor.trace import Noted, Trace
 #: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
 BURST_NS = 2_000_000_000
 _LIFE_VALUES = 16
+#: Telegrams after a gap that show whether any are missing.
+_LOOK_AHEAD = 32
 
 
 def refused(trace: Trace, received: Iterable[Received]) -> Iterator[RecordedEvent]:
@@ -96,8 +98,21 @@ def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
         if port.name in refusals:
             times_ns = np.sort(np.concatenate([times_ns, np.array(refusals[port.name], dtype=np.int64)]))
         period_ns = schedule.ticks(port.name) * schedule.base_tick_ns
-        steps_ns = np.diff(times_ns)
-        for index in np.flatnonzero(steps_ns > 1.5 * period_ns).tolist():
+        missing = _missing(times_ns, period_ns)
+        for index in np.flatnonzero(missing).tolist():
             begun_s, until_s = (int(times_ns[index]) + period_ns) / 1e9, int(times_ns[index + 1]) / 1e9
-            count = round(int(steps_ns[index]) / period_ns) - 1
-            yield RecordedEvent(begun_s, port.name, LOST, "gap", count=count, until_s=until_s)
+            yield RecordedEvent(begun_s, port.name, LOST, "gap", count=int(missing[index]), until_s=until_s)
+
+
+def _missing(times_ns: npt.NDArray[np.int64], period_ns: int) -> npt.NDArray[np.int64]:
+    """Number of telegrams missing between each two, shape (n - 1,).
+
+    While the clock port itself is disturbed, time stamps are wrong by some ticks for a while. What counts is therefore
+    how far the telegrams are behind their number from then on, and more so than ever before.
+    """
+    if len(times_ns) < 2 or np.diff(times_ns).max() < 1.5 * period_ns:
+        return np.zeros(max(len(times_ns) - 1, 0), dtype=np.int64)
+    behind = np.rint((times_ns - times_ns[0]) / period_ns).astype(np.int64) - np.arange(len(times_ns))
+    later = np.pad(behind, (0, _LOOK_AHEAD - 1), mode="edge")
+    lasting = np.lib.stride_tricks.sliding_window_view(later, _LOOK_AHEAD).min(axis=1)
+    return np.asarray(np.diff(np.maximum.accumulate(np.maximum(lasting, 0))), dtype=np.int64)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
+from typing import Any
 
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.supervisor.reactions.catalogue import LEVELS, Entry
@@ -38,7 +39,7 @@ class Row:
     ``detected_by``: cause or refusal that showed first, ``detected_s`` when; ``reaction``: strongest level after the
     first effect, ``reaction_s``: when the level that the entry demands was first reached, or the strongest one if it
     demands none; ``safe_s``: when the state that the entry demands at the end was reached. ``failures``: how the run
-    differs from the entry, empty if it does not.
+    differs from the entry, empty if it does not. ``refused``: why the entry cannot be run on this transport.
     """
 
     entry: Entry
@@ -50,6 +51,17 @@ class Row:
     reaction_s: float | None = None
     verdict: str = ""
     failures: list[str] = field(default_factory=list)
+    refused: str = ""
+
+    @property
+    def made(self) -> bool:
+        """Whether there was a run."""
+        return bool(self.verdict)
+
+    def as_json(self) -> dict[str, Any]:
+        """All fields, with the delays in ms."""
+        found = asdict(self) | {"entry": self.entry.id, "faults": list(self.entry.faults)}
+        return found | {"after_ms": self.after_ms, "margin_ms": self.margin_ms, "within_ms": self.entry.within_ms}
 
     @property
     def after_ms(self) -> float | None:

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.jitter import LATE_MS, LATE_SHARE_MAX
-from railhil.supervisor.report import panels
+from railhil.supervisor.report import events_panel, panels
 from railhil.supervisor.report.histogram import Lateness, lateness
 from railhil.supervisor.report.jitter_panel import timing_of
 from railhil.supervisor.report.panels import Drawn
@@ -68,7 +68,7 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Pa
     :param shown: None: :data:`ATO_PANELS`.
     """
     drawn = [
-        Drawn(run.label, style, curves(scenario, run.trace, run.certificate.get("notes")), run.score)
+        Drawn(run.label, style, curves(scenario, run.trace, run.certificate.get("notes")), run.score, run.events)
         for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
         if run.can_be_drawn
     ]
@@ -262,6 +262,35 @@ def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def _reactions(scenario: Scenario, run: Drawn, place: int) -> Picture:
+    title = "Reactions and events over time" + (f": {run.label}" if place else "")
+    rows_in = _FLAGS_IN * max(1, len(events_panel.kinds(run.events)))
+    figure = Figure(figsize=(_WIDTH_IN, _BOTTOM_IN + rows_in + 0.15 + _ROW_IN + _GAP_IN + 2.0 + _LEGEND_IN + 0.1))
+    marks = _axes(figure, _BOTTOM_IN, rows_in)
+    track = _axes(figure, _BOTTOM_IN + rows_in + 0.15, _ROW_IN, sharex=marks)
+    speed = _axes(figure, _BOTTOM_IN + rows_in + 0.15 + _ROW_IN + _GAP_IN, 2.0, sharex=marks)
+    end_s = float(run.curves.time_s[-1])
+    events_panel.speed_over_time(speed, run)
+    panels.legend(speed)
+    events_panel.ladder(track, scenario, run, end_s)
+    events_panel.markers(marks, run)
+    for axes in (speed, track):
+        axes.tick_params(labelbottom=False)
+    marks.set(xlabel="time (s)", xlim=(0, end_s))
+    caption = (
+        "Speed with the levels of the watches below it, and the instants of all other events; a line lasts as long as "
+        "its event."
+    )
+    name = f"reactions-{place}" if place else "reactions"
+    return Picture(name, title, caption, svg(figure, name, title))
+
+
+def _all_reactions(scenario: Scenario, runs: Sequence[Drawn]) -> list[Picture]:
+    """One picture for each run in which something unusual happened."""
+    shown = [run for run in runs if events_panel.has_unusual(run.events)]
+    return [_reactions(scenario, run, place if len(runs) > 1 else 0) for place, run in enumerate(shown, 1)]
+
+
 def _lateness(runs: Sequence[Lateness]) -> Picture:
     title = "Lateness of the cycles"
     caption = (
@@ -279,6 +308,7 @@ def _lateness(runs: Sequence[Lateness]) -> Picture:
 #: The report of a train that drives automatically from one stop to the next, in reading order.
 ATO_PANELS = (
     Panel("speed", lambda of: [_speed(of.scenario, of.runs)]),
+    Panel("reactions", lambda of: _all_reactions(of.scenario, of.runs)),
     Panel("error", lambda of: [_error(of.scenario, of.runs)]),
     Panel("stop", lambda of: [_distance(of.scenario, of.runs)]),
     Panel("notch", lambda of: [_notch(of.scenario, of.runs)]),

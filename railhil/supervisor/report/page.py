@@ -14,6 +14,7 @@ from railhil.scenarios.model import watch_sentence
 from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
+from railhil.supervisor.report.events_panel import event_rows, has_unusual
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import Panel, pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
@@ -57,6 +58,8 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         stops=[(run.label, stop) for run in runs for stop in run.score.listed_stops],
         asked=judging.asked(scenario),
         published=judging.published if scenario.published else "",
+        events=[row for run in runs for row in event_rows(run.label, run.events)],
+        quiet=[run.label for run in runs if not has_unusual(run.events)],
         facts=facts(runs),
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,

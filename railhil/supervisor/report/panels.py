@@ -16,6 +16,7 @@ from matplotlib.ticker import MultipleLocator
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.target import Target
 from railhil.supervisor.criteria import STOP_ERROR, TIME_ERROR
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.measures import KMH, limits_under_train
 from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.report.recorded import Curves
@@ -32,12 +33,13 @@ _NEAR_SHARE = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """One run ready to be drawn: its name, style and curves."""
+    """One run ready to be drawn: its name, style, curves and events."""
 
     label: str
     style: Style
     curves: Curves
     score: Score
+    events: Sequence[RecordedEvent] = ()
 
 
 @contextmanager

@@ -15,7 +15,6 @@ from railhil.scenarios.model import AnyScenario, PublishedScore, Scenario
 from railhil.scenarios.parameters import DIGEST_DIGITS
 from railhil.scenarios.target import Target
 from railhil.supervisor.documents import read_score
-from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.summary import explained, why
 from railhil.supervisor.judging import judging_of
@@ -86,20 +85,19 @@ def recorded_run(
     trace: Trace,
     score: Score,
     invalid: str = "",
-    events: tuple[RecordedEvent, ...] | None = None,
+    *,
+    events: tuple[RecordedEvent, ...] = (),
 ) -> RecordedRun:
     """The run of a folder; its line is the verdict's reason, and what the watches did.
 
     :param certificate: that of the run; empty if there is none, and then no document of the folder belongs to the log.
     :param invalid: why the bench could not be trusted, empty if it could.
-    :param events: what happened; None: from the record.
+    :param events: what happened.
     :raises InputError: ``score.json`` is damaged.
     """
     verdict, line = score.verdict, "; ".join(score.failures)
     if invalid:
         verdict, line = "INVALID", invalid
-    if events is None:
-        events = events_of(scenario, trace)
     line = explained(line, why(scenario, events))
     document = read_score(folder) if certificate else None
     label = str(certificate.get("controller") or folder.name)

@@ -7,8 +7,8 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from railhil.supervisor.folder import signal_table, signal_units
 from railhil.supervisor.report import panels
+from railhil.supervisor.signals import signal_table, signal_units
 from railhil.supervisor.trace import Trace
 
 _HEIGHT_IN = 2.2

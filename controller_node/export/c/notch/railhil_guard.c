@@ -9,13 +9,27 @@
 
 enum { GOOD_AFTER_TRACTION_CUT = 5, GOOD_AFTER_SERVICE_BRAKE = 10, BAD_FOR_TRACTION_CUT = 3, RECENT_MASK = 0x3FF };
 
-typedef enum { NO_TELEGRAM, GOOD_TELEGRAM, BAD_TELEGRAM } seen_t;
+/* What a check other than the telegrams' demands. */
+typedef struct {
+    int level;
+    int cause;
+} finding_t;
+
+static const finding_t no_finding = {RAILHIL_NORMAL, RAILHIL_CAUSE_NONE};
+
+typedef enum { NO_TELEGRAM, GOOD_TELEGRAM, BAD_TELEGRAM, IMPLAUSIBLE_TELEGRAM } seen_t;
+
+enum { SAMPLE_MS = 100, POSITION_AGE_MAX_MS = 100, MORE_BRAKE_MS = 1000 };
+/* Costs and limits of bad and of old telegrams, ms. */
+enum { CHANNEL_WINDOW_MS = 10000, DISORDER_MS = 20, DISORDER_MAX_MS = 80 };
 
 void railhil_guard_init(railhil_guard_t *guard)
 {
     memset(guard, 0, sizeof *guard);
     guard->odometer.life = guard->watch.life = -1;
     guard->odometer.run = RAILHIL_GOOD_POSITIONS;
+    guard->latency.doubt = 1;
+    guard->watch.sample_ns = -SAMPLE_MS * NS_PER_MS;
 }
 
 static int may_leave(int level, int good_run, int standstill)
@@ -32,53 +46,94 @@ static int may_leave(int level, int good_run, int standstill)
     }
 }
 
-/* Evaluates the ladder: after every telegram, and before every notch. */
-static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
+/* The finding of the higher level, of equal ones that with the smaller cause. */
+static finding_t stronger(finding_t one, int level, int cause)
+{
+    finding_t other;
+    other.level = level;
+    other.cause = cause;
+    if (level > one.level || (level == one.level && cause < one.cause)) {
+        return other;
+    }
+    return one;
+}
+
+/* What the checks find now, and with them a finding of this telegram alone. */
+static finding_t find(const railhil_guard_t *guard, int64_t now_ns, finding_t finding)
+{
+    const railhil_watch_t *watch = &guard->watch;
+    const railhil_motion_t *motion = &guard->motion;
+    const int lost = railhil_position_lost(&guard->odometer, now_ns);
+    if (watch->stale) {
+        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_LATENCY);
+    }
+    if (watch->late > RAILHIL_OVERRUNS_MAX) {
+        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_OVERRUNS);
+    }
+    if (motion->runaway) {
+        finding = stronger(finding, RAILHIL_EMERGENCY, RAILHIL_CAUSE_RUNAWAY);
+    } else if (motion->weak_ms != 0) {
+        finding = stronger(finding, motion->weak_ms > MORE_BRAKE_MS ? RAILHIL_EMERGENCY : RAILHIL_SERVICE_BRAKE,
+                           RAILHIL_CAUSE_WEAK_BRAKE);
+    } else if (motion->stuck || motion->off_scale) {
+        finding = stronger(finding, RAILHIL_TRACTION_CUT, RAILHIL_CAUSE_SPEED_IMPLAUSIBLE);
+    }
+    if (lost != RAILHIL_NOT_LOST) {
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE,
+                           lost == RAILHIL_LOST ? RAILHIL_CAUSE_POSITION_LOST : RAILHIL_CAUSE_POSITION_WRONG);
+    }
+    return finding;
+}
+
+/* Evaluates the ladder: after every telegram, and before every notch. finding: of this telegram. */
+static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen, finding_t finding)
 {
     railhil_watch_t *watch = &guard->watch;
     const int64_t age_ms = railhil_greater(now_ns - watch->accepted_ns, 0) / NS_PER_MS;
     const int standstill = watch->speed_known && watch->speed_01mmps == 0;
     const int before = watch->level;
+    const int bad = seen == BAD_TELEGRAM || seen == IMPLAUSIBLE_TELEGRAM;
+    const int refused = seen == BAD_TELEGRAM ? RAILHIL_CAUSE_BAD_TELEGRAMS : RAILHIL_CAUSE_SPEED_IMPLAUSIBLE;
     int demanded = RAILHIL_NORMAL;
     int cause = RAILHIL_CAUSE_NONE;
     int bad_count = 0;
     unsigned recent;
     if (seen != NO_TELEGRAM) {
-        watch->recent = ((watch->recent << 1) | (seen == BAD_TELEGRAM ? 1u : 0u)) & RECENT_MASK;
+        watch->recent = ((watch->recent << 1) | (bad ? 1u : 0u)) & RECENT_MASK;
     }
     for (recent = watch->recent; recent != 0; recent &= recent - 1u) {
         bad_count++;
     }
-    if (seen == BAD_TELEGRAM || age_ms > RAILHIL_HOLD_MS) {
+    finding = find(guard, now_ns, finding);
+    if (bad || finding.level != RAILHIL_NORMAL || age_ms > RAILHIL_HOLD_MS) {
         watch->good_run = 0;
     } else if (seen == GOOD_TELEGRAM && watch->good_run < GOOD_AFTER_SERVICE_BRAKE) {
         watch->good_run++;
+    }
+    if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
+        demanded = age_ms > RAILHIL_EMERGENCY_MS && !standstill ? RAILHIL_EMERGENCY : RAILHIL_SERVICE_BRAKE;
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
+        demanded = RAILHIL_TRACTION_CUT;
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (bad && bad_count >= BAD_FOR_TRACTION_CUT) {
+        demanded = RAILHIL_TRACTION_CUT;
+        cause = refused;
+    } else if (age_ms > RAILHIL_HOLD_MS) {
+        demanded = RAILHIL_HOLD;
+        cause = RAILHIL_CAUSE_SPEED_AGE;
+    } else if (bad) {
+        demanded = RAILHIL_HOLD;
+        cause = refused;
+    }
+    if (finding.level > demanded) {
+        demanded = finding.level;
+        cause = finding.cause;
     }
     if (watch->speed_known && watch->limit_known &&
         watch->speed_01mmps > watch->limit_01mmps + RAILHIL_OVERSPEED_MARGIN_01MMPS) {
         demanded = RAILHIL_EMERGENCY;
         cause = RAILHIL_CAUSE_OVERSPEED;
-    } else if (age_ms > RAILHIL_EMERGENCY_MS && !standstill) {
-        demanded = RAILHIL_EMERGENCY;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
-    } else if (age_ms > RAILHIL_SERVICE_BRAKE_MS) {
-        demanded = RAILHIL_SERVICE_BRAKE;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
-    } else if (railhil_position_lost(&guard->odometer, now_ns)) {
-        demanded = RAILHIL_SERVICE_BRAKE;
-        cause = RAILHIL_CAUSE_POSITION_LOST;
-    } else if (age_ms > RAILHIL_TRACTION_CUT_MS) {
-        demanded = RAILHIL_TRACTION_CUT;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
-    } else if (seen == BAD_TELEGRAM && bad_count >= BAD_FOR_TRACTION_CUT) {
-        demanded = RAILHIL_TRACTION_CUT;
-        cause = RAILHIL_CAUSE_BAD_TELEGRAMS;
-    } else if (age_ms > RAILHIL_HOLD_MS) {
-        demanded = RAILHIL_HOLD;
-        cause = RAILHIL_CAUSE_SPEED_AGE;
-    } else if (seen == BAD_TELEGRAM) {
-        demanded = RAILHIL_HOLD;
-        cause = RAILHIL_CAUSE_BAD_TELEGRAMS;
     }
     if (may_leave(before, watch->good_run, standstill)) {
         watch->level = RAILHIL_NORMAL;
@@ -94,6 +149,32 @@ static void look(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
     }
 }
 
+/* A telegram that is not used; too many of them brake. */
+static void refuse(railhil_guard_t *guard, int64_t now_ns, seen_t seen)
+{
+    finding_t finding = no_finding;
+    const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
+    if (railhil_debt_add(&guard->channel, now_ms, RAILHIL_CHANNEL_COST_MS, CHANNEL_WINDOW_MS)) {
+        finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_CHANNEL_MONITOR);
+    }
+    look(guard, now_ns, seen, finding);
+}
+
+/* The checks of the motion. */
+static void sample(railhil_guard_t *guard, int64_t now_ns)
+{
+    railhil_watch_t *watch = &guard->watch;
+    const railhil_odometer_t *odometer = &guard->odometer;
+    const int64_t speed = watch->speed_01mmps;
+    const int64_t age_ms = railhil_floored(now_ns - odometer->fitted_ns, NS_PER_MS);
+    const int has_position = age_ms >= 0 && age_ms <= POSITION_AGE_MAX_MS;
+    const int64_t position = has_position ? odometer->reading_01mm + speed * age_ms / 1000 : 0;
+    watch->sample_ns = now_ns;
+    watch->sample_01mmps = watch->speed_01mmps;
+    railhil_sample(&guard->motion, now_ns, speed, watch->code, watch->grade_known, watch->grade_001permil,
+                   watch->changed_ns, has_position, position);
+}
+
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts)
 {
     railhil_watch_t *watch = &guard->watch;
@@ -101,28 +182,48 @@ void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *
     const railhil_life_t judged = railhil_life(watch->life, life);
     const uint32_t raw = (railhil_get16(process) << 8) | process[2];
     const int32_t speed_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
+    finding_t finding = no_finding;
     if (judged == RAILHIL_REPEATED || judged == RAILHIL_OLD) {
         /* Nothing new: the age of the speed keeps growing. */
         counts[judged == RAILHIL_OLD ? RAILHIL_SPEED_OUT_OF_ORDER : RAILHIL_SPEED_DUPLICATE]++;
-        look(guard, now_ns, NO_TELEGRAM);
+        if (judged == RAILHIL_OLD) {
+            const int64_t now_ms = railhil_floored(now_ns, NS_PER_MS);
+            /* Two senders alternate; after a loss there are old ones in a row. */
+            if (!guard->latency.old && railhil_debt_add(&guard->disorder, now_ms, DISORDER_MS, DISORDER_MAX_MS)) {
+                finding = stronger(finding, RAILHIL_SERVICE_BRAKE, RAILHIL_CAUSE_TWO_SOURCES);
+            }
+            guard->latency.doubt = guard->latency.old = 1;
+        }
+        look(guard, now_ns, NO_TELEGRAM, finding);
         return;
     }
     if (judged == RAILHIL_GAP) {
         counts[RAILHIL_SPEED_GAP]++;
     }
     watch->life = life;
+    railhil_latency_received(&guard->latency, life);
     if (process[3] >> 6 != RAILHIL_CHECK_CORRECT) {
         counts[RAILHIL_SPEED_CHECK]++;
-        look(guard, now_ns, BAD_TELEGRAM);
+        refuse(guard, now_ns, BAD_TELEGRAM);
     } else if (speed_01mmps < 0 || speed_01mmps > SPEED_MAX_01MMPS) {
         counts[RAILHIL_SPEED_OUT_OF_RANGE]++;
-        look(guard, now_ns, BAD_TELEGRAM);
+        refuse(guard, now_ns, BAD_TELEGRAM);
+    } else if (watch->speed_known &&
+               !railhil_speed_fits(speed_01mmps - watch->sample_01mmps, now_ns - watch->sample_ns)) {
+        counts[RAILHIL_SPEED_JUMP]++;
+        refuse(guard, now_ns, IMPLAUSIBLE_TELEGRAM);
     } else {
+        if (watch->speed_known && speed_01mmps != watch->speed_01mmps) {
+            watch->changed_ns = now_ns;
+        }
         watch->speed_known = 1;
         watch->speed_01mmps = speed_01mmps;
         watch->accepted_ns = now_ns;
         railhil_odometer_speed(&guard->odometer, speed_01mmps, now_ns);
-        look(guard, now_ns, GOOD_TELEGRAM);
+        if (now_ns < watch->sample_ns || now_ns - watch->sample_ns >= SAMPLE_MS * NS_PER_MS) {
+            sample(guard, now_ns);
+        }
+        look(guard, now_ns, GOOD_TELEGRAM, no_finding);
     }
 }
 
@@ -132,6 +233,16 @@ void railhil_track(railhil_guard_t *guard, const unsigned char *process)
         guard->watch.limit_known = 1;
         guard->watch.limit_01mmps = (int32_t)railhil_get16(process + 6) * 40; /* 4 mm/s */
     }
+    if (((process[15] >> 2) & 3) == RAILHIL_CHECK_CORRECT) {
+        const int32_t raw = (int32_t)railhil_get16(process + 12);
+        guard->watch.grade_known = 1;
+        guard->watch.grade_001permil = raw < 0x8000 ? raw : raw - 0x10000;
+    }
+}
+
+void railhil_period(railhil_guard_t *guard, int late)
+{
+    guard->watch.late = late ? guard->watch.late + 1 : 0;
 }
 
 int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t law_code)
@@ -142,7 +253,8 @@ int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t la
     const int64_t last = watch->code;
     int returning;
     int64_t code;
-    look(guard, now_ns, NO_TELEGRAM);
+    watch->stale = railhil_latency_polled(&guard->latency);
+    look(guard, now_ns, NO_TELEGRAM, no_finding);
     returning = watch->returning || watch->level >= RAILHIL_TRACTION_CUT;
     switch (watch->level) {
     case RAILHIL_EMERGENCY:

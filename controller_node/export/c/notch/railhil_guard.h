@@ -4,6 +4,7 @@
 #ifndef RAILHIL_GUARD_H
 #define RAILHIL_GUARD_H
 
+#include "railhil_motion.h"
 #include "railhil_position.h"
 
 /* Counters of refusals and losses, after those of positions and balises. */
@@ -13,6 +14,7 @@ enum {
     RAILHIL_SPEED_GAP,                                   /* used, but telegrams before it are missing */
     RAILHIL_SPEED_CHECK,                                 /* check variable not correct */
     RAILHIL_SPEED_OUT_OF_RANGE,
+    RAILHIL_SPEED_JUMP, /* no train can have changed its speed so fast */
     RAILHIL_COUNTS
 };
 
@@ -25,14 +27,26 @@ enum {
     RAILHIL_CAUSE_SPEED_AGE = 1,
     RAILHIL_CAUSE_BAD_TELEGRAMS = 2,
     RAILHIL_CAUSE_POSITION_LOST = 3,
-    RAILHIL_CAUSE_OVERSPEED = 4
+    RAILHIL_CAUSE_OVERSPEED = 4,
+    RAILHIL_CAUSE_SPEED_IMPLAUSIBLE = 5,
+    RAILHIL_CAUSE_POSITION_WRONG = 6,
+    RAILHIL_CAUSE_SPEED_LATENCY = 7,
+    RAILHIL_CAUSE_CHANNEL_MONITOR = 8,
+    RAILHIL_CAUSE_WEAK_BRAKE = 10,
+    RAILHIL_CAUSE_RUNAWAY = 11,
+    RAILHIL_CAUSE_OVERRUNS = 12,
+    RAILHIL_CAUSE_TWO_SOURCES = 16
 };
 
 typedef struct {
     int64_t accepted_ns; /* time of the last accepted TRN_SPEED */
     int64_t sent_ns;     /* time of the last notch sent */
+    int64_t changed_ns;  /* when the speed has last changed */
+    int64_t sample_ns;   /* last sample of the motion */
     int32_t speed_01mmps;
+    int32_t sample_01mmps;
     int32_t limit_01mmps;
+    int32_t grade_001permil;
     int32_t code;      /* last notch sent, 1/256 */
     int32_t kept_code; /* braking to keep during TRACTION_CUT */
     unsigned recent;   /* last telegrams, newest in bit 0, 1: bad */
@@ -42,12 +56,19 @@ typedef struct {
     int returning; /* the notch is returning to the law's on the ramp */
     int speed_known;
     int limit_known;
+    int grade_known;
     int life;
+    int late; /* late control periods in a row */
+    int stale; /* the telegrams are delayed */
 } railhil_watch_t;
 
 typedef struct {
     railhil_odometer_t odometer;
     railhil_balise_t balise;
+    railhil_motion_t motion;
+    railhil_latency_t latency;
+    railhil_debt_t channel;  /* bad telegrams */
+    railhil_debt_t disorder; /* old telegrams */
     railhil_watch_t watch;
 } railhil_guard_t;
 
@@ -57,7 +78,10 @@ void railhil_guard_init(railhil_guard_t *guard);
 void railhil_speed(railhil_guard_t *guard, int64_t now_ns, const unsigned char *process, uint32_t *counts);
 void railhil_track(railhil_guard_t *guard, const unsigned char *process);
 
-/* The notch (1/256) to send now instead of the law's. */
+/* A control period is computed; late: periods before it were left out. */
+void railhil_period(railhil_guard_t *guard, int late);
+
+/* The notch (1/256) to send now, at a poll, instead of the law's. */
 int32_t railhil_watched_notch(railhil_guard_t *guard, int64_t now_ns, int32_t law_code);
 
 #endif

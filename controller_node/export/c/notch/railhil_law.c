@@ -18,6 +18,7 @@ static const char *const outcome_names[RAILHIL_COUNTS - RAILHIL_CLOCK_OUTCOMES] 
     "gap",
     "check_variable",
     "out_of_range",
+    "speed_jump",
 };
 
 const char *railhil_law_outcome(unsigned index)
@@ -41,13 +42,14 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
     const int32_t speed_01mmps = law->guard.watch.speed_01mmps;
     const int32_t *balise = law->guard.balise.last;
     int32_t position_01mm;
+    int late;
     (void)balise; /* not every law uses it */
     if (!clock->running || period == law->period || !law->guard.watch.speed_known) {
         return;
     }
-    if (law->period >= 0 && period > law->period + 1) {
-        law->overruns++;
-    }
+    late = law->period >= 0 && period > law->period + 1;
+    law->overruns += (uint32_t)late;
+    railhil_period(&law->guard, late);
     position_01mm = railhil_position_01mm(&law->guard.odometer, now_ns);
     @LAW@_inputs(k, speed_01mmps, position_01mm@BALISE@, &law->in, &law->events);
     if (law->steps == 0) {

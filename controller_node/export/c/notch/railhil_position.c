@@ -101,6 +101,10 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     if (railhil_greater(off, -off) > tolerance(odometer)) {
         counts[RAILHIL_POSITION_JUMP]++;
         odometer->run = 0;
+        if (!odometer->jumped) {
+            odometer->jumped = 1;
+            odometer->jumped_ns = now_ns;
+        }
         return;
     }
     since_ns = railhil_greater(now_ns - odometer->fitted_ns, 0);
@@ -115,6 +119,7 @@ void railhil_position(railhil_odometer_t *odometer, int64_t now_ns, const unsign
     odometer->fitted_ns = now_ns;
     if (odometer->run == RAILHIL_GOOD_POSITIONS) {
         odometer->trusted_ns = now_ns;
+        odometer->jumped = 0;
     }
 }
 
@@ -135,7 +140,13 @@ int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 
 int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
 {
-    return RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS;
+    if (RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS) {
+        return odometer->jumped ? RAILHIL_CONTRADICTED : RAILHIL_LOST;
+    }
+    if (odometer->jumped && now_ns - odometer->jumped_ns > RAILHIL_RECKONING_MAX_NS) {
+        return RAILHIL_CONTRADICTED;
+    }
+    return RAILHIL_NOT_LOST;
 }
 
 void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int64_t now_ns,

@@ -28,11 +28,13 @@ typedef struct {
     int64_t speed_ns;
     int64_t fitted_ns;  /* time of the last telegram that fitted */
     int64_t trusted_ns; /* last time that the odometer was trusted */
+    int64_t jumped_ns;  /* the first telegram since then that was inconsistent with the speeds */
     int32_t speed_01mmps;
     int32_t reading_01mm;
     int life;
     int begun;
     int heard;
+    int jumped;
     int run; /* consecutive telegrams that fitted */
 } railhil_odometer_t;
 
@@ -51,8 +53,11 @@ void railhil_balise(railhil_balise_t *balise, railhil_odometer_t *odometer, int6
 /* Position for the law: the odometer's while it is trusted, else the reckoned one; 0.1 mm. */
 int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns);
 
-/* The first takes an accepted speed. The second returns 1 if the law needs a position and has had only a reckoned one
- * for too long. */
+/* Why the position is lost: too long a time of dead reckoning for a law that needs a position, or inconsistent
+ * telegrams for as long. */
+enum { RAILHIL_NOT_LOST, RAILHIL_LOST, RAILHIL_CONTRADICTED };
+
+/* The first takes an accepted speed, the second answers one of the above. */
 void railhil_odometer_speed(railhil_odometer_t *odometer, int32_t speed_01mmps, int64_t at_ns);
 int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns);
 

@@ -1,0 +1,120 @@
+"""Orders that disturb the bus, to a hub with the option ``--faults``, and the notices with which it answers.
+
+An order is a packet like any other and has its place in the total order: what was carried before it is not touched.
+(With a bit rate, frames that still wait for the wire are.)
+``who`` is the role of a node, or the name with which a client has said hello; several clients may have it.
+
+=========== =================================================================================================
+order       effect on each client ``who``
+=========== =================================================================================================
+``errors``  errors destroy its next ``count`` attempts to send; every attempt counts (:mod:`..cancontroller`)
+``bus_off`` its CAN controller leaves the bus at once, as after 32 errors in a row
+``restart`` its CAN controller returns after 128 times 11 recessive bits; without a bit rate at once
+``line``    its ``line`` A or B is ``dead`` or alive again (:mod:`..lines`)
+``full``    its transmit queue is full (``on``), or has room again; it does not send meanwhile
+=========== =================================================================================================
+
+The wire format is described in :mod:`..wire`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE
+from railhil.bus.hub.lines import NAMES
+
+_ERRORS_MAX = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One order; see the module for ``what``. ``count``: only for ``errors``; ``line``: only for ``line``; ``on``: the
+    line is dead, the queue is full.
+
+    :raises ValueError: one line with key, value found and values allowed.
+    """
+
+    what: str
+    who: str
+    count: int = 1
+    line: str = "A"
+    on: bool = True
+
+    def __post_init__(self) -> None:
+        _demand("what", self.what, self.what in _WORDS, ", ".join(_WORDS))
+        _demand("who", self.who, isinstance(self.who, str) and bool(self.who), "a role or the name of a client")
+        is_count = isinstance(self.count, int) and not isinstance(self.count, bool)
+        _demand("count", self.count, is_count and 1 <= self.count <= _ERRORS_MAX, f"1..{_ERRORS_MAX}")
+        _demand("line", self.line, self.line in NAMES, ", ".join(NAMES))
+        _demand("on", self.on, isinstance(self.on, bool), "true, false")
+
+    def encoded(self) -> dict[str, Any]:
+        """JSON value for :func:`order_of`."""
+        return asdict(self)
+
+
+_WORDS = ("errors", "bus_off", "restart", "line", "full")
+
+
+def _demand(key: str, found: object, is_right: bool, allowed: str) -> None:
+    if not is_right:
+        raise ValueError(f"order: key {key!r}: found {found!r:.60}, allowed: {allowed}")
+
+
+def order_of(document: object) -> Order:
+    """The order in a packet. Raises ValueError with one line."""
+    if not isinstance(document, dict) or not {"what", "who"} <= document.keys() <= {*Order.__slots__}:
+        raise ValueError(f"order: found {document!r:.60}, allowed: {', '.join(Order.__slots__)}")
+    return Order(**document)
+
+
+@dataclass(frozen=True, slots=True)
+class Host:
+    """What a client's CAN controller and its two lines tell their host."""
+
+    state: str = ERROR_ACTIVE
+    tec: int = 0
+    rec: int = 0
+    line: str = NAMES[0]
+    switch_overs: int = 0
+    full: bool = False
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the CAN controller is bus-off."""
+        return self.state == BUS_OFF
+
+
+class Notices:
+    """A client's side of the notices.
+
+    :ivar host: state of its own CAN controller and lines, as of the packets read so far.
+    :ivar missed: orders of this client for which there was nobody, oldest first.
+    """
+
+    def __init__(self) -> None:
+        self.host = Host()
+        self.missed: list[str] = []
+        self._sent = 0
+        self._cut_off: set[str] = set()
+
+    def sending(self) -> None:
+        """Note that a packet of frames is sent."""
+        self._sent += 1
+        self._cut_off.clear()
+
+    def take(self, notice: dict[str, Any]) -> None:
+        """Take a notice of the hub."""
+        if "host" in notice:
+            self.host = Host(**notice["host"])
+        elif "missed" in notice:
+            self.missed.append(notice["missed"])
+        elif notice.get("packet", self._sent) == self._sent:
+            self._cut_off.update(notice["cut_off"])
+
+    def is_cut_off(self, role: str) -> bool:
+        """Whether no answer of that node to the last packet can come: it did not get the packet, or its answer did not
+        get here."""
+        return role in self._cut_off

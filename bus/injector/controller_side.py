@@ -1,0 +1,155 @@
+"""The controller with faults: what it answers passes them, and what happens to its process is acted out here.
+
+In lockstep the bus administrator waits for the answer to every poll. A controller whose answer is lost, held back or
+never made therefore says so: an empty frame on the telegram's last identifier means "no answer"
+(:mod:`railhil.bus.administrator`). In real time nothing is sent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from railhil.bus.frame import BRS, FD, Frame
+from railhil.bus.injector.holding import LOST
+from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.mvb import parse_master_frame
+from railhil.bus.telegrams import Event
+from railhil.dbc import Contract, Port
+
+
+class Served(Protocol):
+    """What is needed of a controller (:class:`railhil.controller_node.any_controller.AnyController`)."""
+
+    ended: Event | None
+
+    @property
+    def lockstep(self) -> bool:
+        """True unless the pace is known to follow the wall clock."""
+
+    def handle(self, frame: Frame, /) -> list[Frame]:
+        """Take one frame; returns the answer to a poll."""
+
+    def was_stopped(self, sim_ns: int, /) -> None:
+        """Nothing was received for some simulation time, and its own timer ran on."""
+
+
+class FaultyController:
+    """A controller under the faults of its node; everything that is not about frames is the controller's own.
+
+    :param make: makes the controller, again after a restart.
+    :param kill: ends the process at once; None: the controller is in the process of the others and only falls silent.
+    :param pause: stops the process for a time on the wall clock in s; None: acted out in simulation time.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[], Any],
+        faults: NodeFaults,
+        contract: Contract,
+        kill: Callable[[], None] | None = None,
+        pause: Callable[[float], None] | None = None,
+    ) -> None:
+        self._make = make
+        self._node: Served = make()
+        self.faults = faults
+        self._kill = kill
+        self._pause = pause
+        self._poll_id = contract.poll_id
+        self._polled: Mapping[int, Port] = {
+            port.f_code << 12 | port.address: port
+            for port in contract.ports
+            if port.source == "controller" and port.mode == "poll" and port.period_ns
+        }
+        #: True when a fault has killed it.
+        self.is_gone = False
+        self._kills = faults.at("node", "kill")
+        self._stops = faults.at("node", "stop")
+        self._restarts = faults.at("node", "restart")
+        self._silences = faults.at("bus", "off", "down")
+        # Since when it hears nothing, and what it will still be given.
+        self._deaf_since_ns: int | None = None
+        self._backlog: list[Frame] = []
+        self._is_new = False
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._node, name)
+
+    @property
+    def ended(self) -> Event | None:
+        """The event that ended the run, which a stopped controller does not see."""
+        return self._node.ended or self.faults.follower.ended
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order; returns what leaves instead of the answer."""
+        if self.faults.see(frame):
+            self._instant()
+        if self.is_gone:
+            return []
+        port = self._asked(frame)
+        if self._deaf_since_ns is not None:
+            self._backlog.append(frame)
+            for one in self._silences if port is not None else ():
+                if one.active:
+                    self.faults.activities.note(one, f"poll of {frame.data.hex()}", LOST)
+            return self._nothing(port)
+        answers = self._node.handle(frame)
+        if port is None:
+            return answers
+        for answer in answers:
+            self.faults.see(answer)
+        left = list(self.faults.passes(answers))
+        ends = (port.can_ids[-1], port.fd_id)
+        answered = any(one.can_id in ends and not one.flags & ~(FD | BRS) for one in left)
+        return left if answered else [*left, *self._nothing(port)]
+
+    def _asked(self, frame: Frame) -> Port | None:
+        """The port that a frame asks for; None: it asks for none of this controller."""
+        if frame.can_id != self._poll_id or frame.flags:
+            return None
+        asked = parse_master_frame(frame.data)
+        return None if asked is None else self._polled.get(asked[0] << 12 | asked[1])
+
+    def _nothing(self, port: Port | None) -> list[Frame]:
+        """The answer that there is none."""
+        return [Frame(port.can_ids[-1], b"")] if port is not None and self._node.lockstep else []
+
+    def _instant(self) -> None:
+        """What begins or ends with an instant and is not about a telegram."""
+        activities = self.faults.activities
+        for one in self._kills:
+            if one.active and not self.is_gone:
+                activities.note(one, "running", "killed")
+                self.is_gone = True
+                if self._kill is not None:
+                    self.faults.write()
+                    self._kill()
+        for one in self._stops:
+            if one.active and one.hits == 0:
+                activities.note(one, "running", "stopped")
+                if self._pause is not None and not self._node.lockstep and one.fault.duration_s is not None:
+                    self._pause(one.fault.duration_s)
+                    one.order(False, activities.now_ns)
+        for one in self._restarts:
+            if one.active and one.hits == 0:
+                activities.note(one, "running", "ended")
+                self._is_new = True
+        deaf = [one for one in (*self._stops, *self._restarts, *self._silences) if one.active]
+        if deaf and self._deaf_since_ns is None:
+            self._deaf_since_ns = activities.now_ns
+        elif not deaf and self._deaf_since_ns is not None:
+            self._hears_again(activities.now_ns)
+
+    def _hears_again(self, now_ns: int) -> None:
+        since_ns, self._deaf_since_ns = self._deaf_since_ns or 0, None
+        backlog, self._backlog = self._backlog, []
+        delivers = any(one.fault.after == "deliver" and one.over for one in self._stops)
+        if self._is_new:
+            self._is_new = False
+            self._node = self._make()
+        elif delivers:
+            # Its answers to these polls come too late for anybody.
+            for frame in backlog:
+                self._node.handle(frame)
+        else:
+            self._node.was_stopped(now_ns - since_ns)

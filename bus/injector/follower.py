@@ -1,0 +1,147 @@
+"""Simulation time, true motion, events and orders of a run, from the frames that pass a node.
+
+The injectors of all nodes use it, so that a trigger means the same at each of them. Time comes from a port that no
+fault disturbs: at the plant the port that opens the ticks, as it is before any fault, elsewhere the truth.
+"""
+
+from __future__ import annotations
+
+from railhil.bus.frame import Frame
+from railhil.bus.schedule import Schedule
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd
+from railhil.dbc import Contract, Port, Signal
+from railhil.faults.model import Injection
+from railhil.faults.ports import life_signal
+
+#: Event ``braking``: the train decelerates by at least this much.
+BRAKING_MPS2 = 0.3
+
+
+def raw_of(data: bytes, signal: Signal) -> int:
+    """Raw value of a signal in process data."""
+    value = (int.from_bytes(data) >> len(data) * 8 - signal.first_bit - signal.length) % (1 << signal.length)
+    return value - (1 << signal.length) if value > signal.raw_range[1] else value
+
+
+class _Value:
+    """One signal of the truth, in its unit."""
+
+    def __init__(self, port: Port, name: str) -> None:
+        self._signal = next((one for one in port.signals if one.name == name), None) if name else None
+
+    def of(self, data: bytes) -> float:
+        return 0.0 if self._signal is None else raw_of(data, self._signal) * self._signal.scale
+
+
+class Follower:
+    """Follows one run.
+
+    :param at_plant: the frames are the plant's own, before any fault.
+    """
+
+    def __init__(self, injection: Injection, contract: Contract, schedule: Schedule, *, at_plant: bool) -> None:
+        truth = injection.truth
+        #: Simulation time of the present tick; -1 before the first.
+        self.now_ns = -1
+        self.position_m = 0.0
+        self.speed_mps = 0.0
+        #: The event that ended the run.
+        self.ended: Event | None = None
+        #: Events since :meth:`take_events`, in lower case.
+        self._events: list[str] = []
+        #: Orders by hand: number of the fault, and whether it is to be injected.
+        self._orders: list[tuple[int, bool]] = []
+        self._own_events = injection.events
+        clock = contract.clock_port if at_plant or truth is None else contract.port(truth.port)
+        self._clock = clock.name
+        #: Identifiers of the port that says the time.
+        self.clock_ids = {*clock.can_ids, clock.fd_id}
+        self._period_ns = schedule.ticks(clock.name) * schedule.base_tick_ns
+        self._life_signal = life_signal(clock)
+        self._life = -1
+        self._event_number = 0
+        self._moved = self._brakes = self._drives = False
+        ports = {
+            clock.name: clock,
+            RunEvent.PORT: contract.port(RunEvent.PORT),
+            SupCmd.PORT: contract.port(SupCmd.PORT),
+        }
+        self._levels: dict[str, Signal] = {}
+        self._level: dict[str, int] = {}
+        self._truth = ""
+        if truth is not None:
+            port = contract.port(truth.port)
+            self._truth, ports[truth.port] = truth.port, port
+            self._position, self._speed = _Value(port, truth.position), _Value(port, truth.speed)
+            self._acceleration, self._traction = _Value(port, truth.acceleration), _Value(port, truth.traction)
+            for name, signal in truth.levels.items():
+                ports[name] = contract.port(name)
+                self._levels[name] = next(one for one in ports[name].signals if one.name == signal)
+        self._store = TrafficStore(ports.values())
+
+    def see(self, frame: Frame) -> bool:
+        """Take a frame in bus order; True if it begins a new instant."""
+        name = self._store.feed(frame, max(self.now_ns, 0)) if frame.data else None
+        if name is None:
+            return False
+        data = self._store.raw(name)
+        new = name == self._clock and self._tick(data)
+        if name == self._truth:
+            self._move(data)
+        elif name == RunEvent.PORT:
+            self._milestone(RunEvent.decode(data))
+        elif name == SupCmd.PORT:
+            order = SupCmd.decode(data)
+            if order.fault_order != FaultOrder.NONE:
+                self._orders.append((order.fault_number, order.fault_order == FaultOrder.INJECT))
+        if name in self._levels:
+            level = raw_of(data, self._levels[name])
+            if level != self._level.get(name, 0):
+                self._level[name] = level
+                self._events.append(self._levels[name].values.get(level, ""))
+        return new
+
+    def take_events(self) -> list[str]:
+        """Events since the last call."""
+        found, self._events = self._events, []
+        return found
+
+    def take_orders(self) -> list[tuple[int, bool]]:
+        """Orders by hand since the last call."""
+        found, self._orders = self._orders, []
+        return found
+
+    def _tick(self, data: bytes) -> bool:
+        step = 1
+        if self._life_signal is not None:
+            modulus = 1 << self._life_signal.length
+            life = raw_of(data, self._life_signal)
+            # Lost ones are bridged; a repeated one is not a new instant.
+            step = (life - self._life) % modulus if self._life >= 0 else 1
+            self._life = life
+        self.now_ns = 0 if self.now_ns < 0 else self.now_ns + step * self._period_ns
+        return step > 0
+
+    def _move(self, data: bytes) -> None:
+        self.position_m, self.speed_mps = self._position.of(data), self._speed.of(data)
+        moves = self.speed_mps != 0.0
+        if self._moved and not moves:
+            self._events.append("standstill")
+        brakes = self._acceleration.of(data) <= -BRAKING_MPS2
+        if brakes and not self._brakes:
+            self._events.append("braking")
+        drives = self._traction.of(data) > 0.0
+        if drives and not self._drives:
+            self._events.append("traction")
+        self._moved, self._brakes, self._drives = moves, brakes, drives
+
+    def _milestone(self, event: RunEvent) -> None:
+        if event.number == self._event_number:
+            return
+        self._event_number = event.number
+        code = event.event
+        known = Event(code).name.lower() if code in Event._value2member_map_ else self._own_events.get(code, "")
+        self._events.append(known)
+        if code in Event._value2member_map_ and Event(code).ends_run:
+            self.ended = Event(code)

@@ -1,0 +1,115 @@
+"""The plant's connection with faults: what the plant sends passes them, on every transport."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from railhil.bus.frame import Frame
+from railhil.bus.injector.changes import number_of
+from railhil.bus.injector.flood import Flood
+from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.injector.processes import kill_this_process, stop_this_process
+from railhil.bus.link import Endpoint
+
+
+class FaultyEndpoint:
+    """:class:`railhil.bus.link.Endpoint` of the plant.
+
+    :param bit_rate: of the bus in bit/s.
+    :param kill: ends the process at once.
+    :param stop: stops the process for a time on the wall clock in s; ``sleep``: ``clock.wall pause``.
+    """
+
+    def __init__(
+        self,
+        endpoint: Endpoint,
+        faults: NodeFaults,
+        bit_rate: int,
+        kill: Callable[[], None] = kill_this_process,
+        stop: Callable[[float], None] = stop_this_process,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self._endpoint = endpoint
+        self.faults = faults
+        self._kills = faults.at("node", "kill")
+        self._stops = faults.at("node", "stop")
+        self._pauses = faults.at("clock", "pause")
+        self._floods = [Flood(one, bit_rate) for one in faults.at("bus", "load")]
+        self._kill = kill
+        self._stop = stop
+        self._sleep = sleep
+
+    @property
+    def lossless(self) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.lossless
+
+    @lossless.setter
+    def lossless(self, value: bool) -> None:
+        self._endpoint.lossless = value
+
+    @property
+    def is_down(self) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.is_down
+
+    def send(self, frames: Sequence[Frame]) -> None:
+        """Send what the faults leave of these frames, and what they held back before."""
+        faults = self.faults
+        leaving: list[Frame] = []
+        begun = 0
+        opening = faults.follower.clock_ids
+        for index, frame in enumerate(frames):
+            if frame.can_id in opening:
+                # It begins an instant, and what stands before it belongs to the last one.
+                leaving += faults.passes(frames[begun:index])
+                begun = index
+            if faults.see(frame):
+                leaving += faults.due()
+                leaving += self._at_once()
+        leaving += faults.passes(frames[begun:])
+        if leaving:
+            self._endpoint.send(leaving)
+
+    def _at_once(self) -> list[Frame]:
+        """What begins with an instant and is not about a telegram."""
+        activities = self.faults.activities
+        for one in self._kills:
+            if one.active:
+                activities.note(one, "running", "killed")
+                self.faults.write()
+                self._kill()
+        for one in self._stops:
+            if one.active and one.fault.duration_s is not None:
+                activities.note(one, "running", "stopped")
+                one.order(False, activities.now_ns)
+                self._stop(one.fault.duration_s)
+        for one in self._pauses:
+            if one.active:
+                activities.note(one, "running", "paused")
+                one.order(False, activities.now_ns)
+                self._sleep(number_of(one.fault, "pause_s"))
+        flooded: list[Frame] = []
+        for flood in self._floods:
+            flooded += flood.frames(activities)
+        return flooded
+
+    def receive(self, timeout_s: float | None) -> list[Frame]:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        frames = self._endpoint.receive(timeout_s)
+        for frame in frames:
+            self.faults.see(frame)
+        return frames
+
+    def has_ended(self, node: str) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.has_ended(node)
+
+    def is_cut_off(self, node: str) -> bool:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        return self._endpoint.is_cut_off(node)
+
+    def close(self) -> None:
+        """See :class:`railhil.bus.link.Endpoint`."""
+        self._endpoint.close()

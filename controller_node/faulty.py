@@ -1,0 +1,61 @@
+"""The controller of a run, under the faults of its node if there are any."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, cast
+
+from railhil.bus.injector.controller_side import FaultyController
+from railhil.bus.injector.node_faults import NodeFaults
+from railhil.bus.schedule import Schedule
+from railhil.controller_node.any_controller import AnyController
+from railhil.scenarios.fault_list import injection_of
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+
+
+def controller_of(
+    scenario: AnyScenario,
+    law: LawSpec,
+    seed: int,
+    controller: Any = None,
+    *,
+    fd: bool = False,
+    bit_rate: int | None = None,
+    folder: Path | None = None,
+    kill: Callable[[], None] | None = None,
+    pause: Callable[[float], None] | None = None,
+) -> AnyController:
+    """The controller of a run.
+
+    :param seed: of the run, for the random numbers of faults.
+    :param controller: computes the commands instead of the law; None: the law.
+    :param folder: the run folder, for the log of the faults; None: no log is written.
+    :param kill, pause: see :class:`railhil.bus.injector.controller_side.FaultyController`.
+    :raises InputError: the law cannot be made.
+    """
+    system = system_named(scenario.system)
+    part, contract = system.part("controller"), system.contract
+
+    def make() -> Any:
+        return part(scenario, law, controller, fd=fd, bit_rate=bit_rate)
+
+    injection = injection_of(scenario, seed)
+    if injection is None:
+        return cast(AnyController, make())
+    schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
+    faults = NodeFaults(injection, contract, schedule, "controller", folder)
+    return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
+
+
+def write_fault_log(node: AnyController) -> None:
+    """Write the log of the controller's faults, if it is under any."""
+    if isinstance(node, FaultyController):
+        node.faults.write()
+
+
+def was_killed(node: AnyController) -> bool:
+    """Whether a fault has killed the controller."""
+    return isinstance(node, FaultyController) and node.is_gone

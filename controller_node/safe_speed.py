@@ -1,0 +1,70 @@
+"""The controller's end of the safe speed: TRN_SPEED counts only as long as SPEED_SDT confirms it.
+
+SPEED_SDT brings the speed of the same instant once more, with SDTv2's protection (:mod:`railhil.bus.sdt`) and with the
+time of the train. It confirms if the sink finds it fresh, its time is that of the controller's clock, and its speed is
+that of a TRN_SPEED accepted at the same instant. Its age is the time since the last confirmation, beyond the
+``n_rxsafe`` periods that the channel tolerates; the watch takes the older of this age and that of TRN_SPEED.
+
+The time is needed because the sequence counter repeats itself every 256 telegrams: recorded telegrams that come again
+after a multiple of that would otherwise be fresh.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+
+from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt, safe_tick
+from railhil.bus.schedule import Schedule
+from railhil.bus.sdt import SafeSink, SinkLimits, Validity, source_identity
+from railhil.scenarios.model import Scenario
+
+_TICK_MODULUS = 1 << 24
+
+
+class SafeSpeed:
+    """Confirms accepted speeds.
+
+    ``counters``: safe telegrams that confirmed nothing, by cause: those of :class:`railhil.bus.sdt.SafeSink`, ``time``,
+    ``differs``; each with ``safe_`` before it.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        timing, safety = scenario.timing, scenario.safety
+        ticks = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns).ticks(SpeedSdt.PORT)
+        self._counters: Counter[str] = Counter()
+        self._n_rxsafe = safety.n_rxsafe
+        limits = SinkLimits(n_rxsafe=safety.n_rxsafe, n_ssc=safety.n_rxsafe + 1, cmthr=safety.cmthr)
+        self._sink = SafeSink([source_identity(SpeedSdt.port().address)], SAFE_DATA_VERSION, limits, self._counters)
+        self._period_ns = ticks * timing.base_tick_ns
+        self._late_ticks = safety.n_rxsafe * ticks
+        self._cycle_ns = 0
+        self._confirmed_ns = 0
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """See the class."""
+        return {f"safe_{cause}": count for cause, count in self._counters.items()}
+
+    def take(self, telegram: SpeedSdt, now_ns: int, tick: int, speed_01mmps: int | None) -> None:
+        """Take a SPEED_SDT telegram that passed the traffic store.
+
+        :param tick: of the controller's clock.
+        :param speed_01mmps: accepted from TRN_SPEED at this instant; None: none was.
+        """
+        missed = (now_ns - self._cycle_ns) // self._period_ns - 1
+        self._cycle_ns = now_ns
+        for _ in range(min(missed, self._n_rxsafe)):
+            self._sink.judge(None)
+        if self._sink.judge(telegram.encode()) is not Validity.FRESH:
+            return
+        off = (safe_tick(telegram) - tick) % _TICK_MODULUS
+        if min(off, _TICK_MODULUS - off) > self._late_ticks:
+            self._counters["time"] += 1
+        elif speed_01mmps is not None and speed_01mmps != telegram.speed_01mmps:
+            self._counters["differs"] += 1
+        else:
+            self._confirmed_ns = now_ns
+
+    def age_ns(self, now_ns: int) -> int:
+        """Time without confirmation, beyond what the channel tolerates."""
+        return max(0, now_ns - self._confirmed_ns - self._n_rxsafe * self._period_ns)

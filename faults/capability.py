@@ -1,0 +1,125 @@
+"""What can be injected on which transport and at which pace, and why not: one table, for the check and the document."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from railhil.common.errors import InputError, Words
+from railhil.faults.language import fault_text
+from railhil.faults.model import Fault
+from railhil.faults.words import CLEAR, WORDS, Word, kind_of_part
+
+#: Transports: what they are called here, and what they are.
+TRANSPORTS = {
+    "local": "all nodes in one process (`--bus local`, tests, campaigns through the nodes)",
+    "hub": "railhil's hub, also as a gateway to other buses",
+    "kernel": "SocketCAN: vcan, or a CAN interface of the kernel",
+    "adapter": "any other interface of python-can, such as slcan",
+    "board": "a controller that is not railhil's (`--no-controller`), on any of these",
+    "batch": "the compiled batch of `campaign` and `tune`",
+}
+PACES = ("lockstep", "realtime")
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """What cannot be injected; an empty field matches everything.
+
+    ``names``: places of the level; ``parts``: as in :class:`railhil.faults.words.Word`; ``sources``: nodes at which the
+    fault acts; ``unless_constant``: not about what :func:`is_constant` says.
+    """
+
+    why: str
+    levels: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
+    transports: tuple[str, ...] = ()
+    unless_constant: bool = False
+    paces: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
+
+    def fits(self, word: Word, name: str) -> bool:
+        """Whether it is about a word at a place, on some transport."""
+        return (
+            word.name != CLEAR
+            and (not self.levels or word.level in self.levels)
+            and (not self.words or word.name in self.words)
+            and (not self.names or name in self.names)
+            and (not self.parts or word.part in self.parts)
+        )
+
+
+#: The table; the first entry that fits says why.
+REFUSALS: tuple[Refusal, ...] = (
+    Refusal("the bus has one line", ("bus",), parts=("line",)),
+    Refusal("neither the hub nor this connection has error counters", ("bus",), ("error_frames", "passive")),
+    Refusal("end the process by hand: nothing is left that could record it", ("node",), names=("supervisor",)),
+    Refusal("only a controller can be made anew or answer late", ("node",), ("restart", "slow"), ("plant",)),
+    Refusal("the plant is in the process of all others", ("node",), names=("plant",), transports=("local",)),
+    Refusal("in lockstep all nodes stand still with the plant", ("node",), ("stop",), ("plant",), paces=("lockstep",)),
+    Refusal("lockstep has no wall clock", ("clock",), names=("wall",), paces=("lockstep",)),
+    Refusal(
+        "the batch has no injectors: such runs go through the nodes",
+        transports=("batch",),
+        unless_constant=True,
+    ),
+    Refusal(
+        "the controller is not railhil's: its connection has no injector",
+        ("command", "telegram", "node", "bus"),
+        transports=("board",),
+        sources=("controller",),
+    ),
+)
+
+
+#: Places of the train and words that a changed scenario expresses.
+MISMATCHES = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
+
+
+def is_constant(fault: Fault) -> bool:
+    """Whether a fault is a mismatch that lasts from the start to the end: a changed scenario says the same.
+
+    The batch computes these, with whatever values are drawn; runs with any other fault go through the nodes.
+    """
+    begins = fault.trigger.kind == "time" and not fault.trigger.value and not fault.trigger.delay_s
+    ends = fault.duration_s is not None or fault.count is not None or bool(fault.until)
+    return fault.place.level == "train" and (fault.place.name, fault.what) in MISMATCHES and begins and not ends
+
+
+def refusals(word: Word, name: str) -> Iterator[Refusal]:
+    """All entries about a word at a place."""
+    return (entry for entry in REFUSALS if entry.fits(word, name))
+
+
+def why_not(fault: Fault, transport: str, pace: str, sources: Sequence[str] = ()) -> str:
+    """Why a fault cannot be injected; empty if it can.
+
+    :param transport: one of :data:`TRANSPORTS`.
+    :param sources: nodes at which it acts.
+    """
+    place = fault.place
+    part = kind_of_part(place.level, place.part)
+    word = next(one for one in WORDS if (one.level, one.name, one.part) == (place.level, fault.what, part))
+    for entry in refusals(word, place.name):
+        on = not entry.transports or transport in entry.transports
+        at = not entry.paces or pace in entry.paces
+        if entry.unless_constant and is_constant(fault):
+            continue
+        if on and at and (not entry.sources or {*entry.sources} & {*sources}):
+            return entry.why
+    return ""
+
+
+def check_injectable(fault: Fault, transports: Sequence[str], pace: str, sources: Sequence[str] = ()) -> None:
+    """Refuse a fault that cannot be injected; none is ignored.
+
+    :param transports: all that apply to the run.
+    :param sources: nodes at which it acts.
+    :raises InputError: it cannot.
+    """
+    for transport in transports:
+        if why := why_not(fault, transport, pace, sources):
+            found = Words(f"a run on {transport} in {pace}")
+            raise InputError("faults", fault_text(fault, judging=False), found, f"no such fault there: {why}")

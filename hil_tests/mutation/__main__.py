@@ -1,0 +1,63 @@
+"""Command of the mutation tests."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from hil_tests.mutation.run import Result, containing, prepare, sample, try_decisions, try_module
+from hil_tests.mutation.targets import explained, modules, source_of, tests_of
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Exit code 0: every mutant is noticed or explained."""
+    parser = argparse.ArgumentParser(prog="python -m hil_tests.mutation", description=__doc__)
+    parser.add_argument("module", nargs="*", help="dotted names; default: all of targets.toml")
+    parser.add_argument("--tests", nargs="+", metavar="FILE", help="default: those of targets.toml")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--sample", type=int, metavar="N", help="only N mutants of each module, drawn with --seed")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--only", metavar="TEXT", help="only mutants with this text in function, line or change")
+    parser.add_argument("--branches", action="store_true", help="decisions whose outcomes are not both seen, instead")
+    given = parser.parse_args(arguments)
+    prepare()
+    good = True
+    for module in given.module or modules():
+        path, tests = source_of(module), given.tests or tests_of(module)
+        if given.branches:
+            result = try_decisions(module, path, tests)
+            print(f"{module}: {result.count} decisions, {len(result.unseen)} outcomes not seen")
+        else:
+            chosen = sample(given.sample, given.seed) if given.sample else list
+            if given.only:
+                chosen = containing(given.only)
+            result = try_module(module, path, tests, jobs=given.jobs, chosen=chosen)
+        for line in (*(f"fails without any change: {name}" for name in result.failed), *result.unseen):
+            print(f"  {line}", flush=True)
+        good &= not (result.failed or result.unseen)
+        if not (result.failed or given.branches):
+            good &= _told(result, whole=not (given.sample or given.only))
+    return 0 if good else 1
+
+
+def _told(result: Result, whole: bool) -> bool:
+    """Print the mutants that survived in one module; True if all are explained."""
+    known = explained(result.module)
+    new = [mutant for mutant in result.alive if mutant.key not in known]
+    keys = {mutant.key for mutant in result.alive}
+    stale = [key for key in known if key not in keys] if whole else []
+    print(
+        f"{result.module}: {result.count} mutants, {result.count - len(result.alive)} noticed, "
+        f"{len(result.alive) - len(new)} explained, {len(new)} not",
+        flush=True,
+    )
+    for mutant in new:
+        print(f"  {mutant.line}: {mutant.scope}: {mutant.code}\n      {mutant.text}", flush=True)
+    for key in stale:
+        print(f"  explained in survivors.toml, but noticed or gone: {': '.join(key)}", flush=True)
+    return not new and not stale
+
+
+if __name__ == "__main__":
+    sys.exit(main())

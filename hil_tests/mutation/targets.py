@@ -1,0 +1,50 @@
+"""Which tests judge the mutants of a module, and the survivors that are explained."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from pathlib import Path
+
+HERE = Path(__file__).parent
+ROOT = HERE.parent.parent
+#: Module, function, source line, change: see :attr:`hil_tests.mutation.operators.Mutant.key`.
+Key = tuple[str, str, str]
+
+
+def modules() -> list[str]:
+    """The modules whose mutants are all noticed or explained."""
+    return list(_table("targets.toml")["modules"])
+
+
+def tests_of(module: str) -> list[str]:
+    """Test files of a module: those of targets.toml, else all unit tests in whose text it is named."""
+    listed: dict[str, list[str]] = _table("targets.toml")["modules"]
+    if module in listed:
+        return listed[module]
+    package, _, name = module.rpartition(".")
+    words = (f"from {module} import", f"import {module}", f"from {package} import {name}")
+    files = sorted((ROOT / "hil_tests").rglob("test_*.py"))
+    return [str(path.relative_to(ROOT)) for path in files if any(word in path.read_text("utf-8") for word in words)]
+
+
+def explained(module: str) -> dict[Key, str]:
+    """The survivors of a module that no test can notice, and why."""
+    return {
+        (entry["function"], entry["code"], entry["change"]): entry["why"]
+        for entry in _table("survivors.toml").get("survivor", [])
+        if entry["module"] == module
+    }
+
+
+def source_of(module: str) -> Path:
+    """Source file of a module, which is not imported."""
+    for folder in (ROOT, *map(Path, sys.path)):
+        path = folder / (module.replace(".", "/") + ".py")
+        if path.is_file():
+            return path
+    raise ModuleNotFoundError(f"{module}: no such module with a source file")
+
+
+def _table(name: str) -> dict[str, dict]:  # type: ignore[type-arg]
+    return tomllib.loads((HERE / name).read_text("utf-8"))

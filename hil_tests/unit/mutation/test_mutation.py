@@ -1,0 +1,131 @@
+"""The mutation tester on a module made for it, and a few mutants of the bench, so that neither can rot."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from hil_tests.mutation import targets
+from hil_tests.mutation.operators import mutants
+from hil_tests.mutation.targets import ROOT, explained, modules, source_of
+
+SUBJECT = '''\
+"""A module with every kind of place."""
+
+LIMIT = 3
+SPARE = 7
+
+
+class Box:
+    size = 2
+
+    @property
+    def double(self) -> int:
+        return self.size * 2
+
+
+def clipped(value: float) -> float:
+    if value > LIMIT:
+        return LIMIT
+    return max(value, 0.5)
+
+
+def forever(count: int) -> int:
+    while count > 0:
+        count -= 1
+    return -count
+'''
+TESTS = """\
+import pytest
+from subject import Box, clipped, forever
+
+
+def test_clipped():
+    assert [clipped(x) for x in (-1.0, 0.5, 2.0, 3.0, 4.0)] == [0.5, 0.5, 2.0, 3, 3]
+
+
+def test_box():
+    assert Box().double == 4
+
+
+def test_forever():
+    assert forever(5) == 0
+"""
+
+
+@pytest.fixture
+def subject(tmp_path: Path) -> Path:
+    (tmp_path / "subject.py").write_text(SUBJECT, encoding="utf-8")
+    (tmp_path / "test_subject.py").write_text(TESTS, encoding="utf-8")
+    return tmp_path
+
+
+def command(folder: Path, *arguments: str) -> tuple[int, list[str]]:
+    done = subprocess.run(
+        [sys.executable, "-m", "hil_tests.mutation", *arguments],
+        cwd=folder, env={"PYTHONPATH": f"{folder}:{ROOT}", "PATH": ""}, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.stderr == ""
+    return done.returncode, done.stdout.splitlines()
+
+
+def test_what_no_test_notices_is_named(subject: Path) -> None:
+    """Inside functions and outside."""
+    for only, count, alive in (
+        ("LIMIT", 5, ["value > LIMIT -> value >= LIMIT"]),
+        ("SPARE", 2, ["7 -> 8", "7 -> 6"]),
+        ("Box.double", 4, []),
+        # An endless loop.
+        ("count -= 1 -> pass", 1, []),
+    ):
+        code, said = command(subject, "subject", "--tests", "test_subject.py", "--jobs", "1", "--only", only)
+        assert code == bool(alive)
+        assert said[0] == f"subject: {count} mutants, {count - len(alive)} noticed, 0 explained, {len(alive)} not"
+        assert [line.strip() for line in said[2::2]] == alive
+
+
+def test_decisions_not_seen_both_ways_are_named(subject: Path) -> None:
+    assert command(subject, "subject", "--tests", "test_subject.py", "--branches") == (
+        0, ["subject: 2 decisions, 0 outcomes not seen"],
+    )  # fmt: skip
+    only = "test_subject.py::test_forever"
+    assert command(subject, "subject", "--tests", only, "--branches") == (
+        1,
+        [
+            "subject: 2 decisions, 2 outcomes not seen",
+            "  line 16: value > LIMIT was never True",
+            "  line 16: value > LIMIT was never False",
+        ],
+    )
+
+
+def test_tests_that_fail_without_a_mutant_judge_nothing(subject: Path) -> None:
+    (subject / "test_subject.py").write_text("def test_wrong():\n    assert False\n", encoding="utf-8")
+    code, said = command(subject, "subject", "--tests", "test_subject.py")
+    assert (code, said) == (1, ["  fails without any change: test_subject.py::test_wrong"])
+
+
+def test_every_target_exists() -> None:
+    for module in modules():
+        assert source_of(module).is_file()
+        assert all((ROOT / name).is_file() for name in targets.tests_of(module)), module
+
+
+@pytest.mark.parametrize("module", modules())
+def test_every_explained_survivor_is_a_mutant(module: str) -> None:
+    known = explained(module)
+    keys = Counter(mutant.key for mutant in mutants(source_of(module).read_text("utf-8"))) if known else Counter()
+    assert [key for key in known if keys[key] != 1] == []
+    assert all(why.strip() for why in known.values())
+
+
+def test_some_mutants_of_the_bench() -> None:
+    """A fixed sample; all of them: ``make mutants``."""
+    subjects = ("railhil.supervisor.measures", "railhil.supervisor.witness", "railhil.controller_node.speed_watch")
+    code, said = command(ROOT, *subjects, "--sample", "8", "--seed", "12", "--jobs", "2")
+    assert code == 0, said
+    assert [line.partition(":")[0] for line in said] == list(subjects)

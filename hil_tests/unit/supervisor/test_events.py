@@ -1,0 +1,525 @@
+"""Events of a run: what happened and why, from the record alone."""
+
+from __future__ import annotations
+
+import csv
+import json
+import lzma
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+import numpy as np
+import pytest
+
+import railhil
+from hil_tests.support.cli import Done
+from hil_tests.support.cli import railhil as command
+from hil_tests.support.disturbed import Disturbance, damaged, disturbed_run
+from hil_tests.support.paths import TEST_DATA
+from hil_tests.support.short_runs import RUN_72M_TOML
+from railhil.bus.frame import ERROR, EXTENDED, Frame
+from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
+from railhil.bus.mvb import TelegramSource, master_frame
+from railhil.bus.telegrams import (
+    CtlCause,
+    CtlMode,
+    NotchCmd,
+    PltStat,
+    TrnPos,
+    TrnSpeed,
+    TrnWatch,
+    WatchCause,
+)
+from railhil.controller_node.guard import SPEED_MAX_01MMPS
+from railhil.dbc import recorded_contract, wire_contract
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.ato_events import SPEED_RANGE_01MMPS
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import COLUMNS, RecordedEvent
+from railhil.supervisor.events.summary import explained, summary, why
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.record import checked_record
+from railhil.supervisor.report.page import page
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.supervisor.trace import Trace, trace_of
+
+TICK_NS = 10_000_000
+#: Events of every run.
+USUAL = [("train", "start", "no_command"), *(("plant", "milestone", name) for name in ("departed", "stopped"))]
+
+
+def told(events: Iterable[RecordedEvent], *kinds: str) -> list[tuple[str, str, str]]:
+    """Source, cause and level of the events, all or those of some kinds."""
+    return [(event.source, event.cause, event.level) for event in events if not kinds or event.kind in kinds]
+
+
+@pytest.fixture(scope="module")
+def short_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("scenario") / "short.toml"
+    # The law stops this short run 4 m too early.
+    path.write_text(RUN_72M_TOML + "stop_error_max_m = 10\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def short(short_file: Path) -> Scenario:
+    return load(str(short_file))
+
+
+# -- the controller reads its mailboxes every 100 ms ----------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Slow:
+    """A run whose controller has a speed that is too old most of the time."""
+
+    done: Done
+    folder: Path
+    document: dict
+
+
+@pytest.fixture(scope="module")
+def slow(short_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Slow:
+    folder = tmp_path_factory.mktemp("slow") / "run"
+    done = command("run", short_file, "--bus", "local", "--task-period-ms", "100", "--out", folder)
+    return Slow(done, folder, json.loads((folder / "score.json").read_text()))
+
+
+#: What the run ends with, wherever it is said.
+CUT = "TRACTION CUT from 0.16 s (TRN_SPEED older than 64 ms, for 24.75 s)"
+
+
+def test_the_console_says_why_the_train_has_not_stopped(slow: Slow) -> None:
+    assert slow.done.exit_code == 1
+    assert f"FAIL: not stopped 0.9 s after the timetable - {CUT}" in slow.done.out.splitlines()
+
+
+def test_the_same_from_the_log_alone(slow: Slow) -> None:
+    done = command("score", slow.folder)
+    assert f"FAIL: not stopped 0.9 s after the timetable - {CUT}" in done.out.splitlines()
+    shown = json.loads(command("score", slow.folder, "--json").out)
+    assert (shown["why"], shown["events"]) == (CUT, slow.document["events"])
+
+
+def test_score_json_has_first_and_worst_reaction_of_each_watch(slow: Slow) -> None:
+    assert slow.document["why"] == CUT
+    assert slow.document["failures"] == ["not stopped 0.9 s after the timetable"]
+    watches = slow.document["events"]["watches"]
+    assert watches["train"] is None
+    assert watches["controller"]["first"] == {
+        "level": "hold", "time_s": 0.12, "cause": "speed_age", "detail": "TRN_SPEED older than 20 ms",
+    }  # fmt: skip
+    worst = watches["controller"]["worst"]
+    assert (worst["level"], worst["time_s"], worst["cause"], worst["times"]) == ("traction_cut", 0.16, "speed_age", 1)
+    assert watches["controller"]["seconds"] == {"hold": 0.04, "traction_cut": 24.75}
+
+
+def test_junit_has_the_reaction_as_property_and_in_the_failure(slow: Slow) -> None:
+    suite = ET.parse(slow.folder / "junit.xml").getroot()
+    properties = {found.get("name"): found.get("value") for found in suite.findall("properties/property")}
+    assert properties["reaction.controller"] == CUT
+    assert "reaction.train" not in properties
+    assert [found.get("message") for found in suite.findall(".//failure")] == [f"did not stop - {CUT}"]
+
+
+def test_the_report_has_the_ladder_and_the_table(slow: Slow) -> None:
+    html = (slow.folder / "report.html").read_text()
+    assert CUT in html
+    assert 'id="reactions"' in html
+    table = html.partition('id="events"')[2].partition("</table>")[0]
+    assert "<td>controller</td><td>TRACTION CUT</td><td>TRN_SPEED older than 64 ms</td>" in table
+
+
+def test_events_csv_has_a_row_for_each_event(slow: Slow) -> None:
+    with (slow.folder / "events.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert tuple(rows[0]) == COLUMNS
+    cut = next(row for row in rows if row["level"] == "traction_cut")
+    assert {key: cut[key] for key in ("time_s", "until_s", "source", "kind", "cause", "count", "position_m")} == {
+        "time_s": "0.16", "until_s": "24.91", "source": "controller", "kind": "level", "cause": "speed_age",
+        "count": "1", "position_m": "",
+    }  # fmt: skip
+    events = railhil.open_run(slow.folder).events
+    assert [row["cause"] for row in rows] == [event.cause for event in events]
+
+
+def test_the_threshold_in_the_text_is_that_of_the_scenario(short_file: Path, tmp_path: Path) -> None:
+    given = ["--set", "watch.traction_cut_ms=48", "--no-report"]
+    done = command("run", short_file, "--bus", "local", "--task-period-ms", "100", *given, "--out", tmp_path / "run")
+    assert "(TRN_SPEED older than 48 ms, " in done.out
+
+
+# -- disturbed buses ------------------------------------------------------------------------------------------------
+
+
+class Run:
+    """A run over a disturbed bus, judged."""
+
+    def __init__(self, scenario: Scenario, folder: Path, disturbance: Disturbance, spec: RunSpec | None = None) -> None:
+        self.scenario = scenario
+        self.trace = disturbed_run(scenario, folder, disturbance, spec)
+        self.events = events_of(scenario, self.trace)
+        self.score = judging_of(scenario).score(scenario, self.trace)
+        self.line = explained("; ".join(self.score.failures), why(scenario, self.events))
+        self.summary = summary(scenario, self.events)
+
+
+def between(address: int, from_s: float, to_s: float, change: Callable[[Frame], list[Frame]]) -> Disturbance:
+    """Changes the frames of one identifier for some time."""
+    return lambda frame, now_s: change(frame) if frame.can_id == address and from_s <= now_s < to_s else [frame]
+
+
+@pytest.fixture(scope="module")
+def healthy(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    return Run(short, tmp_path_factory.mktemp("healthy"), lambda frame, now_s: [frame])
+
+
+def test_a_healthy_run_has_its_milestones_and_the_normal_start(healthy: Run) -> None:
+    found = [(event.source, event.kind, event.cause) for event in healthy.events]
+    assert found == [*USUAL, ("plant", "milestone", "ended_complete")]
+    # The train brakes until the first command.
+    assert (healthy.events[0].level, healthy.events[0].until_s) == ("service_brake", 0.01)
+    assert healthy.line == ""
+    assert healthy.summary == {
+        "watches": {"controller": None, "train": None}, "refused": {}, "lost": {}, "missed_polls": {},
+    }  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def damaged_speed(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    address = TrnSpeed.port().address
+    return Run(short, tmp_path_factory.mktemp("speed"), between(address, 5.0, 5.3, lambda frame: [damaged(frame)]))
+
+
+def test_thirty_frames_with_a_wrong_check_sequence_leave_a_trace(damaged_speed: Run) -> None:
+    first = next(event for event in damaged_speed.events if event.kind == "refused")
+    assert (first.source, first.cause, first.count) == ("TRN_SPEED", "wrong_check_sequence", 30)
+    # The recorder's time goes on with the polls, although the port that opens the ticks is disturbed.
+    assert (first.time_s, first.until_s) == (5.0, 5.28)
+    # After that the life sign has gone round nearly twice: as the receiver does, the next two are taken for old ones.
+    assert damaged_speed.summary["refused"] == {
+        "TRN_SPEED": {"wrong_check_sequence": 30, "out_of_order": 1, "duplicate": 1}
+    }
+    assert told(damaged_speed.events, "level") == [
+        ("controller", "speed_age", level) for level in ("hold", "traction_cut", "service_brake")
+    ]
+    assert damaged_speed.score.verdict == "PASS"
+    assert damaged_speed.line == "SERVICE BRAKE from 5.26 s (TRN_SPEED older than 256 ms, for 0.16 s)"
+
+
+def test_refused_telegrams_are_not_lost_ones(damaged_speed: Run) -> None:
+    assert damaged_speed.summary["lost"] == {}
+
+
+@pytest.fixture(scope="module")
+def silent_controller(short: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    address = NotchCmd.port().address
+    return Run(short, tmp_path_factory.mktemp("silent"), between(address, 8.0, 8.4, lambda frame: [damaged(frame)]))
+
+
+def test_a_controller_without_good_answers_shows_the_trains_own_watch(silent_controller: Run) -> None:
+    levels = [event for event in silent_controller.events if event.kind == "level"]
+    assert [(event.source, event.level, event.time_s) for event in levels] == [
+        ("train", "hold", 8.02), ("train", "traction_cut", 8.06), ("train", "service_brake", 8.25),
+    ]  # fmt: skip
+    assert {(event.cause, event.detail) for event in levels} == {
+        ("command_age", f"NOTCH_CMD older than {age_ms} ms") for age_ms in (20, 64, 256)
+    }
+    assert silent_controller.line == "train's SERVICE BRAKE from 8.25 s (NOTCH_CMD older than 256 ms, for 0.34 s)"
+    missed = next(event for event in silent_controller.events if event.kind == "missed_poll")
+    assert (missed.source, missed.cause, missed.count) == ("NOTCH_CMD", "answer_refused", 20)
+    assert silent_controller.summary["missed_polls"] == {"NOTCH_CMD": 20}
+    assert silent_controller.trace.missed_polls == 20
+
+
+def in_report(run: Run, folder: Path) -> RecordedRun:
+    return recorded_run(folder, {}, run.scenario, run.trace, run.score, events=run.events)
+
+
+def test_the_report_of_a_disturbed_run_shows_both_and_stays_the_same(silent_controller: Run, tmp_path: Path) -> None:
+    run = in_report(silent_controller, tmp_path)
+    text = page([run])
+    assert text == page([run])
+    assert "train&#39;s SERVICE BRAKE from 8.25 s" in text
+    assert "<td>NOTCH_CMD</td><td>refused</td><td>wrong check sequence</td>" in text
+
+
+def test_the_report_of_a_healthy_run_says_that_nothing_happened(healthy: Run, tmp_path: Path) -> None:
+    text = page([in_report(healthy, tmp_path)])
+    assert "The watches stayed at normal, nothing was refused, lost or missed." in text
+    assert 'id="reactions"' not in text
+
+
+def test_a_report_of_several_runs_names_each(
+    healthy: Run, damaged_speed: Run, silent_controller: Run, tmp_path: Path
+) -> None:
+    runs = [
+        in_report(run, tmp_path / name)
+        for name, run in {"well": healthy, "deaf": damaged_speed, "dumb": silent_controller}.items()
+    ]
+    text = page(runs)
+    assert "well: the watches stayed at normal, nothing was refused, lost or missed." in text
+    assert [f"Reactions and events over time: {name}" in text for name in ("well", "deaf", "dumb")] == [
+        False,
+        True,
+        True,
+    ]
+    assert ('id="reactions-1"' in text, 'id="reactions-2"' in text, 'id="reactions-3"' in text) == (True, True, False)
+
+
+def test_a_lost_position_is_the_cause_of_the_brake(short: Scenario, tmp_path: Path) -> None:
+    spec = RunSpec(law=LawSpec("ipfc_plus"))
+    found = Run(short, tmp_path, between(TrnPos.port().address, 6.0, 9.0, lambda frame: []), spec)
+    brake = next(event for event in found.events if event.kind == "level")
+    assert (brake.source, brake.level, brake.cause, brake.detail) == (
+        "controller", "service_brake", "position_lost", "position lost",
+    )  # fmt: skip
+    assert 7.0 <= brake.time_s <= 7.04
+    assert found.summary["refused"]["TRN_POS"]["missing_block"] == 150
+    assert "SERVICE BRAKE from 7.0" in found.line
+
+
+# -- single rules, on records of a few telegrams ----------------------------------------------------------------------
+
+
+def frames_of(*telegrams: tuple[int, Telegram]) -> list[tuple[int, Frame]]:
+    """A record of telegrams (tick, telegram), in their order."""
+    sources: dict[str, TelegramSource] = {}
+    found = []
+    for tick, telegram in telegrams:
+        source = sources.setdefault(telegram.PORT, TelegramSource(telegram.port(), False))
+        found += [(tick * TICK_NS, frame) for frame in source.frames(telegram.encode())]
+    return found
+
+
+def events_in(scenario: Scenario, record: Iterable[tuple[int, Frame]]) -> list[RecordedEvent]:
+    return list(events_of(scenario, trace_of(record)))
+
+
+def speeds(*lives: int, **fields: int) -> list[tuple[int, Frame]]:
+    return frames_of(*((tick, TrnSpeed(1000, life=life, **fields)) for tick, life in enumerate(lives)))
+
+
+def test_life_signs_are_judged_as_the_receiver_does(short: Scenario) -> None:
+    found = events_in(short, speeds(0, 1, 1, 1, 2, 14, 3))
+    assert [(event.source, event.cause, event.count) for event in found] == [
+        ("TRN_SPEED", "duplicate", 2), ("TRN_SPEED", "out_of_order", 1),
+    ]  # fmt: skip
+
+
+def test_a_gap_of_the_life_sign_is_no_refusal(short: Scenario) -> None:
+    assert events_in(short, speeds(0, 1, 5, 6)) == []
+
+
+def test_check_variable_and_range_are_judged_as_the_receiver_does(short: Scenario) -> None:
+    (wrong,) = events_in(short, speeds(0, 1, check=CHECK_CORRECT + 1))
+    assert (wrong.cause, wrong.count) == ("check_variable", 2)
+    outside = frames_of((0, TrnSpeed(-1, life=0)), (1, TrnSpeed(SPEED_MAX_01MMPS + 1, life=1)))
+    (wrong,) = events_in(short, [*outside, *frames_of((2, TrnPos(0, life=4)))])
+    assert (wrong.source, wrong.cause, wrong.count) == ("TRN_SPEED", "out_of_range", 2)
+    beyond = NotchCmd(7 * 256 + 1, CtlMode.RUNNING, life=3)
+    assert told(events_in(short, frames_of((0, beyond)))) == [("NOTCH_CMD", "out_of_range", "")]
+
+
+def test_the_range_of_speeds_is_that_of_the_controller() -> None:
+    assert SPEED_RANGE_01MMPS == (0, SPEED_MAX_01MMPS)
+
+
+def test_refusals_far_apart_are_events_of_their_own(short: Scenario) -> None:
+    (frame,) = [frame for _, frame in speeds(0)]
+    record = [(tick * TICK_NS, damaged(frame)) for tick in (0, 1, 200, 500, 501)]
+    found = [event for event in events_in(short, record) if event.kind == "refused"]
+    assert [(event.time_s, event.until_s, event.count) for event in found] == [(0.0, 2.0, 3), (5.0, 5.01, 2)]
+
+
+def test_frames_of_the_bus_are_named_by_their_kind(short: Scenario) -> None:
+    record = [
+        (0, Frame(0, b"", ERROR)),
+        (0, Frame(TrnSpeed.port().address, bytes(8), EXTENDED)),
+        (0, Frame(wire_contract().poll_id, b"\1\2\3")),
+        (0, Frame(0x7FF, bytes(8))),
+        (0, Frame(TrnSpeed.port().address, bytes(7))),
+    ]
+    assert told(events_in(short, record)) == [
+        ("TRN_SPEED", "wrong_length", ""), ("bus", "error_frame", ""), ("bus", "extended_id", ""),
+        ("bus", "wrong_master_word", ""), ("bus 7FF", "unknown_id", ""),
+    ]  # fmt: skip
+
+
+def test_frames_of_other_systems_are_no_reason(short: Scenario) -> None:
+    events = events_in(short, [(0, Frame(0x7FF, bytes(8)))])
+    assert why(short, events) == ""
+    assert why(short, events_in(short, [(0, Frame(0, b"", ERROR))])) == "1 bus refused (error_frame)"
+
+
+def test_a_block_that_waits_for_its_trailer_is_not_refused(short: Scenario) -> None:
+    (block, _), whole = (frames_of((0, TrnPos(5, life=0))), frames_of((1, TrnPos(5, life=1))))
+    assert events_in(short, [block, *whole]) == []
+    without = [*frames_of((0, TrnPos(5, life=0)))[1:], *whole]
+    assert told(events_in(short, without)) == [("TRN_POS", "missing_block", "")]
+
+
+def test_lost_telegrams_are_counted_once(short: Scenario) -> None:
+    ticks = [tick for tick in range(60) if not 20 <= tick < 24]
+    record = frames_of(*((tick, TrnSpeed(1000, life=tick & 0xF)) for tick in ticks))
+    (lost,) = events_in(short, record)
+    assert (lost.kind, lost.source, lost.count, lost.time_s, lost.until_s) == ("lost", "TRN_SPEED", 4, 0.2, 0.24)
+    assert why(short, [lost]) == "4 TRN_SPEED lost (gap)"
+
+
+def test_time_stamps_that_are_late_for_a_while_lose_nothing(short: Scenario) -> None:
+    late = {20: 19, 21: 19, 22: 21, 23: 21, 24: 21}
+    record = frames_of(*((late.get(tick, tick), TrnSpeed(1000, life=tick & 0xF)) for tick in range(80)))
+    assert events_in(short, record) == []
+
+
+def test_polls_without_an_answer(short: Scenario) -> None:
+    port = NotchCmd.port()
+    asked = master_frame(port.f_code, port.address)
+    (answer,) = [frame for _, frame in frames_of((0, NotchCmd(0, CtlMode.RUNNING, life=1)))]
+    record = [(0, asked), (2 * TICK_NS, asked), (2 * TICK_NS, damaged(answer)), (4 * TICK_NS, asked)]
+    found = [event for event in events_in(short, [*record, (4 * TICK_NS, answer)]) if event.kind == "missed_poll"]
+    assert [(event.cause, event.time_s) for event in found] == [("no_answer", 0.0), ("answer_refused", 0.02)]
+
+
+def commands(*modes: tuple[CtlMode, CtlCause]) -> list[tuple[int, Frame]]:
+    return frames_of(
+        *((2 * step, NotchCmd(0, mode, cause, life=step & 0xF)) for step, (mode, cause) in enumerate(modes))
+    )
+
+
+def test_a_level_that_is_reached_again_is_counted(short: Scenario) -> None:
+    running, cut = (CtlMode.RUNNING, CtlCause.NONE), (CtlMode.TRACTION_CUT, CtlCause.BAD_TELEGRAMS)
+    held = (CtlMode.HOLD, CtlCause.BAD_TELEGRAMS)
+    events = events_in(short, commands(running, held, cut, running, cut, cut, running))
+    assert why(short, events) == "TRACTION CUT from 0.04 s (bad TRN_SPEED telegrams, 2 times)"
+
+
+def test_another_cause_at_the_same_level_is_an_event_but_not_a_new_reaction(short: Scenario) -> None:
+    running = (CtlMode.RUNNING, CtlCause.NONE)
+    brakes = [(CtlMode.SERVICE_BRAKE, cause) for cause in (CtlCause.SPEED_AGE, CtlCause.POSITION_LOST)]
+    events = events_in(short, commands(running, *brakes, running))
+    assert [(event.cause, event.time_s, event.until_s) for event in events] == [
+        ("speed_age", 0.02, 0.04), ("position_lost", 0.04, 0.06),
+    ]  # fmt: skip
+    assert why(short, events) == "SERVICE BRAKE from 0.02 s (TRN_SPEED older than 256 ms, for 0.04 s)"
+
+
+def test_a_controller_that_initialises_again_has_started_again(short: Scenario) -> None:
+    begun, running = (CtlMode.INITIALISING, CtlCause.NONE), (CtlMode.RUNNING, CtlCause.NONE)
+    events = events_in(short, commands(begun, running, begun, running))
+    assert told(events, "start") == [("controller", "initialising", "")] * 2
+    assert why(short, events) == ""
+
+
+def watched(*levels: tuple[int, WatchCause]) -> list[tuple[int, Frame]]:
+    return frames_of(
+        *((tick, TrnWatch(level, cause, 0, life=tick & 0xF)) for tick, (level, cause) in enumerate(levels))
+    )
+
+
+def test_a_train_that_never_gets_a_command_has_not_started(short: Scenario) -> None:
+    events = events_in(short, watched((3, WatchCause.NO_COMMAND), (3, WatchCause.NO_COMMAND)))
+    assert told(events) == [("train", "no_command", "service_brake")]
+    assert why(short, events) == "train's SERVICE BRAKE from 0.00 s (no NOTCH_CMD yet, for 0.01 s)"
+
+
+@pytest.mark.parametrize("cause", [*CtlCause][1:])
+def test_every_cause_of_the_controller_has_words(short: Scenario, cause: CtlCause) -> None:
+    events = events_in(short, commands((CtlMode.EMERGENCY, cause)))
+    assert why(short, events).startswith("EMERGENCY from 0.00 s (")
+    assert "_" not in events[0].detail.replace("TRN_SPEED", "")
+
+
+@pytest.mark.parametrize("cause", [*WatchCause][1:])
+def test_every_cause_of_the_train_has_words(short: Scenario, cause: WatchCause) -> None:
+    events = events_in(short, watched((4, cause)))
+    assert why(short, events).startswith("train's EMERGENCY from 0.00 s (")
+    assert "_" not in events[0].detail.replace("NOTCH_CMD", "")
+
+
+def status(**fields: int) -> PltStat:
+    true = {name: FLAG_TRUE for name, signal in PltStat.signals() if signal.check == "antivalent"}
+    return PltStat(**{**true, **fields})
+
+
+def test_an_interlock_is_an_event_from_its_change_to_its_return(short: Scenario) -> None:
+    doors = {name: field for field, signal in PltStat.signals() if (name := signal.name) == "DoorsClosedLocked"}
+    opened = {doors["DoorsClosedLocked"]: FLAG_FALSE}
+    record = frames_of((0, status()), (16, status(**opened)), (32, status()), (48, status(**opened)))
+    found = events_in(short, record)
+    assert [(event.source, event.cause, event.time_s, event.until_s, event.detail) for event in found] == [
+        ("PLT_STAT", "DoorsClosedLocked", 0.16, 0.32, "DoorsClosedLocked false"),
+        ("PLT_STAT", "DoorsClosedLocked", 0.48, 0.48, "DoorsClosedLocked false"),
+    ]
+
+
+def test_events_of_another_source_are_merged_in_order(short: Scenario) -> None:
+    fault = RecordedEvent(0.02, "TRN_SPEED", "fault", "loss")
+    events = events_of(short, trace_of(speeds(0, 1, 1, 1, 2)), [fault])
+    assert [event.kind for event in events] == ["fault", "refused"]
+
+
+def test_signals_have_target_speed_and_both_levels(silent_controller: Run) -> None:
+    scenario, trace = silent_controller.scenario, silent_controller.trace
+    outcome = railhil.Outcome(Path(), scenario, "PASS", (), {}, {}, {}, trace)
+    signals = outcome.signals
+    at = np.searchsorted(signals["time_s"], 8.3)
+    assert (signals["train_level"][at], signals["controller_level"][at]) == (3, 0)
+    assert signals["target_speed_mps"][at] == pytest.approx(0.5 * 8.3, abs=0.02)
+    assert signals.units["target_speed_mps"] == "m/s"
+    assert {"measured_speed_mps", "true_speed_mps"} <= set(signals)
+
+
+def test_a_folder_of_version_0_1_0_has_its_events(tmp_path: Path) -> None:
+    """Its wire has neither causes nor TRN_WATCH."""
+    kept = TEST_DATA / "runs_0.1.0" / "yizhuang01_ipfc_plus"
+    (tmp_path / "certificate.json").write_bytes((kept / "certificate.json").read_bytes())
+    (tmp_path / "frames.log").write_bytes(lzma.decompress((kept / "frames.log.xz").read_bytes()))
+    record = checked_record(str(tmp_path), None)
+    events = events_of(record.scenario, record.trace)
+    assert [(event.kind, event.cause) for event in events] == [
+        ("milestone", name) for name in ("departed", "stopped", "ended_complete")
+    ]
+    outcome = railhil.open_run(tmp_path)
+    assert outcome.events == events
+    assert "train_level" not in outcome.signals
+    assert set(np.unique(outcome.signals["controller_level"])) == {0}
+
+
+def test_a_level_without_a_recorded_cause_is_derived(short: Scenario) -> None:
+    """As up to wire version 4: CtlMode has 8 bits, and there is no CtlCause."""
+    kept = json.loads((TEST_DATA / "runs_0.1.0/lvshun_ipfc/certificate.json").read_text())
+    trace = Trace(recorded_contract(TEST_DATA, kept["dbc_sha256"], wire_contract()))
+    for tick, mode in enumerate((1, 1, 3, 3, 1)):
+        trace.add(NotchCmd.PORT, tick * TICK_NS, bytes([0, 0, mode, 0x40 | tick]))
+    trace.end_ns = 5 * TICK_NS
+    events = events_of(short, trace)
+    assert told(events) == [("controller", "", "traction_cut")]
+    assert why(short, events) == "TRACTION CUT from 0.02 s (for 0.02 s)"
+
+
+def test_no_content_of_frames_raises(short: Scenario) -> None:
+    """Telegrams of every port with any content, whole and in parts, and frames of any identifier."""
+    random = Random(12)
+    ports = wire_contract().ports
+    sources = [(port, TelegramSource(port, fd)) for port in ports for fd in (False, True)]
+    record = []
+    for tick in range(2000):
+        port, source = random.choice(sources)
+        frames = list(source.frames(random.randbytes(port.data_bytes)))
+        frames = random.sample(frames, random.randint(1, len(frames)))
+        frames.append(Frame(random.randrange(0x800), random.randbytes(random.randint(0, 8)), random.randrange(8)))
+        polled = random.choice(ports)
+        record += [(tick * TICK_NS, frame) for frame in (*frames, master_frame(polled.f_code, polled.address))]
+    trace = trace_of(record)
+    events = events_of(short, trace)
+    assert len(events) > 500
+    assert [event.time_s for event in events] == sorted(event.time_s for event in events)
+    assert why(short, events)
+    assert json.dumps(summary(short, events))

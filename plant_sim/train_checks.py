@@ -1,0 +1,184 @@
+"""What the train's own watch looks at besides the commands: its forces, and the end of its authority.
+
+==================== =========================================================== =======================================
+check                found when                                                  limit of detection
+==================== =========================================================== =======================================
+runaway              without a traction notch, traction is left that is larger   traction up to that share
+                     than the actuator's decay explains, by
+                     ``traction_left_max`` of the largest, for 0.1 s
+brake not answering  the deceleration is below ``brake_share_min`` of the        demands below ``grade_allowance`` over
+                     demand, less ``grade_allowance``, for 1 s                   ``brake_share_min``
+end of authority     the speed is above that from which the train stops before   off by default
+                     its end with ``end_of_authority_braking``
+==================== =========================================================== =======================================
+
+All three apply the emergency brake. Nothing here depends on the controller: forces, speed and position are the train's
+own, the notch is the one that acts.
+
+The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
+"""
+
+from __future__ import annotations
+
+from math import exp, inf
+from typing import NamedTuple
+
+from railhil.bus.telegrams import WatchCause
+from railhil.common.compilable import compilable, compilable_aside, larger, smaller
+from railhil.plant_sim.dynamics import Motion
+from railhil.plant_sim.forces import TrainConstants, effort_limit_n
+from railhil.scenarios.model import Scenario
+
+#: Share of the actuator's pole that is taken for granted.
+SLOWEST = 0.9
+RUNNING_S = 0.1
+WEAK_S = 1.0
+_LSB_PER_NOTCH = 256
+
+
+class TrainChecks(NamedTuple):
+    """Limits of a scenario. ``end_m`` is infinite without an end of authority."""
+
+    end_m: float
+    end_braking_mps2: float
+    left_max_n: float
+    running_ticks: int
+    share: float
+    allowance_mps2: float
+    weak_ticks: int
+
+
+class ForceState(NamedTuple):
+    """Traction that may be left and ticks with more, braking that the acting notch has reached at least and ticks
+    without it."""
+
+    left_n: float
+    running_ticks: int
+    floor_n: float
+    weak_ticks: int
+
+
+#: In traction, or at standstill: nothing is expected.
+FREE_FORCES = ForceState(inf, 0, 0.0, 0)
+
+
+def train_checks(scenario: Scenario) -> TrainChecks:
+    """The limits; perturbations do not change them."""
+    watch, train, tick_s = scenario.watch, scenario.train, scenario.timing.base_tick_ns * 1e-9
+    return TrainChecks(
+        scenario.plan.distance_m + watch.end_of_authority_margin_m if watch.end_of_authority else inf,
+        watch.end_of_authority_braking_mps2,
+        train.traction.force_max_n * watch.traction_left_max_percent / 100,
+        round(RUNNING_S / tick_s),
+        watch.brake_share_min_percent / 100,
+        train.gravity_mps2 * watch.grade_allowance_permil / 1000,
+        round(WEAK_S / tick_s),
+    )
+
+
+def slow_decay(pole_per_s: float, step_s: float) -> float:
+    """Factor of a force over one step with an actuator as slow as is taken for granted."""
+    return exp(-SLOWEST * pole_per_s * step_s)
+
+
+@compilable
+def is_beyond_authority(checks: TrainChecks, position_m: float, speed_mps: float) -> bool:
+    """True when the train is moving and can no longer stop before the end of its authority as planned."""
+    return speed_mps > 0.0 and speed_mps * speed_mps > 2.0 * checks.end_braking_mps2 * larger(
+        0.0, checks.end_m - position_m
+    )
+
+
+@compilable_aside
+def forces_step(
+    checks: TrainChecks,
+    constants: TrainConstants,
+    state: ForceState,
+    decay: float,
+    steady_n: float,
+    actuator_n: float,
+    brake_min_n: float,
+    speed_mps: float,
+    accel_mps2: float,
+) -> ForceState:
+    """State after one tick of a moving train without a traction notch.
+
+    :param decay: see :func:`slow_decay`.
+    :param steady_n: force of the acting notch in the long run, at most 0.
+    :param actuator_n: force of the actuator, traction positive.
+    :param brake_min_n: what the watch itself demands; infinite: the full brake.
+    """
+    left_n, running, floor_n, weak = state
+    left_n = smaller(left_n * decay, larger(actuator_n, 0.0))
+    running = running + 1 if actuator_n > left_n + checks.left_max_n else 0
+    floor_n = smaller(-steady_n, floor_n * decay - steady_n * (1.0 - decay))
+    wanted_n = checks.share * larger(floor_n, brake_min_n)
+    allowance_n = checks.allowance_mps2 * constants.mass_kg
+    if wanted_n > allowance_n:
+        most_n = checks.share * effort_limit_n(constants.brake, speed_mps)
+        wanted_n = smaller(wanted_n, most_n)
+    missing = wanted_n > allowance_n and -accel_mps2 * constants.mass_kg < wanted_n - allowance_n
+    return ForceState(left_n, running, floor_n, weak + 1 if missing else 0)
+
+
+@compilable
+def is_running(checks: TrainChecks, state: ForceState) -> bool:
+    """True when the train has traction that nobody demands."""
+    return state.running_ticks > checks.running_ticks
+
+
+@compilable
+def is_weak(checks: TrainChecks, state: ForceState) -> bool:
+    """True when the brake does not answer."""
+    return state.weak_ticks > checks.weak_ticks
+
+
+class OwnChecks:
+    """The checks of one train, tick by tick.
+
+    :param scenario: of the real train: its watch knows its actuator.
+    """
+
+    def __init__(self, scenario: Scenario, constants: TrainConstants) -> None:
+        self._checks = train_checks(scenario)
+        self._has_end = scenario.watch.end_of_authority
+        self._constants = constants
+        self._decay = slow_decay(constants.pole_per_s, scenario.timing.base_tick_ns * 1e-9)
+        self._n_per_notch = scenario.train.force_per_notch_n
+        self._forces = FREE_FORCES
+
+    def finding(self, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
+        """The check that demands the emergency brake at this tick, NONE if none does.
+
+        :param acting_code: notch that acts on the actuator, 1/256.
+        """
+        if acting_code > 0:
+            self._forces = FREE_FORCES
+            # Most of a run is traction without an end of authority.
+            if not self._has_end:
+                return WatchCause.NONE
+        checks = self._checks
+        position_m, speed_mps, actuator_n, accel_mps2 = motion
+        if acting_code <= 0:
+            if speed_mps <= 0.0:
+                self._forces = FREE_FORCES
+                return WatchCause.NONE
+            steady_n = acting_code * self._n_per_notch / _LSB_PER_NOTCH
+            self._forces = forces = forces_step(
+                checks,
+                self._constants,
+                self._forces,
+                self._decay,
+                steady_n,
+                actuator_n,
+                brake_min_n,
+                speed_mps,
+                accel_mps2,
+            )
+            if is_running(checks, forces):
+                return WatchCause.RUNAWAY
+            if is_weak(checks, forces):
+                return WatchCause.BRAKE_NOT_ANSWERING
+        if is_beyond_authority(checks, position_m, speed_mps):
+            return WatchCause.END_OF_AUTHORITY
+        return WatchCause.NONE

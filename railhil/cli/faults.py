@@ -1,0 +1,198 @@
+"""``railhil faults``: the fault catalogue on a scenario, or random pairs of faults, and what each of them led to."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
+
+from railhil.cli.bus_run import NeverBegan, add_arguments, chosen_bus, law_names, recorded, run_spec, run_system
+from railhil.common.command_line import whole_number
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.faults.drawn import random_pair, words_drawn
+from railhil.scenarios.fault_list import disturbed_signals
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.reactions.catalogue import Entry, catalogue
+from railhil.supervisor.reactions.evaluate import Row, evaluated
+from railhil.supervisor.reactions.facts import seen_in
+from railhil.supervisor.reactions.pairs import PairRun, judged_pair
+from railhil.supervisor.start_up import StartUp
+
+T = TypeVar("T")
+R = TypeVar("R")
+_PAIRS_MAX = 1_000_000
+_COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
+_NUMBERS = ("begun s", "effective s", "ms", "bound", "margin")
+_QUIET = Output(stderr=True)
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser(
+        "faults",
+        help="run the fault catalogue, or random pairs of faults, and print what they led to",
+        description="Exit code 0 when every entry reacts as it must, or every pair keeps the rules, else 1.",
+    )
+    add_arguments(parser)
+    parser.set_defaults(bus="local")
+    parser.add_argument(
+        "--controller", metavar="LAW", help=f"of {', '.join(law_names())} (default: the system's usual)"
+    )
+    parser.add_argument("--only", default="", metavar="T1,S,...", help="entries by id, or by its beginning")
+    parser.add_argument(
+        "--pairs", type=whole_number(1, _PAIRS_MAX), metavar="N", help="N random pairs of faults instead"
+    )
+    parser.add_argument(
+        "--jobs", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)), metavar="N",
+        help="runs at a time with --bus local (default: one for each processor)",
+    )  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="DIR", help="keep the run folders there, one for each entry")
+    add_json_argument(parser)
+    parser.set_defaults(work=work)
+
+
+def _entries(only: str) -> list[Entry]:
+    wanted = [item.strip() for item in only.split(",") if item.strip()]
+    found = [entry for entry in catalogue() if not wanted or any(entry.id.startswith(item) for item in wanted)]
+    if not found:
+        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in catalogue()))
+    return found
+
+
+def _made(namespace: argparse.Namespace, how: StartUp, spec: RunSpec, folder: Path) -> tuple[Any, Any, Any]:
+    """Scenario, run and result of a run into a folder."""
+    scenario = spec.load()
+    with chosen_bus(namespace, spec) as choice:
+        folder.mkdir(parents=True, exist_ok=True)
+        run, result = recorded(scenario, spec, how, choice, folder, False, _QUIET, True)
+    return scenario, run, result
+
+
+def _entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
+    """One entry as a run."""
+    if entry.seen_in:
+        return Row(entry)
+    law = replace(base.law, controller=entry.law) if entry.law else base.law
+    spec = replace(base, law=law, faults=entry.faults)
+    folder = out / entry.id
+    try:
+        scenario, run, result = _made(namespace, how, spec, folder)
+    except InputError as error:
+        return Row(entry, refused=error.allowed)
+    except NeverBegan as error:
+        return Row(entry, verdict="none", failures=[str(error)])
+    return evaluated(entry, seen_in(folder, scenario, result, run.trace))
+
+
+def _pair_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, number: int) -> PairRun:
+    """One random pair as a run; its folder is not kept: it can be made again from its faults."""
+    scenario = base.load()
+    ports = disturbed_signals(system_named(scenario.system))
+    pair = random_pair(number, scenario.planned_s, ports, words_drawn())
+    spec = replace(base, faults=pair, seed=number)
+    with TemporaryDirectory(prefix="railhil-faults-") as folder:
+        try:
+            _, run, result = _made(namespace, how, spec, Path(folder))
+        except InputError as error:
+            return PairRun(number, pair, "refused", [error.allowed])
+        except NeverBegan as error:
+            return PairRun(number, pair, "none", [str(error)])
+        return judged_pair(number, pair, seen_in(Path(folder), scenario, result, run.trace), result)
+
+
+def _each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[R]:
+    """Results in the order of the items."""
+    if jobs == 1 or len(items) == 1:
+        yield from map(work, items)
+        return
+    with ProcessPoolExecutor(min(jobs, len(items))) as pool:
+        yield from pool.map(work, items, chunksize=max(1, min(8, len(items) // jobs // 4)))
+
+
+def _millis(seconds: float | None, since_s: float | None) -> str:
+    return "-" if seconds is None or since_s is None else f"{(seconds - since_s) * 1e3:.0f}"
+
+
+def _print_rows(console: Output, rows: Sequence[Row]) -> None:
+    """The table of reactions; the times are in ms from the first effect."""
+    shown = table(tight=True)
+    for name in _COLUMNS:
+        shown.add_column(name, justify="right" if name in _NUMBERS else "left")
+    for row in rows:
+        entry = row.entry
+        if row.refused or entry.seen_in:
+            note = f"not here: {row.refused}" if row.refused else f"see {entry.seen_in}"
+            shown.add_row(entry.id, entry.title, "", "", note)
+            continue
+        shown.add_row(
+            entry.id,
+            "; ".join(entry.faults),
+            "-" if row.begun_s is None else f"{row.begun_s:.2f}",
+            "-" if row.effective_s is None else f"{row.effective_s:.2f}",
+            row.detected_by or "-",
+            _millis(row.detected_s, row.effective_s),
+            row.reaction,
+            _millis(row.reaction_s, row.effective_s),
+            "-" if entry.within_ms is None else str(entry.within_ms),
+            "-" if row.margin_ms is None else f"{row.margin_ms:.0f}",
+            "; ".join(row.failures) or "ok",
+        )
+    console.print(shown)
+    for row in rows:
+        if row.entry.limit and not row.refused:
+            console.say(f"{row.entry.id}: {row.entry.limit}")
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Run the catalogue or the pairs; the exit code says whether all is as it must be."""
+    system = run_system(namespace)
+    if namespace.controller:
+        system.check_law(namespace.controller, "command line", "--controller")
+    base = run_spec(namespace, namespace.controller or system.law, None)
+    how = StartUp(ask_for_fifo=not namespace.no_rt, appear_s=namespace.appear_timeout)
+    jobs = namespace.jobs if base.is_local else 1
+    console = Output(stderr=namespace.json)
+    if namespace.pairs is not None:
+        return _pairs(namespace, how, base, jobs, console)
+    with ExitStack() as held:
+        out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
+        entries = _entries(namespace.only)
+        rows = list(_each(partial(_entry_run, namespace, how, base, out), entries, jobs))
+    if namespace.json:
+        print_json([row.as_json() for row in rows])
+    else:
+        _print_rows(console, rows)
+    wrong = [row.entry.id for row in rows if row.failures]
+    made = sum(row.made for row in rows)
+    console.say(f"{made} runs, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
+    return FAIL if wrong else PASS
+
+
+def _pairs(namespace: argparse.Namespace, how: StartUp, base: RunSpec, jobs: int, console: Output) -> int:
+    """Random pairs: number n is always the same pair."""
+    numbers = range(base.seed, base.seed + namespace.pairs)
+    counts: dict[str, int] = {}
+    broken: list[PairRun] = []
+    for run in _each(partial(_pair_run, namespace, how, base), numbers, jobs):
+        counts[run.verdict] = counts.get(run.verdict, 0) + 1
+        if run.failures:
+            broken.append(run)
+            console.say(f"pair {run.number}: {'; '.join(run.failures)}")
+            console.say(f"  railhil run {base.scenario} --seed {run.number} {run.words}")
+    if namespace.json:
+        print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
+    console.say(
+        f"{len(numbers)} pairs: {', '.join(f'{count} {verdict}' for verdict, count in sorted(counts.items()))}; "
+        f"{len(broken)} break a rule"
+    )
+    return FAIL if broken else INVALID if counts.get("none") else PASS

@@ -1,0 +1,105 @@
+"""The arguments of :func:`railhil.run` as a :class:`RunSpec` and options of a bus."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.select import HUB_INTERFACE
+from railhil.common.choices import BUSES
+from railhil.common.errors import InputError
+from railhil.scenarios.load import load_any, stable_name
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import ParameterSet, load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.settings import setting
+from railhil.scenarios.system import system_named
+from railhil.supervisor.inputs import PARAMETERS
+
+#: Scenario keys to set: a mapping, or ``KEY=VALUE`` as on the command line.
+Settings = Mapping[str, Any] | Sequence[str]
+#: A file, parameters read from one, or values of the law's parameters by name.
+Parameters = str | Path | ParameterSet | Mapping[str, Any]
+
+
+def spec_of(
+    scenario: str | Path,
+    *,
+    controller: str | None,
+    arithmetic: str,
+    indexing: str,
+    parameters: Parameters | None,
+    settings: Settings,
+    memory: str | Path | None,
+    **beside: Any,
+) -> RunSpec:
+    """The description of a run from the arguments of :func:`run`.
+
+    :param beside: further fields of the ``RunSpec``.
+    :raises InputError: the scenario cannot be loaded, or the parameters cannot be read.
+    """
+    name, given = stable_name(str(scenario)), settings_of(settings)
+    if controller is None:
+        controller = system_named(load_any(name, given).system).law
+    law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
+    memory_file = None if memory is None else str(Path(memory).resolve())
+    return RunSpec(name, given, law, memory_file=memory_file, **beside)
+
+
+def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
+    """A run, whatever its source, checked like a file; and its scenario.
+
+    :raises InputError: anything that is not allowed, in one line.
+    """
+    checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
+    spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
+    loaded = spec.load()
+    system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
+    return spec, loaded
+
+
+def placed(spec: RunSpec, folder: Path) -> RunSpec:
+    """The run with parameters that were given as values read from the run folder, where they will be written."""
+    given = spec.law.parameters
+    if given is None or given.source != Path(PARAMETERS):
+        return spec
+    return replace(spec, law=replace(spec.law, parameters=replace(given, source=folder.resolve() / PARAMETERS)))
+
+
+def bus_words(text: str, source: str) -> tuple[str, argparse.Namespace]:
+    """The kind of bus for a ``RunSpec``, and the options of python-can, of a bus in one word (:func:`run`).
+
+    :param source: named in the error.
+    :raises InputError: none of these.
+    """
+    if text in BUSES:
+        return text, argparse.Namespace()
+    if text == "hub":
+        return "auto", argparse.Namespace(interface=HUB_INTERFACE)
+    interface, mark, channel = text.partition(":")
+    channel, rate_mark, rate = channel.partition("@")
+    if not (interface and mark and channel) or (rate_mark and not rate.isdecimal()):
+        raise InputError(source, "bus", text, f"{', '.join(BUSES)}, hub or INTERFACE:CHANNEL[@BITRATE]")
+    bitrate = {"bitrate": int(rate)} if rate else {}
+    return "auto", argparse.Namespace(interface=interface, channel=channel, **bitrate)
+
+
+def settings_of(given: Settings) -> tuple[str, ...]:
+    """Settings as ``KEY=VALUE``, checked."""
+    if isinstance(given, Mapping):
+        # JSON values are TOML values, except tables and null, which no key has.
+        given = [f"{key}={json.dumps(value)}" for key, value in given.items()]
+    return tuple(setting(text) for text in given)
+
+
+def parameters_of(given: Parameters | None, law: str) -> ParameterSet | None:
+    """Parameters; values given without a file count as read from the run folder, where they will be written."""
+    if given is None or isinstance(given, ParameterSet):
+        return given
+    if isinstance(given, Mapping):
+        return ParameterSet(law, dict(given), Path(PARAMETERS))
+    return load_parameters(Path(given).resolve())

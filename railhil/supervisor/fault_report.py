@@ -1,0 +1,153 @@
+"""What became of the faults of a run: the logs of all nodes in one file, and for each fault whether it acted."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from railhil.bus.injector.log import COLUMNS
+from railhil.bus.injector.node_faults import nodes_of
+from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
+from railhil.common.whole_file import whole_file
+from railhil.faults.capability import check_injectable
+from railhil.faults.language import fault_text
+from railhil.faults.model import Fault, Trigger
+from railhil.scenarios.fault_list import drawn_faults, injection_of
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+
+#: The logs of the nodes in a run folder, and all of them in one, by time.
+LOGS, FAULTS = "faults-*.csv", "faults.csv"
+
+
+@dataclass(frozen=True, slots=True)
+class FaultOutcome:
+    """One fault of a run.
+
+    ``text``: with all values drawn, and with the instant of a fault injected by hand. Times are simulation time in s:
+    ``begun_s`` when it became active, ``effect_s`` when it first changed something, ``ended_s``; None: it did not.
+    ``hits``: how many telegrams, samples or processes it has changed.
+    """
+
+    number: int
+    text: str
+    by_hand: bool
+    begun_s: float | None
+    effect_s: float | None
+    ended_s: float | None
+    hits: int
+
+    @property
+    def missed(self) -> str:
+        """Why it says nothing about the controller; empty if it acted, or was left to the hand and never ordered."""
+        if self.begun_s is None:
+            return "" if self.by_hand else f"fault {self.number} never began: {self.text}"
+        return "" if self.hits else f"fault {self.number} changed nothing: {self.text}"
+
+    @property
+    def line(self) -> str:
+        """What became of it, for the console."""
+        if self.begun_s is None:
+            return f"fault {self.number}: {self.text}: not injected"
+        found = "changed nothing" if self.effect_s is None else f"{self.hits} hits, first at {self.effect_s:.2f} s"
+        return f"fault {self.number}: {self.text}: begun at {self.begun_s:.2f} s, {found}"
+
+    def as_json(self) -> dict[str, Any]:
+        """All fields."""
+        return {
+            "number": self.number,
+            "fault": self.text,
+            "by_hand": self.by_hand,
+            "begun_s": self.begun_s,
+            "effect_s": self.effect_s,
+            "ended_s": self.ended_s,
+            "hits": self.hits,
+        }
+
+
+_Row = tuple[int, int, str, str, str]
+
+
+def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[FaultOutcome]:
+    """What became of each fault of a run whose nodes have ended, by number; writes :data:`FAULTS`.
+
+    :param folder: the run folder with the logs of the nodes.
+    :raises OSError: it cannot be read or written.
+    """
+    if not scenario.faults:
+        return []
+    rows = sorted((row for path in sorted(folder.glob(LOGS)) for row in _rows(path)), key=lambda row: row[1])
+    with whole_file(folder / FAULTS) as draft:
+        draft.write_text(_text(rows), encoding="utf-8")
+    faults = drawn_faults(scenario.faults, seed)
+    return [_outcome(number, fault, rows) for number, fault in enumerate(faults, start=1)]
+
+
+def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) -> None:
+    """Refuse a run with a fault that cannot be injected (:mod:`railhil.faults.capability`).
+
+    :param transports: all that apply to the run.
+    :raises InputError: the first such fault.
+    """
+    injection = injection_of(scenario, 0)
+    if injection is not None:
+        contract = system_named(scenario.system).contract
+        for fault in injection.faults:
+            check_injectable(fault, transports, pace, sorted(nodes_of(fault, injection, contract)))
+
+
+def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
+    """What a run is injected on, in the words of :data:`railhil.faults.capability.TRANSPORTS`.
+
+    :param foreign: the controller is not railhil's.
+    """
+    known = {LOCAL: "local", HUB_INTERFACE: "hub", "socketcan": "kernel"}
+    found = known.get(str(choice.config.get("interface")), "adapter")
+    return [found, *(["board"] * foreign)]
+
+
+def missed_faults(outcomes: Sequence[FaultOutcome]) -> str:
+    """The faults that did nothing, as the reason for which the run says nothing; empty if all of them acted."""
+    return "; ".join(filter(None, (one.missed for one in outcomes)))
+
+
+def _rows(path: Path) -> Iterable[_Row]:
+    with path.open(encoding="utf-8", newline="") as stream:
+        lines = csv.reader(stream)
+        next(lines, None)
+        for number, time_ns, what, before, after in lines:
+            yield int(number), int(time_ns), what, before, after
+
+
+def _text(rows: Sequence[_Row]) -> str:
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows(rows)
+    return buffer.getvalue()
+
+
+def _outcome(number: int, fault: Fault, rows: Sequence[_Row]) -> FaultOutcome:
+    own = [row for row in rows if row[0] == number]
+    begun = [time_ns for _, time_ns, what, *_ in own if what == "begun"]
+    ended = [time_ns for _, time_ns, what, *_ in own if what == "ended"]
+    hits = [time_ns for _, time_ns, what, *_ in own if what not in ("begun", "ended")]
+    by_hand = fault.trigger.kind == "manual"
+    if by_hand and begun:
+        # The same run again needs no hand.
+        fault = replace(fault, trigger=Trigger("time", min(begun) / 1e9))
+        if ended and fault.duration_s is None and fault.count is None:
+            fault = replace(fault, duration_s=(max(ended) - min(begun)) / 1e9)
+    return FaultOutcome(
+        number,
+        fault_text(fault),
+        by_hand,
+        min(begun) / 1e9 if begun else None,
+        min(hits) / 1e9 if hits else None,
+        max(ended) / 1e9 if ended else None,
+        len(hits),
+    )

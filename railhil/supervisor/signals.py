@@ -1,0 +1,71 @@
+"""The table of signals of a run, ``signals.csv``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.events.declared import Watch
+from railhil.supervisor.events.levels import ranks, reports
+from railhil.supervisor.judging import Judging, judging_of
+from railhil.supervisor.notes import note_values
+from railhil.supervisor.trace import FloatArray, Trace
+
+
+def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tuple[list[str], FloatArray]:
+    """Header and rows ``(n, columns)`` of the signals: one row per telegram of the truth port, with the last known
+    values.
+
+    :param notes: the law's declaration of its notes, as in the certificate; None: not known.
+    """
+    judging = judging_of(scenario)
+    time_s = trace.times_s(judging.truth)
+    found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
+    if judging.status is not None:
+        port = judging.status.port
+        found += [(note.name, port, note_values(trace, note, port)) for note in judging.status.notes]
+    found += judging.told(trace, notes)
+    watches = _watches(judging, trace)
+    found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
+    found += [(header, judging.truth, values) for header, _, values in judging.reckoned(scenario, trace)]
+    columns = [time_s]
+    for _, port, values in found:
+        if port == judging.truth:
+            columns.append(values)
+            continue
+        at = np.searchsorted(trace.times_s(port), time_s, side="right") - 1
+        columns.append(np.where(at >= 0, np.append(values, np.nan)[at], np.nan))
+    return ["time_s", *(header for header, _, _ in found)], np.column_stack(columns)
+
+
+def _watches(judging: Judging, trace: Trace) -> list[Watch]:
+    """The watches of which the record has the levels."""
+    return [watch for watch in judging.watches if reports(trace, watch)]
+
+
+def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict[str, str]:
+    """Unit of each column of :func:`signal_table`, empty for numbers without one."""
+    judging = judging_of(scenario)
+
+    def unit(port: str, signal: str) -> str:
+        return next(item.unit for item in trace.contract.port(port).signals if item.name == signal)
+
+    return {
+        "time_s": "s",
+        **{header: unit(port, signal) for header, port, signal in judging.columns},
+        **{note.name: note.unit for note in (judging.status.notes if judging.status else ())},
+        **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
+        **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
+        **dict.fromkeys((f"{watch.name}_level" for watch in _watches(judging, trace)), ""),
+        **{header: unit for header, unit, _ in judging.reckoned(scenario, trace)},
+    }
+
+
+def write_signals(scenario: AnyScenario, trace: Trace, path: Path, notes: Any = None) -> None:
+    """Write ``signals.csv``: header with units, then one row per telegram of the truth port; unknown values are
+    ``nan``."""
+    header, rows = signal_table(scenario, trace, notes)
+    np.savetxt(path, rows, fmt="%.10g", delimiter=",", header=",".join(header), comments="")

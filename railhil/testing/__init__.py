@@ -1,0 +1,30 @@
+"""For tests of users: the bench in pytest (:mod:`railhil.pytest_plugin`), its runs, and units.
+
+How to: docs/testing.md. Importing this loads nothing else; modules are loaded when a name is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from railhil.testing.units import kmh
+
+if TYPE_CHECKING:
+    from railhil.testing.bench import Bench
+    from railhil.testing.live import Live
+    from railhil.testing.result import Run
+
+#: Name -> its module.
+_PLACES = {
+    "Bench": "railhil.testing.bench",
+    "Live": "railhil.testing.live",
+    "Run": "railhil.testing.result",
+}
+__all__ = ["Bench", "Live", "Run", "kmh"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_PLACES[name]), name)

@@ -1,0 +1,158 @@
+"""The bench as a test sees it: runs on the bus of the session, their folders, their health."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from railhil import library
+from railhil.cli.bus_run import report_line
+from railhil.common.errors import InputError, Words
+from railhil.run_arguments import bus_words, checked_spec, placed, spec_of
+from railhil.scenarios.run_document import USUAL_SCENARIO
+from railhil.supervisor.documents import CERTIFICATE
+from railhil.supervisor.report.recorded import REPORT
+from railhil.testing.live import Live
+from railhil.testing.result import Run
+from railhil.testing.settings import Settings
+
+_USUAL: Mapping[str, Any] = {
+    "controller": None,
+    "arithmetic": "iq",
+    "indexing": "time",
+    "parameters": None,
+    "settings": (),
+    "memory": None,
+}
+
+
+class Bench:
+    """Makes runs.
+
+    :param usual: arguments of :meth:`run` that the test's markers give.
+    :param beside: folder of the test's file: a scenario file there is found by its name.
+    :param runs: folder for the run folders, which is made.
+    :param name: of the test; the run folders are named after it.
+    """
+
+    def __init__(self, settings: Settings, usual: Mapping[str, Any], beside: Path, runs: Path, name: str) -> None:
+        self.settings = settings
+        #: Finished runs of this test, in their order.
+        self.runs: list[Run] = []
+        self._usual = usual
+        self._beside = beside
+        self._folder = runs
+        self._name = re.sub(r"[^\w.@=+-]+", "_", name).strip("_")[:120] or "run"
+        self._live: list[Live] = []
+
+    def run(self, *, seed: int = 0, perturbed: bool = False, **spec: Any) -> Run:
+        """One run to its end, recorded and judged.
+
+        :param spec: further arguments of :func:`railhil.run`, such as ``scenario``, ``controller``, ``settings``; they
+            override the marker ``railhil``.
+        :raises InputError: anything that is not allowed, in one line.
+        :raises NeverBegan: the nodes refused the run, or no frame came.
+        """
+        given = self._given(seed, perturbed, spec)
+        made = spec_of(given.pop("scenario"), pace=self.settings.pace, bus=self._kind, **given)
+        bus, foreign = self.settings.bus, self.settings.no_controller
+        run = Run(library.run(made, bus=bus, no_controller=foreign, out=self._new_folder()))
+        self.runs.append(run)
+        return run
+
+    def start(self, *, seed: int = 0, perturbed: bool = False, **spec: Any) -> Live:
+        """A run whose clock the test holds; arguments as in :meth:`run`. Always in this process.
+
+        :raises InputError: anything that is not allowed; the session has a bus on which nobody can hold the clock.
+        """
+        if self.settings.bus != "local":
+            found = Words(f"bus {self.settings.bus}")
+            raise InputError("bench.start", "bus", found, "local: on a bus the test does not hold the clock")
+        given = self._given(seed, perturbed, spec)
+        made, scenario = checked_spec(spec_of(given.pop("scenario"), bus="local", **given))
+        folder = self._new_folder()
+        live = Live(placed(made, folder), scenario, folder, self.runs.append)
+        self._live.append(live)
+        return live
+
+    @property
+    def _kind(self) -> str:
+        """The kind of bus in the description of a run."""
+        return bus_words(self.settings.bus, "--railhil-bus")[0]
+
+    def _given(self, seed: int, perturbed: bool, spec: Mapping[str, Any]) -> dict[str, Any]:
+        """All arguments of :func:`railhil.run_arguments.spec_of`, except bus and pace."""
+        given = {"scenario": USUAL_SCENARIO, **_USUAL, **self._usual, **spec}
+        if unknown := given.keys() - {"scenario", *_USUAL}:
+            allowed = ", ".join(("seed", "perturbed", "scenario", *_USUAL))
+            raise InputError("bench", sorted(unknown)[0], Words("no such argument"), allowed)
+        scenario = str(given["scenario"])
+        if scenario.endswith(".toml") and (self._beside / scenario).is_file():
+            given["scenario"] = self._beside / scenario
+        return {**given, "seed": seed, "perturbed": perturbed}
+
+    def _new_folder(self) -> Path:
+        """A folder of its own for the next run; the first has the test's name, others a number after it."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        serial = 1
+        while True:
+            folder = self._folder / (self._name if serial == 1 else f"{self._name}-{serial}")
+            try:
+                folder.mkdir()
+            except FileExistsError:
+                serial += 1
+            else:
+                return folder
+
+    def close(self) -> None:
+        """End the runs that have begun and not ended."""
+        for live in self._live:
+            live.close()
+
+    @property
+    def disturbances(self) -> list[str]:
+        """One line for each run in which frames were lost, refused or reordered."""
+        found = [(run.folder, run.disturbed) for run in self.runs]
+        return [f"{folder}: {_counted(causes)}" for folder, causes in found if causes]
+
+    def facts(self) -> list[tuple[str, str]]:
+        """Properties of the finished runs for the JUnit report; those of the second have ``.2`` after their names."""
+        found = []
+        for number, run in enumerate(self.runs, 1):
+            end = "" if number == 1 else f".{number}"
+            spec = run.spec
+            facts = {
+                "scenario": run.outcome.scenario.name,
+                "controller": spec.law.label,
+                "arithmetic": spec.law.arithmetic,
+                "seed": spec.seed,
+                "verdict": run.verdict,
+                "frames_sha256": run.frames_sha256,
+                "certificate": run.folder / CERTIFICATE,
+            }
+            found += [(name + end, str(value)) for name, value in facts.items()]
+        return found
+
+    def reported(self) -> list[str]:
+        """Write the report of each run, for a test that has failed; lines that attach it to the test in a CI server."""
+        lines = []
+        for run in self.runs:
+            lines.append(f"run folder {run.folder}: {run.verdict} {'; '.join(run.reasons)}".rstrip())
+            line = report_line([run.recorded], run.folder)
+            report = (run.folder / REPORT).resolve()
+            lines.append(f"[[ATTACHMENT|{report}]]" if report.is_file() else line)
+        return lines
+
+    def keep_certificates(self) -> None:
+        """Of each run folder, keep only the certificate, with which ``railhil rerun`` makes the rest again."""
+        for run in self.runs:
+            for path in run.folder.iterdir():
+                if path.name != CERTIFICATE:
+                    shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def _counted(causes: Mapping[str, int]) -> str:
+    return ", ".join(f"{cause} {count}" for cause, count in causes.items())

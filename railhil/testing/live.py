@@ -1,0 +1,248 @@
+"""A run whose clock is held by the test: it advances only while the test waits for something."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from railhil.bus.errors import BusError
+from railhil.bus.frame import Frame
+from railhil.bus.telegrams import Event
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import INVALID, PASS
+from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.library import outcome_of
+from railhil.local_run import LocalRun
+from railhil.plant_sim.any_plant import PlantError
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.folder import write_folder
+from railhil.supervisor.inputs import write_inputs
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.memory import keep_memory, memory_after, with_memory
+from railhil.supervisor.session import Session
+from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
+from railhil.testing.result import Run
+from railhil.testing.telegrams import Heard, Wanted
+
+#: A truth of the run to wait for: a value to be reached from either side, or a function of it.
+Truth = float | Callable[[float], object]
+#: Keyword of :meth:`Live.wait_until` -> column of ``signals.csv``.
+_TRUTHS = {"speed": "true_speed_mps", "position": "true_position_m"}
+
+
+class _HearingSession(Session):
+    """The recorder; everything that passes it can also be looked at."""
+
+    heard: Heard
+
+    def handle(self, frame: Frame) -> list[Frame]:
+        """Take one frame in bus order."""
+        answers = super().handle(frame)
+        now_ns = round(self.sim_time_s * 1e9)
+        for item in (frame, *answers):
+            self.heard.take(item, now_ns)
+        return answers
+
+
+class Live:
+    """One run on the bench in this process, used as a context manager.
+
+    Leaving the block before the run has ended ends it there: its verdict is then INVALID, and its record can be read.
+    :meth:`finish` lets it run to its own end.
+
+    :param folder: empty run folder.
+    :param on_end: called once with the result.
+    """
+
+    def __init__(self, spec: RunSpec, scenario: AnyScenario, folder: Path, on_end: Callable[[Run], object]) -> None:
+        self.scenario = scenario
+        self.folder = folder
+        #: The result, after the end.
+        self.result: Run | None = None
+        self._on_end = on_end
+        write_inputs(folder, scenario, spec.law.parameters)
+        self.spec = with_memory(spec, folder)
+        contract = system_named(scenario.system).contract
+        self._run = run = LocalRun(scenario, self.spec, folder)
+        session = _HearingSession(scenario, run.log.write, self.spec)
+        session.heard = self._heard = Heard(contract)
+        run.session = session
+        self._plant, self._controller = run.nodes()
+        self._tick_ns = scenario.timing.base_tick_ns
+        self._ticks: Iterator[None] = iter(())
+        self._incomplete = "", PASS
+        self._begun = False
+
+    # -- beginning and end --------------------------------------------------------------------------------------------
+
+    def __enter__(self) -> Self:
+        """Handshake and first tick.
+
+        :raises BusError: the nodes refuse the run.
+        """
+        self._plant.handshake()
+        self._begun = True
+        self._ticks = self._plant.ticks()
+        self._advance()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """End the run if it has not ended; write its folder."""
+        self.close()
+
+    def close(self) -> None:
+        """End the run here, unless it has ended; nothing is recorded of one that has not begun."""
+        if not self._begun:
+            self._run.log.close()
+        elif self.result is None:
+            if not self.ended:
+                self._incomplete = f"ended by the test at simulation time {self.time_s:.2f} s", INVALID
+                self._plant.end(Event.ENDED_BY_SUPERVISOR)
+            self._write()
+
+    def finish(self) -> Run:
+        """Let the run go on to its own end; returns its result."""
+        while self._advance():
+            pass
+        if self.result is None:
+            self._write()
+        assert self.result is not None
+        return self.result
+
+    def _write(self) -> None:
+        run = self._run
+        write_telemetry(self._controller, self.folder / TELEMETRY)
+        result = run.finish(run.log.close(), *self._incomplete)
+        result.memory = memory_after(self.spec, self.folder, result)
+        write_folder(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
+        if self.spec.memory_file is not None and result.memory is not None:
+            keep_memory(self.spec, result.memory)
+        self.result = Run(outcome_of(self.folder, self.scenario, run, result))
+        self._on_end(self.result)
+
+    # -- looking ------------------------------------------------------------------------------------------------------
+
+    @property
+    def time_s(self) -> float:
+        """Simulation time: that of the current tick, whose telegrams have all been sent."""
+        return self._plant.plant.tick * self._tick_ns / 1e9
+
+    @property
+    def ended(self) -> bool:
+        """True when the run has ended."""
+        return self._plant.ended is not None or bool(self._incomplete[0])
+
+    def read(self, port: str) -> dict[str, float]:
+        """Signals of the newest telegram of a port, in the units of ``railhil ports``; empty before the first.
+
+        :raises ValueError: there is no such port.
+        """
+        return self._heard.values(port)
+
+    # -- advancing ----------------------------------------------------------------------------------------------------
+
+    def _advance(self) -> bool:
+        """One tick; False when the run has ended."""
+        if self.ended and self.result is not None:
+            return False
+        try:
+            next(self._ticks)
+            if self._plant.ended is not None:
+                self._plant.ending()
+        except StopIteration:
+            return False
+        except (BusError, PlantError, InputError) as error:
+            self._incomplete = self._run.incomplete(error)
+        return not self.ended
+
+    def step(self, ticks: int = 1) -> bool:
+        """Advance by so many ticks; False when the run has ended."""
+        return all(self._advance() for _ in range(ticks))
+
+    def advance(self, seconds: float) -> bool:
+        """Advance by at least so much simulation time; False when the run has ended."""
+        return self.step(-(-round(seconds * 1e9) // self._tick_ns))
+
+    def wait_until(
+        self,
+        port: str = "",
+        *,
+        timeout_s: float,
+        speed: Truth | None = None,
+        position: Truth | None = None,
+        **signals: Wanted,
+    ) -> float:
+        """Advance until all that is named is true; returns the simulation time.
+
+        :param port: wait for its signals to be as wanted: a number, a word of the port table, or a function.
+        :param speed: true speed in m/s, ``position`` in m: reached from either side, or a function.
+        :param timeout_s: simulation time.
+        :raises AssertionError: not within that time, or the run has ended before.
+        :raises ValueError: there is no such port, signal or word, or nothing to wait for.
+        """
+        conditions = [
+            self._truth(name, wanted)
+            for name, wanted in (("speed", speed), ("position", position))
+            if wanted is not None
+        ]
+        if port:
+            self._heard.signals(port, signals)
+            conditions.append(
+                (lambda: self._heard.meets(port, signals), lambda: f"{port}: {self._heard.shown(port, signals)}")
+            )
+        if not conditions or (signals and not port):
+            raise ValueError("wait_until: a port with its signals, speed or position")
+        return self._until(conditions, timeout_s, "wait_until")
+
+    def expect(self, port: str, *, within_s: float, **signals: Wanted) -> float:
+        """Advance until a telegram that comes from now on is as wanted; returns the simulation time.
+
+        :param signals: each a number, a word of the port table, or a function; none: any telegram.
+        :raises AssertionError: none within that simulation time.
+        :raises ValueError: there is no such port, signal or word.
+        """
+        self._heard.signals(port, signals)
+        before = self._heard.count(port)
+
+        def come() -> bool:
+            return self._heard.count(port) > before and self._heard.meets(port, signals)
+
+        return self._until([(come, lambda: f"{port}: {self._heard.shown(port, signals)}")], within_s, "expect")
+
+    def _until(
+        self, conditions: list[tuple[Callable[[], bool], Callable[[], str]]], timeout_s: float, what: str
+    ) -> float:
+        end_ns = self._plant.plant.tick * self._tick_ns + round(timeout_s * 1e9)
+        while not all(is_true() for is_true, _ in conditions):
+            late = (self._plant.plant.tick + 1) * self._tick_ns > end_ns
+            if late or not self._advance():
+                why = f"not within {timeout_s:g} s of simulation time" if late else "the run has ended"
+                seen = "; ".join(shown() for _, shown in conditions)
+                raise AssertionError(f"{what}: {why}, at {self.time_s:.2f} s: {seen}")
+        return self.time_s
+
+    def _truth(self, name: str, wanted: Truth) -> tuple[Callable[[], bool], Callable[[], str]]:
+        """Whether a truth is reached, and how it is now."""
+        column = _TRUTHS[name]
+        place = next(
+            ((port, signal) for header, port, signal in judging_of(self.scenario).columns if header == column), None
+        )
+        if place is None:
+            raise ValueError(f"{name}: system {self.scenario.system} has no column {column}; wait for a port's signals")
+        port, signal = place
+
+        def now() -> float:
+            return self._heard.values(port).get(signal, 0.0)
+
+        if callable(wanted):
+            test = wanted
+            return lambda: bool(test(now())), lambda: f"{column} {now():.6g}"
+        goal, rising = wanted, now() <= wanted
+        return lambda: now() >= goal if rising else now() <= goal, lambda: f"{column} {now():.6g}, wanted {goal:.6g}"

@@ -1,0 +1,116 @@
+"""The result of one run of a test."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from railhil.library import Outcome, RecordedEvent, Signals
+from railhil.scenarios.run_spec import RunSpec
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.report.recorded import RecordedRun, recorded_run
+from railhil.testing.health import disturbed_run
+
+
+class Score:
+    """Scores of a run as attributes: with their sign if they have one, NaN where the run has none.
+
+    No comparison with NaN is true, so that a limit is not met by a train that has not stopped.
+    """
+
+    def __init__(self, scores: Mapping[str, float | None], signed: Mapping[str, float | None]) -> None:
+        self._values = {**scores, **signed}
+
+    def __getattr__(self, name: str) -> float:
+        values = self.__dict__.get("_values", {})
+        if name not in values:
+            raise AttributeError(f"no score {name!r}: this run has {', '.join(sorted(values))}")
+        value = values[name]
+        return math.nan if value is None else value
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__(), *self._values})
+
+    def __repr__(self) -> str:
+        return f"Score({', '.join(f'{name}={value}' for name, value in self._values.items())})"
+
+
+class Run:
+    """One recorded run: verdict, scores, events, evidence. ``outcome``: the same as of :func:`railhil.run`."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        self.outcome = outcome
+
+    @property
+    def passed(self) -> bool:
+        """True for the verdict PASS."""
+        return self.outcome.passed
+
+    @property
+    def verdict(self) -> str:
+        """PASS, FAIL or INVALID."""
+        return self.outcome.verdict
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """One sentence per limit missed, or why the run is INVALID."""
+        return self.outcome.reasons
+
+    @property
+    def score(self) -> Score:
+        """Scores as attributes, ``run.score.stop_error_m``."""
+        return Score(self.outcome.scores, self.outcome.signed)
+
+    @property
+    def scores(self) -> Mapping[str, float | None]:
+        """Scores by name, without sign; None where the run has none."""
+        return self.outcome.scores
+
+    @property
+    def events(self) -> tuple[RecordedEvent, ...]:
+        """What happened, in order."""
+        return self.outcome.events
+
+    @property
+    def signals(self) -> Signals:
+        """Columns of ``signals.csv``."""
+        return self.outcome.signals
+
+    @property
+    def spec(self) -> RunSpec:
+        """The description of the run; ``railhil.run(run.spec)`` repeats it."""
+        return self.outcome.spec
+
+    @property
+    def folder(self) -> Path:
+        """The run folder."""
+        return self.outcome.folder
+
+    @property
+    def certificate(self) -> Mapping[str, Any]:
+        """Content of ``certificate.json``."""
+        return self.outcome.certificate
+
+    @property
+    def frames_sha256(self) -> str:
+        """SHA-256 of ``frames.log``."""
+        return self.outcome.frames_sha256
+
+    @property
+    def recorded(self) -> RecordedRun:
+        """The run as its report takes it."""
+        outcome = self.outcome
+        found = judging_of(outcome.scenario).score(outcome.scenario, outcome.trace)
+        invalid = "; ".join(outcome.reasons) if outcome.verdict == "INVALID" else ""
+        return recorded_run(outcome.folder, dict(outcome.certificate), outcome.scenario, outcome.trace, found, invalid)
+
+    @property
+    def disturbed(self) -> dict[str, int]:
+        """Frames lost, refused or out of order, by cause; empty on a healthy bus."""
+        return disturbed_run(self.folder)
+
+    def __repr__(self) -> str:
+        reasons = "".join(f", {reason}" for reason in self.reasons)
+        return f"<run of {self.outcome.scenario.name}: {self.verdict}{reasons}; {self.folder}>"

@@ -1,0 +1,90 @@
+"""The settings of a session of pytest: from its command line, the environment, or the ini file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+#: Option without ``--railhil-`` -> its line in the help. In the ini file it is ``railhil_...``, in the environment
+#: ``RAILHIL_...``.
+OPTIONS: Mapping[str, str] = {
+    "bus": "local (default): all nodes in this process; auto, hub, or INTERFACE:CHANNEL[@BITRATE], such as "
+    "socketcan:can0",
+    "seeds": "values of the fixture seed, such as 0,1,5-9 (default 0)",
+    "runs": "folder that keeps the run folders of all tests (default: pytest's temporary folder, and of a passed test "
+    "only the certificates)",
+    "pace": "lockstep (default) or realtime",
+    "no-controller": "the controller is a board or another program on the bus",
+}
+FLAG = "no-controller"
+_BUS = re.compile(r"local|auto|hub|[\w.-]+:[^@\s]+(@\d+)?")
+_SEEDS = re.compile(r"(\d+)(?:-(\d+))?")
+_SEED_MAX = 0xFFFF_FFFF
+_SEEDS_MAX = 100_000
+_TRUE, _FALSE = ("1", "true", "yes", "on"), ("", "0", "false", "no", "off")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """``runs``: None for pytest's temporary folder."""
+
+    bus: str = "local"
+    seeds: tuple[int, ...] = (0,)
+    runs: Path | None = None
+    pace: str = "lockstep"
+    no_controller: bool = False
+
+    @property
+    def interface(self) -> str:
+        """python-can's name of the interface; empty where railhil chooses the bus."""
+        return self.bus.partition(":")[0] if ":" in self.bus else ""
+
+
+def settings_from(given: Callable[[str], tuple[str, str]], folder: Path) -> Settings:
+    """The settings of a session.
+
+    :param given: for the name of an option, its text and what the user calls it; the text is empty if nobody gave it.
+    :param folder: relative to which ``runs`` is.
+    :raises ValueError: one that is not allowed, in one line.
+    """
+    said = {name: given(name) for name in OPTIONS}
+
+    def refused(name: str, allowed: str) -> ValueError:
+        text, where = said[name]
+        return ValueError(f"{where}: found {text!r}, allowed {allowed}")
+
+    bus = said["bus"][0] or "local"
+    if not _BUS.fullmatch(bus):
+        raise refused("bus", "local, auto, hub or INTERFACE:CHANNEL[@BITRATE]")
+    pace = said["pace"][0] or "lockstep"
+    if pace not in ("lockstep", "realtime"):
+        raise refused("pace", "lockstep or realtime")
+    if pace == "realtime" and bus == "local":
+        raise refused("pace", "lockstep on the bus local (--railhil-bus hub runs in real time)")
+    flag = said[FLAG][0].lower()
+    if flag not in (*_TRUE, *_FALSE):
+        raise refused(FLAG, f"{', '.join(_TRUE)} or {', '.join(_FALSE[1:])}")
+    if flag in _TRUE and ":" not in bus:
+        raise refused(FLAG, "nothing, or a bus beside it on which the board is (--railhil-bus INTERFACE:CHANNEL)")
+    seeds = _seeds(said["seeds"][0] or "0")
+    if not seeds:
+        raise refused("seeds", f"numbers and ranges up to {_SEED_MAX}, such as 0,1,5-9")
+    runs = said["runs"][0]
+    return Settings(bus, seeds, folder / runs if runs else None, pace, flag in _TRUE)
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    """Numbers and ranges, each once; empty if they are not."""
+    found: dict[int, None] = {}
+    for part in text.replace(" ", "").split(","):
+        match = _SEEDS.fullmatch(part)
+        if match is None:
+            return ()
+        first = int(match[1])
+        last = int(match[2]) if match[2] else first
+        if not first <= last <= _SEED_MAX or last - first >= _SEEDS_MAX:
+            return ()
+        found |= dict.fromkeys(range(first, last + 1))
+    return tuple(found)
