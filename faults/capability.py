@@ -27,7 +27,7 @@ class Refusal:
     """What cannot be injected; an empty field matches everything.
 
     ``names``: places of the level; ``parts``: as in :class:`railhil.faults.words.Word`; ``sources``: nodes at which the
-    fault acts.
+    fault acts; ``unless_constant``: not about what :func:`is_constant` says.
     """
 
     why: str
@@ -36,6 +36,7 @@ class Refusal:
     names: tuple[str, ...] = ()
     parts: tuple[str, ...] = ()
     transports: tuple[str, ...] = ()
+    unless_constant: bool = False
     paces: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
 
@@ -62,6 +63,7 @@ REFUSALS: tuple[Refusal, ...] = (
     Refusal(
         "the batch has no injectors: such runs go through the nodes",
         transports=("batch",),
+        unless_constant=True,
     ),
     Refusal(
         "the controller is not railhil's: its connection has no injector",
@@ -70,6 +72,20 @@ REFUSALS: tuple[Refusal, ...] = (
         sources=("controller",),
     ),
 )
+
+
+#: Places of the train and words that a changed scenario expresses.
+MISMATCHES = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
+
+
+def is_constant(fault: Fault) -> bool:
+    """Whether a fault is a mismatch that lasts from the start to the end: a changed scenario says the same.
+
+    The batch computes these, with whatever values are drawn; runs with any other fault go through the nodes.
+    """
+    begins = fault.trigger.kind == "time" and not fault.trigger.value and not fault.trigger.delay_s
+    ends = fault.duration_s is not None or fault.count is not None or bool(fault.until)
+    return fault.place.level == "train" and (fault.place.name, fault.what) in MISMATCHES and begins and not ends
 
 
 def refusals(word: Word, name: str) -> Iterator[Refusal]:
@@ -89,6 +105,8 @@ def why_not(fault: Fault, transport: str, pace: str, sources: Sequence[str] = ()
     for entry in refusals(word, place.name):
         on = not entry.transports or transport in entry.transports
         at = not entry.paces or pace in entry.paces
+        if entry.unless_constant and is_constant(fault):
+            continue
         if on and at and (not entry.sources or {*entry.sources} & {*sources}):
             return entry.why
     return ""

@@ -69,7 +69,7 @@ def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
     finally:
         if node.faults is not None:
             finish_undisturbed()
-            node.faults.write()
+            node.write_fault_logs()
         if timing_file is not None and node.timing is not None:
             finish_undisturbed()
             node.timing.write(timing_file)

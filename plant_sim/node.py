@@ -21,6 +21,7 @@ from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
@@ -31,6 +32,8 @@ from railhil.scenarios.system import system_named
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
+#: Name of the log of the faults inside the plant, as of a node (:mod:`railhil.bus.injector.log`).
+INSIDE = "inside-plant"
 
 
 class Refused(BusError):
@@ -66,7 +69,10 @@ class PlantNode:
         self._contract = contract = system.contract
         self._own_events = system.events
         self.plant: AnyPlant
+        #: What is injected inside the plant; None: nothing.
+        self.injections: Injections | None
         self.plant, self.injections = make_plant(scenario, run)
+        self._fault_log = fault_log
         self._ident = make_ident(
             Role.PLANT, scenario.sha256, seed=run.seed, perturbed=run.perturbed, pace=run.pace, contract=contract
         )
@@ -120,6 +126,13 @@ class PlantNode:
     def counters(self) -> dict[str, int]:
         """Polls, missed polls, and telegrams refused by cause."""
         return {**self.administrator.counters, **self._store.counters}
+
+    def write_fault_logs(self) -> None:
+        """Write the logs of what was injected at this node, and inside the plant, into the run folder."""
+        if self.faults is not None:
+            self.faults.write()
+        if self.injections is not None and self._fault_log is not None:
+            self.injections.log.write(self._fault_log, INSIDE, self.injections.activities)
 
     # -- before the run -------------------------------------------------------------------------------------------
 

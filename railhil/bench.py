@@ -30,7 +30,7 @@ from railhil.controller_node.loop import NO_BALISE, limited_01mm
 from railhil.controller_node.telemetry_file import telemetry_document
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
-from railhil.plant_sim.faults.plants import constant_mismatch
+from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.plant import Plant
@@ -155,8 +155,7 @@ def plant_beside(
 
 def write_fault_logs(plant: PlantNode, node: AnyController) -> None:
     """Write the logs of what the injectors of a run did into its folder."""
-    if plant.faults is not None:
-        plant.faults.write()
+    plant.write_fault_logs()
     write_fault_log(node)
 
 
@@ -212,16 +211,10 @@ def coupled_run(
     :param spec: from its law only the kind of set-points is used, for the score.
     :raises InputError: like :func:`coupled_schedule`, or a fault that needs the nodes.
     """
-    if scenario.faults:
-        raise InputError(scenario.name, "fault", scenario.faults[0], "none without the nodes")
     spec = spec or RunSpec()
     actual = perturbed(scenario, spec.seed) if spec.perturbed else scenario
     if scenario.faults:
-        mismatch = constant_mismatch(scenario, spec.seed)
-        if mismatch is None:
-            allowed = "mass, gradient or resistance from the start to the end: other faults need a run over a bus"
-            raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
-        actual = mismatch.applied(actual)
+        actual = constant_mismatches(scenario, [spec.seed])[0].applied(actual)
     plant = Plant(actual, spec.seed)
     coupled = _Coupled(scenario, plant, law)
     coupled.publish(make_ident(Role.CONTROLLER, scenario.sha256, **spec.identity))

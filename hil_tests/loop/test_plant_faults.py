@@ -10,12 +10,18 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import BenchRun, local_run
+from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
-from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnPos, TrnSpeed, TrnWatch
+from railhil.bus.local import LocalBus
+from railhil.bus.mvb import TelegramSource
+from railhil.bus.telegrams import CtlMode, FaultOrder, NotchCmd, SimTruth, SupCmd, TrnPos, TrnSpeed, TrnWatch
+from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import CommandWatchLevel
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.faults
 
@@ -108,6 +114,37 @@ def test_the_same_seed_gives_the_same_bytes(short: str, tmp_path: Path) -> None:
     own = [run(short, tmp_path / f"own{seed}", "brake scale uniform(0.7,1.3) @0s seed 9", seed=seed) for seed in (5, 6)]
     forces = [made.trace.raw(SimTruth.PORT, "BrakeForce").max() for made in own]
     assert abs(forces[0] / forces[1] - 1) < 0.02
+
+
+def test_a_fault_is_injected_and_cleared_by_hand(short: str) -> None:
+    """SUP_CMD orders it by its number; it acts from the next tick on."""
+    scenario = load_any(short, (), ("speed wrong 1.5 @20s", "doors off @manual"))
+    spec = RunSpec(short, law=LawSpec("ipfc", "float64"))
+    session, node = Session(scenario, lambda line: None, spec), ControllerNode(scenario, spec.law)
+    source, port = TelegramSource(SupCmd.port()), SupCmd.port()
+
+    def supervisor(frame: Frame) -> list[Frame]:
+        found: list[Frame] = []
+        for answer in session.handle(frame):
+            if answer.can_id == port.address and 5.0 < session.sim_time_s < 7.0:
+                order = SupCmd.decode(answer.data[: port.data_bytes])
+                order.fault_number, order.fault_order = (
+                    2,
+                    FaultOrder.INJECT if session.sim_time_s < 6.0 else FaultOrder.CLEAR,
+                )
+                found += source.frames(order.encode())
+            else:
+                found.append(answer)
+        return found
+
+    plant = PlantNode(scenario, spec, LocalBus([node.handle, supervisor]))
+    plant.run()
+    assert plant.injections is not None
+    wrong, doors = plant.injections.activities
+    assert wrong.begun_ns == 20_000_000_000
+    assert doors.begun_ns is not None and 5.0 < doors.begun_ns / 1e9 < 5.3
+    assert doors.ended_ns is not None and 6.0 < doors.ended_ns / 1e9 < 6.3
+    assert doors.hits == 1
 
 
 @pytest.mark.slow

@@ -6,6 +6,7 @@ from dataclasses import replace
 from math import inf
 from typing import NamedTuple
 
+from railhil.bus.telegrams import WatchCause
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.faults.adhesion import AxleSlip
@@ -13,7 +14,8 @@ from railhil.plant_sim.faults.drive import Side, SideState, capped, shared
 from railhil.plant_sim.faults.injections import Injections, number_of
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
-from railhil.scenarios.model import Train
+from railhil.plant_sim.train_checks import OwnChecks
+from railhil.scenarios.model import Scenario, Train
 
 
 class Allowed(NamedTuple):
@@ -49,6 +51,9 @@ class FaultyForces:
         self._injections = injections
         self._adhesion = injections.at("train", "adhesion")
         self._step_s = step_s
+        #: Traction that no notch commands, and braking force that the watch demanded of a healthy brake.
+        self.runaway_n = 0.0
+        self.demanded_n = 0.0
         # Largest force that the rail carries.
         self._carried_n = inf
 
@@ -102,6 +107,7 @@ class FaultyForces:
         :param window: what watch and interlocks allow.
         """
         constants, extra_n = healthy, 0.0
+        self.runaway_n, self.demanded_n = 0.0, window.brake_min_n
         pull, push = self.traction.state, self.brake.state
         if not demand.emergency and (pull.share != 1.0 or push.share != 1.0):
             traction, brake = shared(constants.traction, pull.share), shared(constants.brake, push.share)
@@ -117,6 +123,8 @@ class FaultyForces:
             instead_n = None
             if state.instead_n is not None and acts:
                 instead_n = min(state.instead_n, effort_limit_n(limit, demand.speed_mps))
+                if side is self.traction:
+                    self.runaway_n = instead_n
                 extra_n += instead_n if side is self.traction else -instead_n
             side.note(self._injections, acts, demand.code, self._commanded_n(side, demand, window), instead_n)
         if pull.instead_n is not None:
@@ -165,3 +173,17 @@ class FaultyForces:
             self._injections.effect(one, acts, f"{demand_n:.0f} N", f"{self._carried_n:.0f} N")
         train = self._train
         self.axle.step(demand_n, self._carried_n, motion.speed_mps, train.mass_kg, train.inertial_mass_kg, self._step_s)
+
+
+class FeltChecks(OwnChecks):
+    """The train's own checks: they see the force of the drive as it is, and what was demanded of the brake."""
+
+    def __init__(self, scenario: Scenario, constants: TrainConstants, forces: FaultyForces) -> None:
+        super().__init__(scenario, constants)
+        self._felt = forces
+
+    def finding(self, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
+        """See :meth:`railhil.plant_sim.train_checks.OwnChecks.finding`."""
+        if self._felt.runaway_n > 0.0:
+            motion = motion._replace(actuator_n=max(0.0, motion.actuator_n) + self._felt.runaway_n)
+        return super().finding(acting_code, motion, max(brake_min_n, self._felt.demanded_n))

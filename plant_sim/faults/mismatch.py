@@ -8,22 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim.faults.injections import number_of
 from railhil.scenarios.model import Line, Scenario, Train
-
-#: Place and word of the faults that a changed scenario expresses.
-WORDS = (("mass", "scale"), ("resistance", "scale"), ("gradient", "scale"), ("gradient", "offset"))
-
-
-def is_constant(fault: Fault) -> bool:
-    """Whether a fault is a mismatch that lasts from the start to the end: a changed scenario says the same.
-
-    The batch computes these, with whatever values are drawn; runs with any other fault go through the nodes.
-    """
-    begins = fault.trigger.kind == "time" and not fault.trigger.value and not fault.trigger.delay_s
-    ends = fault.duration_s is not None or fault.count is not None or bool(fault.until)
-    return fault.place.level == "train" and (fault.place.name, fault.what) in WORDS and begins and not ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +28,11 @@ class Mismatch:
 
     @classmethod
     def of(cls, faults: Iterable[Fault]) -> Mismatch:
-        """The faults of :data:`WORDS` among some, together and in their order."""
+        """The faults of :data:`railhil.faults.capability.MISMATCHES` among some, together and in their order."""
         mass, resistance, grade, permil = 1.0, 1.0, 1.0, 0.0
         for fault in faults:
             key = fault.place.name, fault.what
-            if fault.place.level != "train" or key not in WORDS:
+            if fault.place.level != "train" or key not in MISMATCHES:
                 continue
             if fault.what == "offset":
                 permil += number_of(fault, "permil")

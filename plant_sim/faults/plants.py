@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+from railhil.common.errors import InputError, Words
+from railhil.faults.capability import why_not
+from railhil.faults.language import parse
 from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant
 from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.mismatch import Mismatch, is_constant
-from railhil.scenarios.fault_list import drawn_faults
+from railhil.plant_sim.faults.mismatch import Mismatch
+from railhil.scenarios.fault_list import drawn, drawn_faults
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -47,10 +50,18 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
     return faulty, faulty.injections
 
 
-def constant_mismatch(scenario: AnyScenario, seed: int) -> Mismatch | None:
-    """The faults of a run as a mismatch of its train and line; None: another fault needs the nodes of the bench.
+def needs_nodes(scenario: AnyScenario) -> bool:
+    """Whether a fault of a scenario needs the nodes of the bench."""
+    return any(why_not(parse(text), "batch", "lockstep") for text in scenario.faults)
 
-    :param seed: of the run.
+
+def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mismatch]:
+    """The faults of runs without nodes, as a mismatch of train and line for each seed.
+
+    :raises InputError: one of them needs the nodes.
     """
-    faults = drawn_faults(scenario.faults, seed)
-    return Mismatch.of(faults) if all(map(is_constant, faults)) else None
+    if needs_nodes(scenario):
+        allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
+        raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
+    faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
+    return [Mismatch.of(drawn(fault, number, seed) for number, fault in faults) for seed in seeds]

@@ -7,16 +7,17 @@ from math import nan
 from typing import Any
 
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import BalisePassed, CtlMode, NotchCmd, TrnPos, TrnSpeed
+from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.events import EventKind
 from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
 from railhil.plant_sim.faults.equipment import FaultyEquipment
-from railhil.plant_sim.faults.forces import Demand, FaultyForces
+from railhil.plant_sim.faults.forces import Demand, FaultyForces, FeltChecks
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
-from railhil.plant_sim.faults.mismatch import WORDS as MISMATCHES
 from railhil.plant_sim.faults.mismatch import Mismatch
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity
 from railhil.plant_sim.status import LINE_VOLTAGE_MIN_PERCENT
@@ -24,8 +25,8 @@ from railhil.plant_sim.train import TrainOnBus
 from railhil.scenarios.model import Balise, Scenario
 from railhil.scenarios.perturb import perturbed
 
-#: Modes of the controller that are levels of its watch.
-_LEVELS = range(CtlMode.RUNNING, CtlMode.EMERGENCY + 1)
+#: Modes of the controller as events.
+_MODES = {int(mode): mode.name.lower() for mode in CtlMode}
 
 
 class FaultyTrain(TrainOnBus):
@@ -60,6 +61,7 @@ class FaultyTrain(TrainOnBus):
         self._applied_mismatch = mismatch
         self._actual_train = self._train
         self._base = self._constants
+        self._own_checks = FeltChecks(mismatch.applied(self._healthy), self._constants, self._forces)
         self._changed = True
         self._equipment.change(self.status)
         self._read()
@@ -67,6 +69,8 @@ class FaultyTrain(TrainOnBus):
         for telegram, sensor in ((TrnSpeed, self._speed_sensor), (TrnPos, self._position_sensor)):
             if sensor:
                 self.makers[telegram.PORT] = _sent(self.makers[telegram.PORT], sensor)
+        if SpeedSdt.PORT in self.makers:
+            self.makers[SpeedSdt.PORT] = self._safe_reading(self.makers[SpeedSdt.PORT])
 
     # -- when faults begin and end ------------------------------------------------------------------------------------
 
@@ -142,6 +146,11 @@ class FaultyTrain(TrainOnBus):
         if self._position_sensor:
             self._position_sensor.sample(self._axle_odometer_mm)
 
+    def _safe_reading(self, make: Callable[[], Telegram | None]) -> Callable[[], Telegram | None]:
+        """A maker of SPEED_SDT, which has no check variable: without valid readings it is not sent."""
+        sensors = self._speed_sensor, self._position_sensor
+        return lambda: make() if all(sensor.reading.valid for sensor in sensors) else None
+
     @property
     def _axle_speed_01mmps(self) -> int:
         return self._sensors.speed_01mmps(max(0.0, self._motion.speed_mps + self._forces.axle.slip_mps))
@@ -180,12 +189,10 @@ class FaultyTrain(TrainOnBus):
     # -- commands and events ------------------------------------------------------------------------------------------
 
     def take(self, telegram: Telegram) -> None:
-        """Take NOTCH_CMD; the controller's level is an event for faults that wait for it."""
-        assert isinstance(telegram, NotchCmd)
-        if telegram.mode != self._mode:
+        """Take a command; the controller's level is an event for faults that wait for it."""
+        if isinstance(telegram, NotchCmd) and telegram.mode != self._mode:
             self._mode = telegram.mode
-            if telegram.mode in _LEVELS:
-                self.injections.happened(CtlMode(telegram.mode).name.lower())
+            self.injections.happened(_MODES.get(telegram.mode, ""))
         super().take(telegram)
 
     def _event(self, kind: EventKind, *given: Any) -> None:

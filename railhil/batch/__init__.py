@@ -2,9 +2,9 @@
 
 The plant's own functions are compiled (:mod:`railhil.common.compilable`), the law steps on arrays; the notch codes and
 the scores of each run are those of :func:`railhil.bench.direct_run` with the same seed, and so of the real bench on
-a healthy bus. Of the faults of a scenario it computes a mass, a gradient and a resistance that differ from the start to
-the end (:func:`railhil.plant_sim.faults.mismatch.is_constant`). A run with any other fault, or one that ends in an
-emergency brake, is made through the nodes of the bench (:mod:`railhil.batch.replay`), which takes a second. Needs numba
+a healthy bus. A run that ends in an emergency brake is repeated through the nodes of the bench
+(:mod:`railhil.batch.replay`), which takes a second. Of the faults of a scenario it computes a mass, a gradient and a
+resistance that differ from the start to the end (:func:`railhil.faults.capability.is_constant`). Needs numba
 (extra ``campaign``).
 """
 
@@ -12,16 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from railhil.batch.case import BatchResult, Case, column, notch_digest, trace_digest
 from railhil.batch.replay import left_the_healthy_path, replayed
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
-from railhil.plant_sim.faults.plants import constant_mismatch
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, with_sign
-from railhil.supervisor.score import Score
+
+if TYPE_CHECKING:
+    from railhil.batch.engine import BatchRuns
 
 __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", "trace_digest"]
 
@@ -63,34 +64,24 @@ def run_batch(case: Case, seeds: Sequence[int], *, keep_notches: bool = False, c
 
     if any(not 0 <= seed <= _SEED_MAX for seed in seeds):
         raise ValueError(f"seeds must lie inside 0..{_SEED_MAX}")
-    # Made for any case: it refuses a law that does not fit.
     engine = Engine(case)
-    scores: list[Score] = []
-    codes: list[NDArray[np.int16]] = []
-    counts = {kind: np.zeros(len(seeds), dtype=np.int64) for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)}
-    through_nodes: Sequence[int] = range(len(seeds))
-    if constant_mismatch(case.scenario, 0) is not None:
-        chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
-        scores = [score for made in chunks for score in made.scores]
-        codes = [made.codes[:steps, i].copy() for made in chunks for i, steps in enumerate(made.steps)]
-        for kind in counts:
-            counts[kind] = np.concatenate([counts[kind][:0], *(made.counts[kind] for made in chunks)])
-        through_nodes = [run for run, score in enumerate(scores) if left_the_healthy_path(score)]
-    for run in through_nodes:
-        score, code, counted = replayed(case, int(seeds[run]))
-        scores[run : run + 1], codes[run : run + 1] = [score], [code]
-        for kind, count in counted.items():
-            counts[kind][run] = count
-    return _result(seeds, scores, codes, counts, keep_notches)
+    chunks = [engine.run(seeds[i : i + chunk]) for i in range(0, len(seeds), chunk)]
+    return _result(case, seeds, chunks, keep_notches)
 
 
-def _result(
-    seeds: Sequence[int],
-    scores: list[Score],
-    codes: list[NDArray[np.int16]],
-    counts: dict[int, NDArray[np.int64]],
-    keep_notches: bool,
-) -> BatchResult:
+def _result(case: Case, seeds: Sequence[int], chunks: list[BatchRuns], keep_notches: bool) -> BatchResult:
+    scores = [score for chunk in chunks for score in chunk.scores]
+    codes = [chunk.codes[:steps, i].copy() for chunk in chunks for i, steps in enumerate(chunk.steps)]
+    counts = {
+        kind: np.concatenate([np.zeros(0, dtype=np.int64), *(chunk.counts[kind] for chunk in chunks)])
+        for kind in (WRAP, SATURATION, DIVISION_BY_ZERO)
+    }
+    for run, seed in enumerate(seeds):
+        if left_the_healthy_path(scores[run]):
+            scores[run], codes[run], counted = replayed(case, int(seed))
+            for kind, count in counted.items():
+                counts[kind][run] = count
+
     return BatchResult(
         seed=np.array(seeds, dtype=np.int64),
         scores=tuple(scores),

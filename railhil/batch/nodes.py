@@ -9,8 +9,7 @@ import numpy as np
 
 from railhil.batch.case import BatchResult, Case, column
 from railhil.bench import unrecorded_run
-from railhil.faults.capability import why_not
-from railhil.faults.language import parse
+from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.fault_report import missed_faults
@@ -24,7 +23,7 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     """The batch of a scenario's system (:func:`railhil.batch.run_batch`), None when it has none, or when a fault of
     the scenario needs the nodes."""
     system = system_named(scenario.system)
-    if any(why_not(parse(text), "batch", "lockstep") for text in scenario.faults):
+    if needs_nodes(scenario):
         return None
     return system.part("batch") if "batch" in system.own else None
 

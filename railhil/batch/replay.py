@@ -1,4 +1,4 @@
-"""Makes runs that the batch cannot compute through the nodes of the bench: with an emergency brake, or with faults.
+"""Repeats runs with an emergency brake through the nodes of the bench.
 
 After an emergency brake the controller's own watch determines the notch instead of its law. The batch has no such
 watch: its scores are still right, because the train brakes regardless of commands, but the notch codes would differ

@@ -19,7 +19,7 @@ from railhil.plant_sim import force_tables
 from railhil.plant_sim.command_watch import INITIAL, watch_ticks
 from railhil.plant_sim.dynamics import lag
 from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.plant_sim.faults.plants import constant_mismatch
+from railhil.plant_sim.faults.plants import constant_mismatches
 from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH
 from railhil.plant_sim.run_end import RunEnd
@@ -172,9 +172,7 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     if drawn:
         actual = with_draws(scenario, list(np.array([unit_draws(scenario, seed) for seed in seeds]).T))
     if scenario.faults:
-        found = [constant_mismatch(scenario, seed) for seed in seeds]
-        # Runs with another fault do not come here.
-        actual = Mismatch.over([one for one in found if one is not None]).applied(actual)
+        actual = Mismatch.over(constant_mismatches(scenario, seeds)).applied(actual)
     train, sensors = actual.train, actual.sensors
     records = np.zeros(count, dtype=TRAIN)
     constants = force_tables.train_constants(train)

@@ -18,7 +18,9 @@ from hil_tests.support.plug import plug_in
 from railhil.batch import Case, run_batch, say_compiling, trace_digest
 from railhil.batch.compiled import FUNCTIONS, Kept
 from railhil.batch.engine import Engine
+from railhil.batch.nodes import batch_of
 from railhil.batch.noise import standard_noise
+from railhil.batch.perturbed_runs import FIRST_SEED, outcomes
 from railhil.bench import coupled_run, direct_run, local_run, unrecorded_run
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
@@ -210,15 +212,16 @@ def test_a_mismatch_from_the_start_is_computed_like_in_the_nodes(tmp_path):
     "fault",
     ["speed offset 0.2 @2s", "brake weak 60% @0s", "mass scale 1.3 @3s", "mass scale 1.3 @0s for 2s"],
 )
-def test_runs_with_other_faults_are_those_of_the_nodes(tmp_path, fault):
+def test_runs_with_other_faults_go_through_the_nodes(tmp_path, fault):
     case = Case(with_faults(tmp_path, fault), LawSpec(arithmetic="float64"), perturbed=False)
-    batch = run_batch(case, (4,), keep_notches=True)
-    nodes = unrecorded_run(case.scenario, case.run(4))
-    assert batch.scores[0] == nodes.score
-    assert batch.notch_digest[0] == trace_digest(case.scenario, nodes.trace)
-    assert batch.values["itae"][0] != run_batch(replace(case, scenario=with_faults(tmp_path)), (4,)).values["itae"][0]
-    with pytest.raises(InputError, match="other faults need a run over a bus"):
-        direct_run(case.scenario)
+    assert batch_of(case.scenario) is None
+    assert batch_of(with_faults(tmp_path, *CONSTANT_FAULTS)) is not None
+    for run in (lambda: run_batch(case, (4,)), lambda: direct_run(case.scenario)):
+        with pytest.raises(InputError, match="other faults need the nodes"):
+            run()
+    found, healthy = (outcomes(scenario, 1, case.law).scores[0] for scenario in (case.scenario, with_faults(tmp_path)))
+    assert found == unrecorded_run(case.scenario, Case(case.scenario, case.law).run(FIRST_SEED)).score
+    assert found != healthy
 
 
 def test_speed_that_is_sent_less_often_than_notches_are_asked_for_is_refused():

@@ -19,7 +19,7 @@ from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.ato import ATO
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import Balise
+from railhil.scenarios.model import Balise, Scenario
 
 TRAIN = SCENARIO.train
 WEIGHT_N = TRAIN.mass_kg * TRAIN.gravity_mps2
@@ -213,11 +213,16 @@ def test_a_brake_that_fails_while_it_brakes_loses_its_force_at_once_and_builds_u
     assert plant.brake_n > 0.5 * before_n
 
 
+def without_runaway_check(scenario: Scenario = SCENARIO) -> Scenario:
+    """The train's own watch never finds too much traction."""
+    return replace(scenario, watch=replace(scenario.watch, traction_left_max_percent=200.0))
+
+
 def test_a_runaway_drive_pulls_until_the_emergency_brake() -> None:
     """C4: traction with a braking notch and under TRACTION CUT; EMERGENCY opens the main breaker."""
-    plant = faulty(fault("actuator.traction", "full", 15.0))
+    plant = faulty(fault("actuator.traction", "full", 15.0), scenario=without_runaway_check())
     moving(plant, ticks=1490)
-    commanded(plant, -300, 700)
+    commanded(plant, -300, 70)
     assert plant.traction_n > 0.0
     assert plant.accel_mps2 > 0.0
     for _ in range(10):
@@ -233,6 +238,33 @@ def test_a_runaway_drive_pulls_until_the_emergency_brake() -> None:
     assert shown(plant)[0][:2] == (1, 15.0)
 
 
+@pytest.mark.parametrize("what", ["full", "stuck"])
+def test_the_train_s_own_watch_finds_a_runaway_drive(what: str) -> None:
+    """C4: within 0.5 s of the first braking notch, also while the brake works against the drive."""
+    plant = faulty(fault("actuator.traction", what, 15.0))
+    moving(plant, ticks=1600)
+    assert plant.watch_level is CommandWatchLevel.NORMAL
+    commanded(plant, -300, 50)
+    assert plant.watch_level is CommandWatchLevel.EMERGENCY
+    assert plant.watch_cause is WatchCause.RUNAWAY
+
+
+@pytest.mark.parametrize(("what", "values"), [("off", {}), ("weak", {"share": 0.1})])
+def test_the_train_s_own_watch_finds_a_brake_that_does_not_answer(what: str, values: dict[str, float]) -> None:
+    """C3, under a notch and under the service brake of the watch itself."""
+    for by_notch in (True, False):
+        scenario = replace(SCENARIO, watch=replace(SCENARIO.watch, emergency_ms=60_000))
+        plant = faulty(fault("actuator.brake", what, 0.0, values), scenario=scenario)
+        coasting(plant)
+        if by_notch:
+            commanded(plant, -1792, 600)
+        else:
+            for _ in range(500):
+                plant.advance()
+        assert plant.watch_level is CommandWatchLevel.EMERGENCY
+        assert plant.watch_cause is WatchCause.BRAKE_NOT_ANSWERING
+
+
 def test_an_open_main_breaker_ends_a_runaway_drive() -> None:
     plant = faulty(fault("actuator.traction", "full", 10.0), fault("train.main_breaker", "off", 20.0))
     moving(plant, code=600, ticks=1990)
@@ -245,10 +277,11 @@ def test_stuck_traction_keeps_its_force() -> None:
     plant = faulty(fault("actuator.traction", "stuck", 20.0, duration_s=5.0))
     moving(plant, code=500, ticks=2000)
     held_n = plant.traction_n
-    commanded(plant, 0, 400)
+    commanded(plant, 100, 400)
     assert plant.traction_n == pytest.approx(held_n)
-    commanded(plant, 0, 120)
-    assert plant.traction_n == 0.0
+    # It builds up anew.
+    commanded(plant, 100, 110)
+    assert 0.0 < plant.traction_n < 0.1 * held_n
 
 
 def test_a_stuck_brake_drags() -> None:
@@ -279,7 +312,7 @@ def test_a_dragging_brake_holds_the_train_and_does_not_push_it() -> None:
 def test_dead_time_delays_the_notch_of_its_side() -> None:
     """By whole ticks: 30 of them, on top of the loop delay of 4."""
     for name, code in (("traction", 800), ("brake", -800)):
-        plant = faulty(fault(f"actuator.{name}", "dead_time", 0.0, {"delay_s": 0.3}))
+        plant = faulty(fault(f"actuator.{name}", "dead_time", 0.0, {"delay_s": 0.3}), scenario=without_runaway_check())
         moving(plant, ticks=1000)
         commanded(plant, 0, 200)
         acting = []
