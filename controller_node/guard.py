@@ -172,8 +172,10 @@ class Guard:
         position, position_ns = self._odometer.fitted
         age_ms = (now_ns - position_ns) // _NS_PER_MS
         place = position + speed * age_ms // 1000 if 0 <= age_ms <= POSITION_AGE_MAX_MS else None
-        self._motion.sample(now_ns, speed, self._state.code, self._grade_001permil, self._changed_ns, place)
-        self._find("motion", *found(self._motion))
+        motion = self._motion
+        motion.sample(now_ns, speed, self._state.code, self._grade_001permil, self._changed_ns, place)
+        if motion.is_suspicious or self._findings:
+            self._find("motion", *found(motion))
 
     def _find(self, check: str, cause: CtlCause, is_emergency: bool = False) -> None:
         """Note what a check finds now."""
@@ -214,7 +216,9 @@ class Guard:
 
     def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
         """Notch code (1/256) and emergency flag to send instead of the law's, at a poll at ``now_ns``."""
-        self._find("latency", CtlCause.SPEED_LATENCY if self._latency.polled() else CtlCause.NONE)
+        is_stale = self._latency.polled()
+        if is_stale or self._findings:
+            self._find("latency", CtlCause.SPEED_LATENCY if is_stale else CtlCause.NONE)
         # Also in the tick of a good telegram: the speed limit may have arrived after it.
         self.look(now_ns)
         elapsed_ms = (now_ns - self._sent_ns) // _NS_PER_MS

@@ -37,6 +37,7 @@ TOLERANCE_M = 0.1
 ACCEL_MAX_MPS2 = 2.0
 
 _NS_PER_S = 1_000_000_000
+_NOT_LOST = CtlCause.NONE
 _NS_PER_MS = 1_000_000
 
 
@@ -149,11 +150,11 @@ class Odometer:
         """Why the position is lost: too long a time of dead reckoning for a law that needs a position, or implausible
         telegrams for as long."""
         jumped_ns = self._jumped_ns
-        if self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS:
-            return CtlCause.POSITION_LOST if jumped_ns is None else CtlCause.POSITION_IMPLAUSIBLE
-        if jumped_ns is not None and now_ns - jumped_ns > RECKONING_MAX_NS:
-            return CtlCause.POSITION_IMPLAUSIBLE
-        return CtlCause.NONE
+        if jumped_ns is None:
+            lost = self._needed and self._begun and now_ns - self._trusted_ns > RECKONING_MAX_NS
+            return CtlCause.POSITION_LOST if lost else _NOT_LOST
+        since_ns = self._trusted_ns if self._needed else jumped_ns
+        return CtlCause.POSITION_IMPLAUSIBLE if now_ns - since_ns > RECKONING_MAX_NS else _NOT_LOST
 
     def _tolerance(self) -> int:
         return self._exact + self._speed_01mmps * self._hold_ns + self._slack

@@ -157,6 +157,11 @@ class Motion:
         self._count = 0
         self._ring = [(0, 0)] * RING
 
+    @property
+    def is_suspicious(self) -> bool:
+        """Whether anything was found."""
+        return self.is_stuck or self.is_off_scale or self.is_runaway or self.weak_ms > 0
+
     def sample(
         self, now_ns: int, speed: int, code: int, grade_001permil: int | None, changed_ns: int, position: int | None
     ) -> None:
@@ -167,36 +172,51 @@ class Motion:
         :param position: of now by the odometer, None if there is none.
         """
         limits = self._limits
-        step_ms = (now_ns - self._at_ns) // _NS_PER_MS
-        before_ns, before, self._at_ns, self._speed = self._at_ns, self._speed, now_ns, speed
+        before_ns, before = self._at_ns, self._speed
+        step_ms = (now_ns - before_ns) // _NS_PER_MS
+        self._at_ns, self._speed = now_ns, speed
         if not self._begun or not 0 < step_ms <= PAUSE_MAX_MS:
             self._begun = True
             self._off = self._due = self._count = 0
             self.is_stuck = self.is_off_scale = self.is_runaway = False
             self.weak_ms = 0
             return
-        share_q16 = min(limits.decay_q16 * step_ms // SAMPLE_MS, 65536)
-        self._force += ((code << 8) - self._force) * share_q16 >> 16
-        wanted = self._force * limits.notch_01mmps2 >> 16
-        against = limits.davis_a + (limits.davis_b_q20 * speed >> 20) + (limits.davis_c_q40 * speed * speed >> 40)
-        if grade_001permil is not None:
-            against += grade_001permil * limits.grade_q16 >> 16
-        self._judge_stuck(min(wanted, limits.weak_traction_01mmps2), against, step_ms, changed_ns <= before_ns)
-        if code > 0 or speed < SLOW or grade_001permil is None:
+        # From here on as few operations as possible when all is well: this runs ten times a second.
+        force = self._force
+        self._force = force = force + (
+            ((code << 8) - force) * min(limits.decay_q16 * step_ms // SAMPLE_MS, 65536) >> 16
+        )
+        unchanged, forceless = changed_ns <= before_ns, code <= 0 and speed >= SLOW and grade_001permil is not None
+        if unchanged or forceless:
+            wanted = force * limits.notch_01mmps2 >> 16
+            against = limits.davis_a + (limits.davis_b_q20 * speed >> 20) + (limits.davis_c_q40 * speed * speed >> 40)
+            if grade_001permil is not None:
+                against += grade_001permil * limits.grade_q16 >> 16
+        if unchanged:
+            self._judge_stuck(min(wanted, limits.weak_traction_01mmps2), against, step_ms)
+        else:
+            self._due = 0
+            self.is_stuck = False
+        if forceless:
+            self._judge_force(min(wanted, limits.traction_01mmps2), against, step_ms, speed - before)
+        else:
             self._off = self.weak_ms = 0
             self.is_runaway = False
-        else:
-            self._judge_force(min(wanted, limits.traction_01mmps2), against, step_ms, speed - before)
         self._way += (speed + before) * step_ms // 2
-        self._judge_scale(position)
+        if position is None:
+            self._count = 0
+            self.is_off_scale = False
+            return
+        self._count += 1
+        if not self._count % RING_EVERY:
+            self._judge_scale(position)
 
-    def _judge_stuck(self, force: int, against: int, step_ms: int, unchanged: bool) -> None:
-        if not unchanged or self._speed == 0:
+    def _judge_stuck(self, force: int, against: int, step_ms: int) -> None:
+        accel = max(force, -self._limits.brake_01mmps2) - against
+        if self._speed == 0:
             self._due = 0
-        else:
-            accel = max(force, -self._limits.brake_01mmps2) - against
-            if abs(accel) >= DUE_MIN:
-                self._due += accel * step_ms // 1000
+        elif abs(accel) >= DUE_MIN:
+            self._due += accel * step_ms // 1000
         self.is_stuck = abs(self._due) > self._limits.stuck_01mmps
 
     def _judge_force(self, force: int, against: int, step_ms: int, change: int) -> None:
@@ -209,14 +229,7 @@ class Motion:
         missing = -force * (1000 - limits.brake_share_permil) // 1000 + SHORTFALL
         self.weak_ms = self.weak_ms + step_ms if force < -DEMAND_MIN and off > missing else 0
 
-    def _judge_scale(self, position: int | None) -> None:
-        if position is None:
-            self._count = 0
-            self.is_off_scale = False
-            return
-        self._count += 1
-        if self._count % RING_EVERY:
-            return
+    def _judge_scale(self, position: int) -> None:
         entry = self._count // RING_EVERY
         way, place = self._ring[entry % RING]
         self._ring[entry % RING] = self._way, position

@@ -22,7 +22,7 @@ Written by `python -m railhil.faults.page` from the tables that check the faults
 ```
 railhil run --fault "TRN_SPEED loss 30% @20s for 5s"               # may be given several times
 railhil run --bus local --fault "controller kill @1200m"
-railhil faults                                                     # this page's words on the console
+railhil faults --list                                              # this page's words on the console
 ```
 
 A fault is one line: `WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT | until EVENT] [seed N]`, the same on the

@@ -50,8 +50,9 @@ class CommandGate:
 
     def accept(self, command: NotchCmd) -> bool:
         """True when the command is accepted; sets ``suspicion`` and ``notch_256th``."""
+        was_good = self._was_good
         self.suspicion = WatchCause.NONE
-        was_good, self._was_good = self._was_good, False
+        self._was_good = False
         if self._bad or self._disorder:
             self._bad = self._bad << 1 & _RECENT_MASK
             self._disorder = self._disorder << 1 & _ORDER_MASK

@@ -109,7 +109,7 @@ def test_a_bad_table_names_its_file(tmp_path: Path) -> None:
 
 
 def test_the_words_are_listed() -> None:
-    done = railhil("faults")
+    done = railhil("faults", "--list")
     assert done.exit_code == 0
     assert "  loss: telegrams are lost" in done.out
     words = railhil("faults", "--json").json["words"]

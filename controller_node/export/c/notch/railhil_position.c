@@ -140,11 +140,12 @@ int32_t railhil_position_01mm(railhil_odometer_t *odometer, int64_t now_ns)
 
 int railhil_position_lost(const railhil_odometer_t *odometer, int64_t now_ns)
 {
-    if (RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS) {
-        return odometer->jumped ? RAILHIL_CONTRADICTED : RAILHIL_LOST;
+    if (odometer->jumped) {
+        const int64_t since_ns = RAILHIL_NEEDS_POSITION ? odometer->trusted_ns : odometer->jumped_ns;
+        return now_ns - since_ns > RAILHIL_RECKONING_MAX_NS ? RAILHIL_CONTRADICTED : RAILHIL_NOT_LOST;
     }
-    if (odometer->jumped && now_ns - odometer->jumped_ns > RAILHIL_RECKONING_MAX_NS) {
-        return RAILHIL_CONTRADICTED;
+    if (RAILHIL_NEEDS_POSITION && odometer->begun && now_ns - odometer->trusted_ns > RAILHIL_RECKONING_MAX_NS) {
+        return RAILHIL_LOST;
     }
     return RAILHIL_NOT_LOST;
 }
