@@ -112,5 +112,5 @@ def test_the_words_are_listed() -> None:
     done = railhil("faults", "--list")
     assert done.exit_code == 0
     assert "  loss: telegrams are lost" in done.out
-    words = railhil("faults", "--json").json["words"]
+    words = railhil("faults", "--list", "--json").json["words"]
     assert {"telegram", "node", "bus", "sensor"} <= {word["level"] for word in words}

@@ -142,8 +142,10 @@ def test_a_fault_is_injected_and_cleared_by_hand(short: str) -> None:
     assert plant.injections is not None
     wrong, doors = plant.injections.activities
     assert wrong.begun_ns == 20_000_000_000
-    assert doors.begun_ns is not None and 5.0 < doors.begun_ns / 1e9 < 5.3
-    assert doors.ended_ns is not None and 6.0 < doors.ended_ns / 1e9 < 6.3
+    assert doors.begun_ns is not None
+    assert 5.0 < doors.begun_ns / 1e9 < 5.3
+    assert doors.ended_ns is not None
+    assert 6.0 < doors.ended_ns / 1e9 < 6.3
     assert doors.hits == 1
 
 
