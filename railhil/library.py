@@ -177,6 +177,7 @@ def run(
     indexing: str = "time",
     parameters: Parameters | None = None,
     settings: Settings = (),
+    faults: Sequence[str] = (),
     seed: int = 0,
     perturbed: bool = False,
     pace: str = "lockstep",
@@ -188,6 +189,7 @@ def run(
     """Make one run, record and score it.
 
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``out`` is used.
+    :param faults: what is injected besides the scenario's own faults, one text each (docs/faults.md).
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose.
     :param memory: file with the law's memory from run to run: read at the beginning, replaced after a valid run.
@@ -200,7 +202,8 @@ def run(
     else:
         law = LawSpec(controller, arithmetic, indexing, _parameters(parameters, controller))
         spec = RunSpec(stable_name(str(scenario)), _settings(settings), law, seed, perturbed, pace, rate, bus=bus)
-        spec = replace(spec, memory_file=None if memory is None else str(Path(memory).resolve()))
+        kept = None if memory is None else str(Path(memory).resolve())
+        spec = replace(spec, memory_file=kept, faults=tuple(faults))
     # Whatever its source, it is checked like a file.
     checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
     spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
