@@ -67,6 +67,9 @@ last identifier instead, counted as `no_answer`. In real time nothing is sent.
 
 **A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
 nobody ordered does not.
+
+Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
+`--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder.
 """
 _TITLES = {
     "train": "Train",

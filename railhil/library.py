@@ -153,6 +153,7 @@ def run(
     indexing: str = "time",
     parameters: Parameters | None = None,
     settings: Settings = (),
+    faults: Sequence[str] = (),
     seed: int = 0,
     perturbed: bool = False,
     pace: str = "lockstep",
@@ -167,6 +168,7 @@ def run(
     :param scenario: shipped name, path of a TOML file, or a ``RunSpec``, in which case only ``bus``, ``no_controller``
         and ``out`` are used.
     :param controller: the law; None: the usual one of the scenario's system.
+    :param faults: what is injected besides the scenario's own faults, one text each (docs/faults.md).
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
@@ -182,7 +184,7 @@ def run(
     else:
         spec = spec_of(
             scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,
-            settings=settings, seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind, memory=memory,
+            settings=settings, faults=tuple(faults), seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind, memory=memory,
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:

@@ -80,6 +80,17 @@ def test_a_run_is_that_of_the_command(short: Path, tmp_path: Path) -> None:
     assert (made.certificate["transport"], again.certificate["transport"]) == ("local", "local")
 
 
+@pytest.mark.faults
+def test_a_run_takes_faults(short: Path, tmp_path: Path) -> None:
+    outcome = railhil.run(
+        short, faults=["NOTCH_CMD loss x1 @1s", "TRN_SPEED.counter freeze x2 @2s"], out=tmp_path / "run"
+    )
+    injected = outcome.certificate["injected"]
+    assert [one["hits"] for one in injected] == [1, 2]
+    with pytest.raises(railhil.InputError, match="did you mean loss"):
+        railhil.run(short, faults=["NOTCH_CMD los @1s"], out=tmp_path / "none")
+
+
 def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
     made = railhil.run(short, out=tmp_path / "run")
     header, *rows = (tmp_path / "run/signals.csv").read_text().splitlines()
