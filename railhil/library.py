@@ -184,7 +184,8 @@ def run(
     else:
         spec = spec_of(
             scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,
-            settings=settings, faults=tuple(faults), seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind, memory=memory,
+            settings=settings, faults=tuple(faults), seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind,
+            memory=memory,
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:

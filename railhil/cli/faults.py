@@ -93,7 +93,7 @@ def _entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: 
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
-    return evaluated(entry, seen_in(folder, scenario, result, run.trace))
+    return evaluated(entry, seen_in(scenario, result, run.trace))
 
 
 def _pair_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, number: int) -> PairRun:
@@ -109,7 +109,7 @@ def _pair_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, number
             return PairRun(number, pair, "refused", [error.allowed])
         except NeverBegan as error:
             return PairRun(number, pair, "none", [str(error)])
-        return judged_pair(number, pair, seen_in(Path(folder), scenario, result, run.trace), result)
+        return judged_pair(number, pair, seen_in(scenario, result, run.trace), result)
 
 
 def _each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[R]:
