@@ -106,7 +106,8 @@ class Truth:
 
     ``speed``, ``position``: without them triggers by speed or position are refused. ``acceleration``: for the event
     ``braking``; ``traction``: for the event ``traction``. ``levels``: ports with the level of a watch, and its signal;
-    the names of its values are events.
+    the names of its values are events. ``beside``: further ports that exist only for the record; like the truth itself
+    they are part of the instrument, and no fault touches them.
     """
 
     port: str
@@ -115,6 +116,7 @@ class Truth:
     acceleration: str = ""
     traction: str = ""
     levels: Mapping[str, str] = field(default_factory=dict)
+    beside: tuple[str, ...] = ()
 
 
 class Random(Protocol):

@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from railhil.dbc import Contract, Port, Signal
-from railhil.faults.model import Fault
+from railhil.faults.model import Fault, Truth
+
+#: Ports of the bench itself, by which it observes and judges.
+_BENCH = frozenset(("RUN_EVENT", "SUP_CMD", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT"))
+
+
+def instruments(truth: Truth | None) -> frozenset[str]:
+    """Names of the ports that no fault touches: those of the bench, and the truth of the system."""
+    return _BENCH if truth is None else _BENCH | {truth.port, *truth.beside}
 
 
 def port_names(fault: Fault, contract: Contract, units: Sequence[str], named: Mapping[str, str]) -> list[str]:

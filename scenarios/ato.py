@@ -32,6 +32,7 @@ ATO = System(
         acceleration="TrueAccel",
         traction="TractionForce",
         levels={"TRN_WATCH": "WatchLevel", "NOTCH_CMD": "CtlMode"},
+        beside=("TRN_WATCH",),
     ),
     named={"notch": "NOTCH_CMD.NotchCmd"},
     injects=(

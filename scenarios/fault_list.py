@@ -13,7 +13,7 @@ from railhil.dbc import Port
 from railhil.faults.language import FAULTS_MAX, fault_text, parse
 from railhil.faults.model import Draw, Fault, Injection, Place, Random, Value
 from railhil.faults.places import place_text
-from railhil.faults.ports import life_signal, port_names
+from railhil.faults.ports import instruments, life_signal, port_names
 from railhil.faults.tables import fault_of
 from railhil.faults.words import CLEAR, kind_of_part
 from railhil.scenarios import streams
@@ -22,8 +22,6 @@ from railhil.scenarios.system import System, system_named
 
 #: Events that every run has: milestones of the bench.
 _MILESTONES = ("departed", "stopped", "emergency")
-#: Ports of the bench itself, which judges by them: never disturbed. The system's truth port is another one.
-_INSTRUMENT = ("SUP_CMD", "RUN_EVENT", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT")
 
 
 def fault_texts(
@@ -109,8 +107,7 @@ def disturbed_signals(system: System) -> dict[str, list[str]]:
 
 
 def _is_instrument(port: Port, system: System) -> bool:
-    own = (*_INSTRUMENT, *((system.truth.port,) if system.truth else ()))
-    return port.name in own or port.source == "supervisor"
+    return port.name in instruments(system.truth) or port.source == "supervisor"
 
 
 def _check_port(fault: Fault, port: Port, system: System, refuse: _Refuse) -> None:

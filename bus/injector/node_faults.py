@@ -12,16 +12,10 @@ from railhil.bus.injector.follower import Follower
 from railhil.bus.injector.port_faults import SILENT, PortFaults
 from railhil.bus.injector.rewriting import is_whole
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import RunEvent, TimeSync
+from railhil.bus.telegrams import TimeSync
 from railhil.dbc import Contract, Port
 from railhil.faults.model import Fault, Injection
-from railhil.faults.ports import port_names
-
-
-def instruments(injection: Injection) -> set[str]:
-    """Ports of the bench itself, which no fault touches: it judges by them."""
-    names = {RunEvent.PORT, "PLT_IDENT", "CTL_IDENT", "SUP_IDENT", "SUP_CMD"}
-    return names | ({injection.truth.port} if injection.truth is not None else set())
+from railhil.faults.ports import instruments, port_names
 
 
 def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Port]:
@@ -31,7 +25,7 @@ def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Por
         return [contract.port(name) for name in port_names(fault, contract, injection.units, injection.named)]
     if level == "clock" and fault.place.name == "time":
         return [contract.port(TimeSync.PORT)]
-    spared = instruments(injection)
+    spared = instruments(injection.truth)
     if level == "bus" and fault.what in (*SILENT, "ok"):
         return [port for port in contract.ports if port.name not in spared]
     if level == "node" and fault.what == "slow":
