@@ -33,7 +33,12 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17"): "divisor: 40 / 17 is rounded up to 3 too",
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15"): "divisor: 40 / 15 is rounded up to 3 too",
     },
-    gate: {},
+    gate: {
+        ("_RECENT_MASK = (1 << RECENT) - 1", "1 -> 2"): "bit 0 is free after the shift",
+        ("_ORDER_MASK = (1 << ORDER) - 1", "1 -> 2"): "bit 0 is free after the shift",
+        ("self.suspicion = WatchCause.NONE", "self.suspicion = WatchCause.NONE -> pass"): "in __init__: accept sets it",
+        ("self._was_good = False", "False -> True"): "in __init__: the first command is never an old one",
+    },
     guard: {},
 }
 

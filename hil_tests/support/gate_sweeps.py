@@ -126,6 +126,7 @@ def _sweep_bad(module: ModuleType) -> None:
         subject, life = module.CommandGate(1792, 65536, 6), 0
         for check in (1, 0, 3, *[1] * gap, 2):
             life += check == 1
+            assert subject.suspicion is WatchCause.NONE
             assert subject.accept(NotchCmd(0, check=check, life=(life + (check != 1)) % 16)) == (check == 1)
         assert subject.suspicion is (WatchCause.BAD_COMMANDS if gap <= 7 else WatchCause.NONE), gap
 
@@ -283,6 +284,55 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
 
 
+def sweep_guard_findings(module: ModuleType) -> None:
+    """What the other checks find comes into the watch, and leaves it again: overruns, latency, a stuck reading."""
+    cut, normal = SpeedWatchLevel.TRACTION_CUT, SpeedWatchLevel.NORMAL
+
+    def ride(subject: Any, ticks: range, *, noise: int = 1, polls: int = 1, law: int = 0) -> None:
+        for tick in ticks:
+            subject.speed(TrnSpeed(100_000 + noise * (tick % 2), life=tick % 16), 10 * tick * MS)
+            for _ in range(polls if tick % 2 == 0 else 0):
+                subject.notch(law, 10 * tick * MS)
+
+    most = SCENARIO.watch.overruns_max
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    for late in [*[True] * most, False, *[True] * most]:
+        subject.period(late)
+        ride(subject, range(100, 116))
+        assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(116, 132))
+    assert (subject.level, subject.cause) == (cut, CtlCause.OVERRUNS)
+    subject.period(False)
+    ride(subject, range(132, 137))
+    assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(137, 147))
+    assert subject.level is normal
+
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    ride(subject, range(100, 110), polls=2)
+    assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_LATENCY)
+    for life in range(110, 120):
+        subject.speed(TrnSpeed(100_000 + life % 2, life=life % 16), 1100 * MS)
+    ride(subject, range(120, 136))
+    assert subject.level is normal
+
+    # Full traction: 0.46 m/s2 at least, so that 0.1056 m/s are due after three samples.
+    for start in (1000, 1003):
+        subject = module.Guard(SCENARIO)
+        ride(subject, range(start), law=1792)
+        assert subject.level is normal
+        ride(subject, range(start, start + 19), noise=0, law=1792)
+        assert subject.level is normal
+        ride(subject, range(start + 19, start + 41), noise=0, law=1792)
+        assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_IMPLAUSIBLE)
+        ride(subject, range(start + 41, start + 60), law=0)
+        assert subject.level is normal
+
+
 def sweep_guard_position(module: ModuleType) -> None:
     """A required position that does not arrive brakes the train; every good speed enters the dead reckoning."""
     for needed in (False, True):
@@ -305,5 +355,5 @@ def command_ramp(elapsed_ms: int) -> int:
 
 SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     gate: (sweep_gate,),
-    guard: (sweep_guard_boundaries, sweep_guard_position, sweep_guard_random),
+    guard: (sweep_guard_boundaries, sweep_guard_findings, sweep_guard_position, sweep_guard_random),
 }
