@@ -6,7 +6,7 @@ Each ``sweep_*`` takes the module under test, so that the mutation test can run 
 from __future__ import annotations
 
 import random
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from railhil.bus.telegrams import CtlCause, NotchCmd, TrkInfo, TrnSpeed, WatchCause
@@ -333,6 +333,53 @@ def sweep_guard_findings(module: ModuleType) -> None:
         assert subject.level is normal
 
 
+def sweep_guard_order(module: ModuleType) -> None:
+    """Old telegrams between good ones are a second sender; repeated ones, and old ones in a row, are not."""
+    for shift, olds, level in ((5, 1, 3), (0, 1, 0), (5, 3, 0)):
+        subject, now_ns = module.Guard(SCENARIO), 0
+        for life in range(30):
+            subject.speed(TrnSpeed(100_000, life=life % 16), now_ns)
+            for _ in range(olds):
+                subject.speed(TrnSpeed(100_000, life=(life - shift) % 16), now_ns)
+            now_ns += 10 * MS if olds == 1 else 20 * MS
+            assert subject.level in (0, level)
+        assert subject.level == level
+    # Late control periods count from the first.
+    subject = module.Guard(SCENARIO)
+    for _ in range(SCENARIO.watch.overruns_max + 1):
+        subject.period(True)
+    subject.speed(TrnSpeed(100_000), 0)
+    assert subject.level is SpeedWatchLevel.TRACTION_CUT
+
+
+def sweep_guard_samples(module: ModuleType) -> None:
+    """When the motion is sampled, and with what."""
+    odometer = SimpleNamespace(fitted=(5000, 0), speed=lambda *given: None, lost=lambda now_ns: CtlCause.NONE)
+    subject, seen = module.Guard(SCENARIO, None, odometer), []
+    subject._motion.sample = lambda *given: seen.append(given)
+
+    def at(now_ns: int, speed: int, age_ns: int) -> tuple[Any, ...]:
+        """What a telegram's sample is given; nothing for no sample."""
+        odometer.fitted = (5000, now_ns - age_ns)
+        subject.speed(TrnSpeed(speed, life=(subject._life._last + 1) % 16), now_ns)
+        found = seen[-1] if seen else ()
+        seen.clear()
+        return found
+
+    at_ns = 1000 * MS
+    assert at(at_ns, 100_000, 0) == (at_ns, 100_000, 0, None, 0, 5000)
+    subject.limit(TrkInfo(grade_001permil=77, grade_check=2))
+    assert at(at_ns, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS - 1, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS, 100_000, 100 * MS) == (at_ns + 100 * MS, 100_000, 0, None, 0, 15_000)
+    subject.limit(TrkInfo(grade_001permil=-88))
+    # Set back by the smallest step.
+    assert at(at_ns + 100 * MS - 1, 100_001, 101 * MS)[3:] == (-88, at_ns + 100 * MS - 1, None)
+    assert at(at_ns + 300 * MS, 100_001, 99 * MS)[3:] == (-88, at_ns + 100 * MS - 1, 5000 + 9900)
+    assert at(at_ns + 500 * MS, 100_001, MS)[5] == 5100
+    assert at(at_ns + 700 * MS, 100_001, -MS)[5] is None
+
+
 def sweep_guard_position(module: ModuleType) -> None:
     """A required position that does not arrive brakes the train; every good speed enters the dead reckoning."""
     for needed in (False, True):
@@ -355,5 +402,12 @@ def command_ramp(elapsed_ms: int) -> int:
 
 SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     gate: (sweep_gate,),
-    guard: (sweep_guard_boundaries, sweep_guard_findings, sweep_guard_position, sweep_guard_random),
+    guard: (
+        sweep_guard_boundaries,
+        sweep_guard_findings,
+        sweep_guard_order,
+        sweep_guard_samples,
+        sweep_guard_position,
+        sweep_guard_random,
+    ),
 }
