@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from railhil.bench import direct_run
 from railhil.bus.telegrams import NotchCmd, WatchCause
 from railhil.common.errors import InputError
 from railhil.plant_sim import dynamics
@@ -20,6 +21,7 @@ from railhil.plant_sim.train_checks import OwnChecks, is_beyond_authority, train
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 EMERGENCY = CommandWatchLevel.EMERGENCY
@@ -254,3 +256,10 @@ def test_brake_wins_over_traction() -> None:
     assert (train.watch_level, train.watch_cause) == (EMERGENCY, WatchCause.EMERGENCY_COMMAND)
     assert train.traction_n == 0.0
     assert train.brake_n == SCENARIO.train.brake.force_max_n
+
+
+@pytest.mark.parametrize("law", ["ipfc", "fuzzy_pid"])
+def test_a_run_that_stops_in_time_never_meets_its_end(law: str) -> None:
+    run = direct_run(with_watch(end_of_authority=True), RunSpec(law=LawSpec(law), seed=3, perturbed=True))
+    assert not any("emergency" in failure for failure in run.score.failures)
+    assert run.notches == direct_run(SCENARIO, RunSpec(law=LawSpec(law), seed=3, perturbed=True)).notches
