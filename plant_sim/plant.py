@@ -71,6 +71,7 @@ class Plant:
         self._suspicion = WatchCause.NONE
         self._emergency_commanded = False
         self._own_checks = OwnChecks(scenario, self._constants)
+        self._look_ticks = self._own_checks.every_ticks
         self._own = WatchCause.NONE
         self._parking_brake_n = train.mass_kg * train.gravity_mps2 * PARKING_BRAKE_PERMIL / 1000
         self._window = Window(False, self._watch_brake_mps2 * train.inertial_mass_kg)
@@ -146,7 +147,10 @@ class Plant:
         moving = speed_mps > 0.0
         status = self.status
         before = self._watch
-        self._own = own = self._own_checks.finding(self._acting_code, self._motion, self._window.brake_min_n)
+        own = WatchCause.NONE
+        if self.tick % self._look_ticks == 0:
+            own = self._own_checks.finding(self.tick, self._acting_code, self._motion, self._window.brake_min_n)
+        self._own = own
         emergency = (
             self._emergency_commanded
             or not status.safety_loop_closed

@@ -12,8 +12,8 @@ end of authority     the speed is above that from which the train stops before  
                      its end with ``end_of_authority_braking``
 ==================== =========================================================== =======================================
 
-All three apply the emergency brake. Nothing here depends on the controller: forces, speed and position are the train's
-own, the notch is the one that acts.
+The forces are looked at every 50 ms. All three checks apply the emergency brake. Nothing here depends on the
+controller: forces, speed and position are the train's own, the notch is the one that acts.
 
 The batch compiles the marked functions (:mod:`railhil.common.compilable` says what they may be made of).
 """
@@ -33,29 +33,33 @@ from railhil.scenarios.model import Scenario
 SLOWEST = 0.9
 RUNNING_S = 0.1
 WEAK_S = 1.0
+#: Time between two looks at the forces.
+LOOK_S = 0.05
 _LSB_PER_NOTCH = 256
 
 
 class TrainChecks(NamedTuple):
-    """Limits of a scenario. ``end_m`` is infinite without an end of authority."""
+    """Limits of a scenario. ``end_m`` is infinite without an end of authority; the forces are looked at every
+    ``look_ticks``."""
 
+    look_ticks: int
     end_m: float
     end_braking_mps2: float
     left_max_n: float
-    running_ticks: int
+    running_looks: int
     share: float
     allowance_mps2: float
-    weak_ticks: int
+    weak_looks: int
 
 
 class ForceState(NamedTuple):
-    """Traction that may be left and ticks with more, braking that the acting notch has reached at least and ticks
-    without it."""
+    """Traction that may be left and looks at more in a row, braking that the acting notch has reached at least and
+    looks at less."""
 
     left_n: float
-    running_ticks: int
+    running_looks: int
     floor_n: float
-    weak_ticks: int
+    weak_looks: int
 
 
 #: In traction, or at standstill: nothing is expected.
@@ -65,20 +69,22 @@ FREE_FORCES = ForceState(inf, 0, 0.0, 0)
 def train_checks(scenario: Scenario) -> TrainChecks:
     """The limits; perturbations do not change them."""
     watch, train, tick_s = scenario.watch, scenario.train, scenario.timing.base_tick_ns * 1e-9
+    look_ticks = max(1, round(LOOK_S / tick_s))
     return TrainChecks(
+        look_ticks,
         scenario.plan.distance_m + watch.end_of_authority_margin_m if watch.end_of_authority else inf,
         watch.end_of_authority_braking_mps2,
         train.traction.force_max_n * watch.traction_left_max_percent / 100,
-        round(RUNNING_S / tick_s),
+        round(RUNNING_S / tick_s / look_ticks),
         watch.brake_share_min_percent / 100,
         train.gravity_mps2 * watch.grade_allowance_permil / 1000,
-        round(WEAK_S / tick_s),
+        round(WEAK_S / tick_s / look_ticks),
     )
 
 
-def slow_decay(pole_per_s: float, step_s: float) -> float:
-    """Factor of a force over one step with an actuator as slow as is taken for granted."""
-    return exp(-SLOWEST * pole_per_s * step_s)
+def slow_decay(checks: TrainChecks, pole_per_s: float, tick_s: float) -> float:
+    """Factor of a force from one look to the next with an actuator as slow as is taken for granted."""
+    return exp(-SLOWEST * pole_per_s * tick_s * checks.look_ticks)
 
 
 @compilable
@@ -101,7 +107,7 @@ def forces_step(
     speed_mps: float,
     accel_mps2: float,
 ) -> ForceState:
-    """State after one tick of a moving train without a traction notch.
+    """State after a look at the forces of a moving train without a traction notch.
 
     :param decay: see :func:`slow_decay`.
     :param steady_n: force of the acting notch in the long run, at most 0.
@@ -124,13 +130,13 @@ def forces_step(
 @compilable
 def is_running(checks: TrainChecks, state: ForceState) -> bool:
     """True when the train has traction that nobody demands."""
-    return state.running_ticks > checks.running_ticks
+    return state.running_looks > checks.running_looks
 
 
 @compilable
 def is_weak(checks: TrainChecks, state: ForceState) -> bool:
     """True when the brake does not answer."""
-    return state.weak_ticks > checks.weak_ticks
+    return state.weak_looks > checks.weak_looks
 
 
 class OwnChecks:
@@ -143,42 +149,39 @@ class OwnChecks:
         self._checks = train_checks(scenario)
         self._has_end = scenario.watch.end_of_authority
         self._constants = constants
-        self._decay = slow_decay(constants.pole_per_s, scenario.timing.base_tick_ns * 1e-9)
+        self._decay = slow_decay(self._checks, constants.pole_per_s, scenario.timing.base_tick_ns * 1e-9)
+        #: With an end of authority every tick is looked at, else those of the forces.
+        self.every_ticks = 1 if self._has_end else self._checks.look_ticks
         self._n_per_notch = scenario.train.force_per_notch_n
         self._forces = FREE_FORCES
 
-    def finding(self, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
-        """The check that demands the emergency brake at this tick, NONE if none does.
+    def finding(self, tick: int, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
+        """The check that demands the emergency brake, NONE if none does.
 
+        :param tick: a multiple of ``every_ticks``.
         :param acting_code: notch that acts on the actuator, 1/256.
         """
-        if acting_code > 0:
-            self._forces = FREE_FORCES
-            # Most of a run is traction without an end of authority.
-            if not self._has_end:
-                return WatchCause.NONE
         checks = self._checks
         position_m, speed_mps, actuator_n, accel_mps2 = motion
-        if acting_code <= 0:
-            if speed_mps <= 0.0:
+        if tick % checks.look_ticks == 0:
+            if acting_code > 0 or speed_mps <= 0.0:
                 self._forces = FREE_FORCES
-                return WatchCause.NONE
-            steady_n = acting_code * self._n_per_notch / _LSB_PER_NOTCH
-            self._forces = forces = forces_step(
-                checks,
-                self._constants,
-                self._forces,
-                self._decay,
-                steady_n,
-                actuator_n,
-                brake_min_n,
-                speed_mps,
-                accel_mps2,
-            )
-            if is_running(checks, forces):
-                return WatchCause.RUNAWAY
-            if is_weak(checks, forces):
-                return WatchCause.BRAKE_NOT_ANSWERING
-        if is_beyond_authority(checks, position_m, speed_mps):
+            else:
+                self._forces = forces_step(
+                    checks,
+                    self._constants,
+                    self._forces,
+                    self._decay,
+                    acting_code * self._n_per_notch / _LSB_PER_NOTCH,
+                    actuator_n,
+                    brake_min_n,
+                    speed_mps,
+                    accel_mps2,
+                )
+                if is_running(checks, self._forces):
+                    return WatchCause.RUNAWAY
+                if is_weak(checks, self._forces):
+                    return WatchCause.BRAKE_NOT_ANSWERING
+        if self._has_end and is_beyond_authority(checks, position_m, speed_mps):
             return WatchCause.END_OF_AUTHORITY
         return WatchCause.NONE

@@ -34,8 +34,25 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 17 (no. 2)"): "divisor: 40 / 17 is rounded up to 3 too",
         ("self.fd_bytes = -(-self.fd_bytes // 16) * 16", "16 -> 15 (no. 2)"): "divisor: 40 / 15 is rounded up to 3 too",
     },
-    gate: {},
-    guard: {},
+    gate: {
+        ("_RECENT_MASK = (1 << RECENT) - 1", "1 -> 2"): "bit 0 is free after the shift",
+        ("_ORDER_MASK = (1 << ORDER) - 1", "1 -> 2"): "bit 0 is free after the shift",
+        ("self._was_good = False", "False -> True"): "in __init__: the first command is never an old one",
+    },
+    guard: {
+        # The first speed is a sample.
+        ("self._sample_01mmps = 0", "self._sample_01mmps = 0 -> pass"): "read only after the first sample",
+        ("self._sample_01mmps = 0", "0 -> 1"): "read only after the first sample",
+        ("self._sample_01mmps = 0", "0 -> -1"): "read only after the first sample",
+        # The quick comparison; the exact one decides at its edge.
+        **{
+            (
+                "if not -self._step_01mmps <= change <= self._step_01mmps and not self._motion_limits.fits(",
+                f"-self._step_01mmps <= change <= self._step_01mmps -> -self._step_01mmps {signs} self._step_01mmps",
+            ): "the exact comparison says the same"
+            for signs in ("< change <=", "<= change <")
+        },
+    },
 }
 
 

@@ -6,7 +6,7 @@ Each ``sweep_*`` takes the module under test, so that the mutation test can run 
 from __future__ import annotations
 
 import random
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from railhil.bus.telegrams import CtlCause, NotchCmd, TrkInfo, TrnSpeed, WatchCause
@@ -126,6 +126,7 @@ def _sweep_bad(module: ModuleType) -> None:
         subject, life = module.CommandGate(1792, 65536, 6), 0
         for check in (1, 0, 3, *[1] * gap, 2):
             life += check == 1
+            assert subject.suspicion is WatchCause.NONE
             assert subject.accept(NotchCmd(0, check=check, life=(life + (check != 1)) % 16)) == (check == 1)
         assert subject.suspicion is (WatchCause.BAD_COMMANDS if gap <= 7 else WatchCause.NONE), gap
 
@@ -283,6 +284,102 @@ def sweep_guard_boundaries(module: ModuleType) -> None:
     assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
 
 
+def sweep_guard_findings(module: ModuleType) -> None:
+    """What the other checks find comes into the watch, and leaves it again: overruns, latency, a stuck reading."""
+    cut, normal = SpeedWatchLevel.TRACTION_CUT, SpeedWatchLevel.NORMAL
+
+    def ride(subject: Any, ticks: range, *, noise: int = 1, polls: int = 1, law: int = 0) -> None:
+        for tick in ticks:
+            subject.speed(TrnSpeed(100_000 + noise * (tick % 2), life=tick % 16), 10 * tick * MS)
+            for _ in range(polls if tick % 2 == 0 else 0):
+                subject.notch(law, 10 * tick * MS)
+
+    most = SCENARIO.watch.overruns_max
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    for late in [*[True] * most, False, *[True] * most]:
+        subject.period(late)
+        ride(subject, range(100, 116))
+        assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(116, 132))
+    assert (subject.level, subject.cause) == (cut, CtlCause.OVERRUNS)
+    subject.period(False)
+    ride(subject, range(132, 137))
+    assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(137, 147))
+    assert subject.level is normal
+
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    ride(subject, range(100, 110), polls=2)
+    assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_LATENCY)
+    for life in range(110, 120):
+        subject.speed(TrnSpeed(100_000 + life % 2, life=life % 16), 1100 * MS)
+    ride(subject, range(120, 136))
+    assert subject.level is normal
+
+    # Full traction: 0.46 m/s2 at least, so that 0.1056 m/s are due after three samples.
+    for start in (1000, 1003):
+        subject = module.Guard(SCENARIO)
+        ride(subject, range(start), law=1792)
+        assert subject.level is normal
+        ride(subject, range(start, start + 19), noise=0, law=1792)
+        assert subject.level is normal
+        ride(subject, range(start + 19, start + 41), noise=0, law=1792)
+        assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_IMPLAUSIBLE)
+        ride(subject, range(start + 41, start + 60), law=0)
+        assert subject.level is normal
+
+
+def sweep_guard_order(module: ModuleType) -> None:
+    """Old telegrams between good ones are a second sender; repeated ones, and old ones in a row, are not."""
+    for shift, olds, level in ((5, 1, 3), (0, 1, 0), (5, 3, 0)):
+        subject, now_ns = module.Guard(SCENARIO), 0
+        for life in range(30):
+            subject.speed(TrnSpeed(100_000, life=life % 16), now_ns)
+            for _ in range(olds):
+                subject.speed(TrnSpeed(100_000, life=(life - shift) % 16), now_ns)
+            now_ns += 10 * MS if olds == 1 else 20 * MS
+            assert subject.level in (0, level)
+        assert subject.level == level
+    # Late control periods count from the first.
+    subject = module.Guard(SCENARIO)
+    for _ in range(SCENARIO.watch.overruns_max + 1):
+        subject.period(True)
+    subject.speed(TrnSpeed(100_000), 0)
+    assert subject.level is SpeedWatchLevel.TRACTION_CUT
+
+
+def sweep_guard_samples(module: ModuleType) -> None:
+    """When the motion is sampled, and with what."""
+    odometer = SimpleNamespace(fitted=(5000, 0), speed=lambda *given: None, lost=lambda now_ns: CtlCause.NONE)
+    subject, seen = module.Guard(SCENARIO, None, odometer), []
+    subject._motion.sample = lambda *given: seen.append(given)
+
+    def at(now_ns: int, speed: int, age_ns: int) -> tuple[Any, ...]:
+        """What a telegram's sample is given; nothing for no sample."""
+        odometer.fitted = (5000, now_ns - age_ns)
+        subject.speed(TrnSpeed(speed, life=(subject._life._last + 1) % 16), now_ns)
+        found = seen[-1] if seen else ()
+        seen.clear()
+        return found
+
+    at_ns = 1000 * MS
+    assert at(at_ns, 100_000, 0) == (at_ns, 100_000, 0, None, 0, 5000)
+    subject.limit(TrkInfo(grade_001permil=77, grade_check=2))
+    assert at(at_ns, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS - 1, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS, 100_000, 100 * MS) == (at_ns + 100 * MS, 100_000, 0, None, 0, 15_000)
+    subject.limit(TrkInfo(grade_001permil=-88))
+    # Set back by the smallest step.
+    assert at(at_ns + 100 * MS - 1, 100_001, 101 * MS)[3:] == (-88, at_ns + 100 * MS - 1, None)
+    assert at(at_ns + 300 * MS, 100_001, 99 * MS)[3:] == (-88, at_ns + 100 * MS - 1, 5000 + 9900)
+    assert at(at_ns + 500 * MS, 100_001, MS)[5] == 5100
+    assert at(at_ns + 700 * MS, 100_001, -MS)[5] is None
+
+
 def sweep_guard_position(module: ModuleType) -> None:
     """A required position that does not arrive brakes the train; every good speed enters the dead reckoning."""
     for needed in (False, True):
@@ -305,5 +402,12 @@ def command_ramp(elapsed_ms: int) -> int:
 
 SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
     gate: (sweep_gate,),
-    guard: (sweep_guard_boundaries, sweep_guard_position, sweep_guard_random),
+    guard: (
+        sweep_guard_boundaries,
+        sweep_guard_findings,
+        sweep_guard_order,
+        sweep_guard_samples,
+        sweep_guard_position,
+        sweep_guard_random,
+    ),
 }

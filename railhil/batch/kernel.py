@@ -101,16 +101,18 @@ def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
 
 
 @compiled.part
-def _watched_forces(common: Any, train: Any) -> bool:
-    """``Plant._look_at_forces`` and the checks of ``Plant._own_cause``."""
-    if train.acting_code > 0 or train.speed_mps <= 0.0:
-        train.left_n, train.running_ticks, train.floor_n, train.weak_ticks = inf, 0, 0.0, 0
-        running = False
+def _own_finding(common: Any, train: Any, tick: int) -> bool:
+    """``OwnChecks.finding``."""
+    found = False
+    if tick % common.checks.look_ticks != 0:
+        pass
+    elif train.acting_code > 0 or train.speed_mps <= 0.0:
+        train.left_n, train.running_looks, train.floor_n, train.weak_looks = inf, 0, 0.0, 0
     else:
         forces = forces_step(
             common.checks,
             _constants(common, train),
-            ForceState(train.left_n, train.running_ticks, train.floor_n, train.weak_ticks),
+            ForceState(train.left_n, train.running_looks, train.floor_n, train.weak_looks),
             train.slow_decay,
             train.acting_code * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH,
             train.actuator_n,
@@ -118,10 +120,10 @@ def _watched_forces(common: Any, train: Any) -> bool:
             train.speed_mps,
             train.accel_mps2,
         )
-        train.left_n, train.running_ticks = forces.left_n, forces.running_ticks
-        train.floor_n, train.weak_ticks = forces.floor_n, forces.weak_ticks
-        running = is_running(common.checks, forces) or is_weak(common.checks, forces)
-    return running or is_beyond_authority(common.checks, train.position_m, train.speed_mps)
+        train.left_n, train.running_looks = forces.left_n, forces.running_looks
+        train.floor_n, train.weak_looks = forces.floor_n, forces.weak_looks
+        found = is_running(common.checks, forces) or is_weak(common.checks, forces)
+    return found or is_beyond_authority(common.checks, train.position_m, train.speed_mps)
 
 
 @compiled.part
@@ -137,7 +139,7 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
         0,
         train.speed_mps > 0.0,
         train.speed_mps < train.limit_mps,
-        _watched_forces(common, train) or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
+        _own_finding(common, train, tick) or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
     )
     train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
     if watch.level < CommandWatchLevel.TRACTION_CUT and train.watch_brake_mps2 == 0.0:

@@ -182,7 +182,8 @@ def trains(scenario: Scenario, seeds: Sequence[int], drawn: bool, times: Times, 
     full = [lag(pole, timing.base_tick_ns * 1e-9) for pole in records["pole_per_s"].tolist()]
     records["lag_decay"], records["lag_mean"] = [one.decay for one in full], [one.mean for one in full]
     step_s = timing.base_tick_ns * 1e-9
-    records["slow_decay"] = [slow_decay(pole, step_s) for pole in records["pole_per_s"].tolist()]
+    checks = train_checks(scenario)
+    records["slow_decay"] = [slow_decay(checks, pole, step_s) for pole in records["pole_per_s"].tolist()]
     records["left_n"] = inf
     records["force_per_notch_n"] = train.force_per_notch_n
     records["wheel_factor"], records["noise_sigma_mps"] = sensors.wheel_factor, sensors.speed_noise_sigma_mps

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from railhil.bench import direct_run
 from railhil.bus.telegrams import NotchCmd, WatchCause
 from railhil.common.errors import InputError
 from railhil.plant_sim import dynamics
@@ -20,6 +21,7 @@ from railhil.plant_sim.train_checks import OwnChecks, is_beyond_authority, train
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.perturb import perturbed
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 SCENARIO = load("lvshun_tieshan")
 EMERGENCY = CommandWatchLevel.EMERGENCY
@@ -116,21 +118,22 @@ def test_demands_that_a_grade_could_hide_are_not_judged() -> None:
     plant = running(1792, 2500)
     assert braked(plant, 0.0, -700, 900) == 900
     checks = OwnChecks(with_watch(brake_share_min_percent=0.0), train_constants(SCENARIO.train))
-    for _ in range(300):
-        assert checks.finding(-1792, Motion(0.0, 20.0, -300e3, 0.0), 0.0) is WatchCause.NONE
+    for tick in range(300):
+        assert checks.finding(tick, -1792, Motion(0.0, 20.0, -300e3, 0.0), 0.0) is WatchCause.NONE
 
 
 def test_the_watchs_own_brake_is_judged_too() -> None:
     checks = OwnChecks(SCENARIO, train_constants(SCENARIO.train))
     demand_n = SCENARIO.train.service_braking_mps2 * SCENARIO.train.inertial_mass_kg
     moving = Motion(0.0, 20.0, 0.0, 0.0)
-    found = [checks.finding(0, moving, demand_n) for _ in range(102)]
+    found = [checks.finding(tick, 0, moving, demand_n) for tick in range(106)]
+    # At every fifth tick, from 0 on: 20 looks make 1 s.
     assert found[:100] == [WatchCause.NONE] * 100
-    assert found[100:] == [WatchCause.BRAKE_NOT_ANSWERING] * 2
+    assert found[100::5] == [WatchCause.BRAKE_NOT_ANSWERING] * 2
     # Standing, or in traction, the count begins again.
     for code, speed_mps in ((0, 0.0), (5, 20.0)):
-        assert checks.finding(code, moving._replace(speed_mps=speed_mps), demand_n) is WatchCause.NONE
-        assert checks.finding(0, moving, demand_n) is WatchCause.NONE
+        assert checks.finding(110, code, moving._replace(speed_mps=speed_mps), demand_n) is WatchCause.NONE
+        assert checks.finding(115, 0, moving, demand_n) is WatchCause.NONE
 
 
 # -- end of authority -----------------------------------------------------------------------------------------------
@@ -253,3 +256,10 @@ def test_brake_wins_over_traction() -> None:
     assert (train.watch_level, train.watch_cause) == (EMERGENCY, WatchCause.EMERGENCY_COMMAND)
     assert train.traction_n == 0.0
     assert train.brake_n == SCENARIO.train.brake.force_max_n
+
+
+@pytest.mark.parametrize("law", ["ipfc", "fuzzy_pid"])
+def test_a_run_that_stops_in_time_never_meets_its_end(law: str) -> None:
+    run = direct_run(with_watch(end_of_authority=True), RunSpec(law=LawSpec(law), seed=3, perturbed=True))
+    assert not any("emergency" in failure for failure in run.score.failures)
+    assert run.notches == direct_run(SCENARIO, RunSpec(law=LawSpec(law), seed=3, perturbed=True)).notches
