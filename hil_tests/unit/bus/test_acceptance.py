@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
 
 from railhil.bus.acceptance import Acceptance, checks_of, life_of
 from railhil.bus.telegrams import NotchCmd, RunEvent, TrnSpeed
+from railhil.common.errors import InputError
 
 
 def test_what_a_layout_has() -> None:
@@ -40,3 +45,25 @@ def test_every_step_of_the_life_sign_with_every_check() -> None:
             # A fresh life sign is remembered, whatever the check says.
             again = acceptance.accept(NotchCmd(0, life=(10 + step) % 16))
             assert again == (step <= 7)
+
+
+@pytest.mark.parametrize("raw_range", [(0, 255), (0, 7), (-8, 7)])
+def test_a_life_sign_has_four_bits(raw_range: tuple[int, int]) -> None:
+    signal = SimpleNamespace(raw_range=raw_range, check=None)
+    kind: Any = SimpleNamespace(PORT="X", signals=lambda: [("life", signal)])
+    words = rf"^ports: X\.life: found {raw_range[0]} to {raw_range[1]}, allowed a life sign of 4 bits, 0 to 15$"
+    with pytest.raises(InputError, match=words):
+        life_of(kind)
+
+
+def test_a_layout_with_a_life_sign_and_two_check_variables() -> None:
+    """Both have to be correct."""
+    parts = {
+        "life": SimpleNamespace(raw_range=(0, 15), check=None),
+        "one": SimpleNamespace(check="chk"),
+        "two": SimpleNamespace(check="chk"),
+    }
+    kind: Any = SimpleNamespace(PORT="X", signals=lambda: list(parts.items()))
+    for one, two in ((1, 1), (1, 0), (0, 1), (2, 2)):
+        acceptance = Acceptance(kind, Counter())
+        assert acceptance.accept(SimpleNamespace(life=0, one=one, two=two)) == (one == two == 1)  # type: ignore[arg-type]
