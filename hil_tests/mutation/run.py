@@ -72,12 +72,12 @@ def try_module(
     def warm() -> Any:
         session = WarmSession(module, tried, jobs)
         _quietly(lambda: _pytest(tests, session))
-        return session.baseline, session.alive, session.cold
+        return session.baseline, session.cold
 
     found = collected(*forked(warm))
     if found is None or not found[0].seconds:
         return Result(module, len(tried), failed=[f"{' '.join(tests)}: no session (pytest {' '.join(tests)})"])
-    baseline, alive, cold = found
+    baseline, cold = found
     if baseline.failed:
         return Result(module, len(tried), failed=baseline.failed)
 
@@ -92,7 +92,7 @@ def try_module(
 
     timeout_s = 120 + 20 * sum(baseline.seconds.values())
     results = side_by_side((own(tried[place]) for place in cold), jobs, timeout_s)
-    alive = sorted([*alive, *(place for place, survives in zip(cold, results, strict=True) if survives)])
+    alive = sorted(place for place, survives in zip(cold, results, strict=True) if survives)
     return Result(module, len(tried), [tried[place] for place in alive])
 
 

@@ -2,7 +2,8 @@
 
 Nothing is imported twice: a fork costs some milliseconds. A mutant inside a function is put into the imported module,
 and only the tests that come to its line are run, the shortest first, up to the first failure. Any other (a constant of
-the module, a default value) needs a session of its own, in a process that has not imported the module.
+the module, a default value), and any that survives, needs a session of its own, in a process that has not imported the
+module.
 """
 
 from __future__ import annotations
@@ -120,16 +121,15 @@ def run_items(items: Sequence[pytest.Item], stop: bool = True) -> Reports:
 
 
 class WarmSession:
-    """Plugin that replaces pytest's loop over the tests: ``baseline`` and ``alive`` are its results.
+    """Plugin that replaces pytest's loop over the tests: ``baseline`` and ``cold`` are its results.
 
-    ``alive``: the places in ``mutants`` of those that no test noticed; ``cold``: of those that need a session of their
-    own.
+    ``cold``: the places in ``mutants`` of those that need a session of their own. Of those inside functions these are
+    the ones that no test noticed here: the function may have been called at the import, by the tests too.
     """
 
     def __init__(self, module: str, mutants: Sequence[Mutant], jobs: int, decisions: Decisions | None = None) -> None:
         self._module, self._mutants, self._jobs, self._decisions = module, mutants, jobs, decisions
         self.baseline = Baseline()
-        self.alive: list[int] = []
         self.cold: list[int] = []
 
     @pytest.hookimpl(tryfirst=True)
@@ -154,11 +154,7 @@ class WarmSession:
         self.cold = [place for place, mutant in enumerate(self._mutants) if not mutant.in_body]
         timeout_s = 60 + 20 * sum(baseline.seconds.values())
         results = side_by_side((trial(self._mutants[place]) for place in warm), self._jobs, timeout_s)
-        for place, result in zip(warm, results, strict=True):
-            if result == "cold":
-                self.cold.append(place)
-            elif result == "alive":
-                self.alive.append(place)
+        self.cold += [place for place, noticed in zip(warm, results, strict=True) if noticed is False]
         assert module is sys.modules[self._module]
         return True
 
@@ -194,12 +190,12 @@ class WarmSession:
         found.failed, found.seconds = reports.failed, reports.seconds
         return found
 
-    def _trial(self, mutant: Mutant, items: Sequence[pytest.Item], seconds: float) -> str:
-        # A line to which no test comes may be one that is run at the import.
+    def _trial(self, mutant: Mutant, items: Sequence[pytest.Item], seconds: float) -> bool:
+        """Whether a test notices it. An endless mutant ends this process, which counts as noticed."""
         if not items or not replace_code(sys.modules[self._module], mutant.tree(), mutant.scope):
-            return "cold"
+            return False
         limit_process(seconds)
-        return "noticed" if run_items(items).failed else "alive"
+        return bool(run_items(items).failed)
 
 
 class ColdSession:

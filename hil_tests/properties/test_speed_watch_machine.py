@@ -122,3 +122,25 @@ TestSpeedWatchBesideReference = SpeedWatchBesideReference.TestCase
 TestSpeedWatchBesideReference.settings = settings(
     max_examples=150, stateful_step_count=30, deadline=None, suppress_health_check=[HealthCheck.too_slow]
 )
+
+
+def seen(state: SpeedWatchState, *looks: Seen) -> SpeedWatchState:
+    for look in looks:
+        state = observe(LADDER, state, look)
+    return state
+
+
+GOODS = [Seen(0, Reception.GOOD)]
+
+
+def test_a_run_goes_on_at_the_very_limit_of_hold() -> None:
+    cut = seen(SpeedWatchState(), Seen(65))
+    assert seen(cut, *GOODS * 4, Seen(20), *GOODS).level == 0
+    assert seen(cut, *GOODS * 4, Seen(21), *GOODS).level == 2
+
+
+def test_after_a_traction_cut_the_notch_returns_on_the_ramp_though_it_was_zero_all_the_time() -> None:
+    state, code, _ = command(LADDER, seen(SpeedWatchState(), Seen(65)), 0, 20)
+    assert code == 0
+    _, code, _ = command(LADDER, seen(state, *GOODS * 5), 900, 20)
+    assert code == RAMP_PER_S * 20 // 1000 < 900

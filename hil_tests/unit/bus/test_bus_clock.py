@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hil_tests.support.clock import SetClock
-from railhil.bus.clock import BusClock, Pacer, from_time_sync, to_time_sync
+from railhil.bus.clock import BusClock, Pacer, from_time_sync, rate_to_10th, to_time_sync
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.responder import Responder
@@ -306,3 +306,20 @@ def test_pacer_in_lockstep_never_waits() -> None:
     wall = SetClock(5_000)
     assert Pacer(0.0, wall).wait(10**12) == 0
     assert wall.now_ns == 5_000
+
+
+def test_pace_in_tenths() -> None:
+    assert [rate_to_10th(rate) for rate in (0.0, 0.01, 0.1, 1.0, 25.5, 100.0)] == [0, 1, 1, 10, 255, 255]
+
+
+def test_silence_goes_on_at_the_pace_of_the_run() -> None:
+    clock = started(3)
+    clock.silence(95_000_000)
+    # In lockstep the time stands still while nothing can be heard.
+    assert clock.tick == 3
+    clock.synchronise(to_time_sync(3, TICK_NS, rate_10th=20))
+    clock.silence(94_999_999)
+    assert (clock.tick, clock.now_ns) == (3 + 18, 21 * TICK_NS)
+    new = BusClock(TICK_NS)
+    new.silence(1_000_000_000)
+    assert (new.tick, new.running) == (0, False)

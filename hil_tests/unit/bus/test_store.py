@@ -235,3 +235,13 @@ def test_random_bytes_commit_nothing(frames):
     for frame in frames:
         store.feed(frame, 0)
     assert [store.accepted(name) for name in store.ports] == [0, 0, 0]
+
+
+def test_a_frame_that_was_checked_already_is_not_checked_again() -> None:
+    store = TrafficStore([TrnSpeed.port()])
+    (frame,) = TelegramSource(TrnSpeed.port()).frames(TrnSpeed(77).encode())
+    assert store.feed(frame, 5, store.check(frame)) == "TRN_SPEED"
+    assert store.read(TrnSpeed, 5, "TRN_SPEED") == (TrnSpeed(77), 0)
+    wrong = frame._replace(flags=REMOTE)
+    assert store.feed(wrong, 6, store.check(wrong)) is None
+    assert (store.counters, store.accepted("TRN_SPEED")) == ({"remote_frame": 1}, 1)

@@ -11,10 +11,11 @@ import pytest
 
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
+from railhil.dbc import Contract, wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
 from railhil.supervisor import witness
-from railhil.supervisor.criteria import STOP_ERROR
+from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
 from railhil.supervisor.score import HOLE_MAX_S, score
 from railhil.supervisor.trace import Trace
 
@@ -115,6 +116,7 @@ def test_limits_of_the_plan(instant_01ms: int, where_01mm: int, failures: tuple[
     assert found.signed["stop_error_m"] == pytest.approx(where_01mm / 1e4 - 2.0)
     assert found.values["stop_error_m"] == pytest.approx(abs(where_01mm / 1e4 - 2.0))
     assert found.with_sign(STOP_ERROR) == found.signed["stop_error_m"]
+    assert found.with_sign(ATO_CRITERIA[1]) == found.values["energy_kj"]
 
 
 @pytest.mark.parametrize(
@@ -226,9 +228,17 @@ def test_a_telegram_recorded_twice_counts_once() -> None:
 # -- milestones against each other and against the truth --------------------------------------------------------------
 
 
+def unnumbered() -> Contract:
+    """The wire contract without the numbers of RUN_EVENT, as that of version 0.1.0."""
+    contract = wire_contract()
+    port = contract.port(RunEvent.PORT)
+    plain = replace(port, signals=tuple(item for item in port.signals if item.name != "EventNumber"))
+    return replace(contract, ports=tuple(plain if item.name == port.name else item for item in contract.ports))
+
+
 def test_missing_milestones_are_named() -> None:
     assert score(HOP, record(numbers=[2, 1])).verdict == "PASS"
-    assert witness.milestone_missing(Trace()) == ""
+    assert witness.milestone_missing(Trace()) == witness.milestone_missing(Trace(unnumbered())) == ""
     assert invalid(record(numbers=[1, 3])) == "ended_complete: record: RUN_EVENT 2 of 3 is missing"
     assert invalid(record(numbers=[2, 8])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6, ... of 8 is missing"
     assert invalid(record(numbers=[2, 7])) == "ended_complete: record: RUN_EVENT 1, 3, 4, 5, 6 of 7 is missing"
