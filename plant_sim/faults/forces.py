@@ -182,8 +182,8 @@ class FeltChecks(OwnChecks):
         super().__init__(scenario, constants)
         self._felt = forces
 
-    def finding(self, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
+    def finding(self, tick: int, acting_code: int, motion: Motion, brake_min_n: float) -> WatchCause:
         """See :meth:`railhil.plant_sim.train_checks.OwnChecks.finding`."""
         if self._felt.runaway_n > 0.0:
             motion = motion._replace(actuator_n=max(0.0, motion.actuator_n) + self._felt.runaway_n)
-        return super().finding(acting_code, motion, max(brake_min_n, self._felt.demanded_n))
+        return super().finding(tick, acting_code, motion, max(brake_min_n, self._felt.demanded_n))
