@@ -9,6 +9,7 @@ import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, shown
 from railhil.bus.layout import CHECK_CORRECT, CHECK_ERRONEOUS
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import TrnPos, TrnSpeed
 from railhil.faults.model import Draw, Fault
 from railhil.plant_sim.faults.injections import Injections
@@ -162,3 +163,13 @@ def test_a_jump_shows_in_the_odometer_and_in_the_balise_s() -> None:
         events = commanded(plant, 1200, 6000)
         read.append(next(event.odometer_mm for event in events if event.balise and event.balise.true_m > 1.0))
     assert read[1] == read[0] + 10_000, balise
+
+
+def test_a_safe_telegram_is_not_sent_without_valid_readings() -> None:
+    """SPEED_SDT has no check variable that could say so; the channel ages."""
+    scenario = replace(SCENARIO, safety=replace(SCENARIO.safety, sdt=True))
+    plant = faulty(fault("sensor.speed", "off", 1.0), scenario=scenario)
+    commanded(plant, 1200, 99)
+    assert plant.makers[SpeedSdt.PORT]() is not None
+    commanded(plant, 1200, 1)
+    assert plant.makers[SpeedSdt.PORT]() is None
