@@ -103,17 +103,21 @@ class LocalRun:
         try:
             plant.run()
         except (BusError, PlantError, InputError) as error:
-            if isinstance(error, PeerSilent) and was_killed(node) and self.session.ended is not None:
-                # As asked for: the run is judged by what the train did.
-                return "", PASS
-            return self.incomplete(error)
+            return self.incomplete(error, node)
         finally:
-            write_telemetry(node, self.folder / TELEMETRY)
-            write_fault_logs(plant, node)
+            self.write_logs(plant, node)
         return "", PASS
 
-    def incomplete(self, error: Exception) -> tuple[str, int]:
-        """Why a run that ended with this error is incomplete, and its exit code."""
+    def write_logs(self, plant: PlantNode, node: AnyController) -> None:
+        """Write what the nodes report at their end: telemetry, and the logs of the faults."""
+        write_telemetry(node, self.folder / TELEMETRY)
+        write_fault_logs(plant, node)
+
+    def incomplete(self, error: Exception, node: AnyController) -> tuple[str, int]:
+        """Why a run that ended with this error is incomplete, and its exit code; empty and PASS for a complete run."""
+        if isinstance(error, PeerSilent) and was_killed(node) and self.session.ended is not None:
+            # As asked for: the run is judged by what the train did.
+            return "", PASS
         if isinstance(error, (PeerSilent, PlantError)):
             return str(error), TOOL_ERROR if isinstance(error, PlantError) else INVALID
         # Nodes that disagree, or a law that raises.

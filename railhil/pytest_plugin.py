@@ -24,7 +24,7 @@ _BENCH = pytest.StashKey["Bench"]()
 _FAILED = pytest.StashKey[bool]()
 _MISUSED = pytest.StashKey[str]()
 #: Arguments of the marker ``railhil``: those of a run that a module's tests have in common.
-_USUAL = ("scenario", "controller", "arithmetic", "indexing", "parameters", "settings")
+_USUAL = ("scenario", "controller", "arithmetic", "indexing", "parameters", "settings", "faults")
 _MARKERS = (
     f"railhil({', '.join(f'{name}=' for name in _USUAL)}): what the test's runs have in common",
     "requirement(id, ...): the test shows these requirements",

@@ -1,7 +1,8 @@
 """A recorded log drives one node, as fast as it can; its frames are compared with the recorded ones.
 
 The controller gets every recorded frame that is not its own, and answers the recorded polls. The plant gets the
-recorded answers to its polls; what it publishes and polls must be what is recorded.
+recorded answers to its polls; what it publishes and polls must be what is recorded. Both are under the faults of the
+run.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from railhil.bus.errors import BusError
 from railhil.bus.frame import FD, Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, parse_master_frame
 from railhil.controller_node.any_controller import AnyController
+from railhil.controller_node.faulty import controller_of
 from railhil.dbc import Contract
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import AnyScenario
@@ -75,13 +77,13 @@ def replay(node: str, record: Sequence[Timed], scenario: AnyScenario, spec: RunS
 
     :param node: one of :data:`NODES`.
     :param record: of a run of this scenario with this version's wire contract, from its first frame on; not empty.
-    :param spec: the run; for the controller only its law.
+    :param spec: the run; for the controller only its law, and the seed of its faults.
     """
     system = system_named(scenario.system)
     fd = bool(record[0][1].flags & FD)
     replayed = Replayed(node, len(record), record[-1][0] / 1e9)
     if node == "controller":
-        controller: AnyController = system.part("controller")(scenario, spec.law, fd=fd)
+        controller = controller_of(scenario, spec.law, spec.seed, fd=fd)
         begun_ns = time.perf_counter_ns()
         _drive_controller(controller, record, replayed, system.contract)
     else:

@@ -34,6 +34,7 @@ def spec_of(
     indexing: str,
     parameters: Parameters | None,
     settings: Settings,
+    faults: Sequence[str],
     memory: str | Path | None,
     **beside: Any,
 ) -> RunSpec:
@@ -44,10 +45,10 @@ def spec_of(
     """
     name, given = stable_name(str(scenario)), settings_of(settings)
     if controller is None:
-        controller = system_named(load_any(name, given).system).law
+        controller = system_named(load_any(name, given, faults).system).law
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
     memory_file = None if memory is None else str(Path(memory).resolve())
-    return RunSpec(name, given, law, memory_file=memory_file, **beside)
+    return RunSpec(name, given, law, memory_file=memory_file, faults=tuple(faults), **beside)
 
 
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:

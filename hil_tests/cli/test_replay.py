@@ -102,6 +102,18 @@ def test_a_record_of_can_fd_is_replayed_in_that_form(tmp_path: Path, node: str) 
     assert found.same(["NOTCH_CMD"] if node == "controller" else ["TRN_SPEED", "SIM_TRUTH"])
 
 
+@pytest.mark.parametrize(
+    "fault", ["TRN_SPEED loss 30% @0s", "NOTCH_CMD delay 20ms jitter 20ms @1s", "controller kill @2s"]
+)
+def test_a_run_with_faults_is_repeated_and_replayed(here: Railhil, tmp_path: Path, fault: str) -> None:
+    (tmp_path / "short.toml").write_text(RUN_2M_TOML)
+    folder = library.run(tmp_path / "short.toml", faults=[fault], out=tmp_path / "run").folder
+    assert here("rerun", folder).exit_code == 0
+    for node in ("controller", "plant"):
+        done = here("replay", folder, "--node", node)
+        assert done.exit_code == 0, done.out
+
+
 def test_an_answer_that_is_not_recorded_is_counted(short: Path) -> None:
     """A recorded controller that missed a poll; ours answers it, and the next answers are compared with their own."""
     record = list(read_log(short / "frames.log"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -38,6 +39,7 @@ def test_a_run_that_nobody_disturbs_is_the_ordinary_one(bench: Bench, scenarios:
     assert run is live.result is bench.runs[0]
     assert run.frames_sha256 == ordinary.frames_sha256
     assert (run.verdict, run.reasons, run.scores) == (ordinary.verdict, ordinary.reasons, ordinary.scores)
+    assert run.events == ordinary.events != ()
     assert {path.name for path in run.folder.iterdir()} == {path.name for path in ordinary.folder.iterdir()}
     assert run.folder.name == "a_test_with_spaces"
 
@@ -62,9 +64,7 @@ def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
 
 def test_what_does_not_come_is_said(bench: Bench) -> None:
     with bench.start() as live:
-        with pytest.raises(
-            AssertionError, match=r"not within 0.5 s of simulation time, at 0.50 s: true_speed_mps .* 50"
-        ):
+        with pytest.raises(AssertionError, match=r"not within 0.5 s of simulation time, at 0.50 s: true speed .* 50"):
             live.wait_until(speed=50, timeout_s=0.5)
         with pytest.raises(AssertionError, match=r"at 0.60 s: NOTCH_CMD: NotchCmd .* notch, CtlMode running"):
             live.expect("NOTCH_CMD", NotchCmd=lambda notch: notch > 100, CtlMode="running", within_s=0.1)
@@ -113,6 +113,47 @@ def test_what_the_bench_refuses(bench: Bench, tmp_path: Path) -> None:
     over_hub = Bench(Settings(bus="hub"), {}, tmp_path, tmp_path, "hub")
     with pytest.raises(InputError, match="on a bus the test does not hold the clock"):
         over_hub.start()
+
+
+@pytest.mark.faults
+def test_a_fault_by_hand_is_one_of_the_run(bench: Bench) -> None:
+    """What has been seen before stays as it was; the run again from its description has the same bytes."""
+    with bench.start() as live:
+        live.wait_until(speed=kmh(10), timeout_s=20)
+        before_s, before = live.time_s, live.read("SIM_TRUTH")
+        live.inject("TRN_SPEED loss for 400ms")
+        assert (live.time_s, live.read("SIM_TRUTH")) == (before_s, before)
+        cut_s = live.expect("NOTCH_CMD", CtlMode="traction cut", within_s=0.5)
+        live.inject("TRN_POS loss 50% @v<5km/h")
+        run = live.finish()
+    first, second = run.faults
+    assert (first.fired, first.begun_s, first.effect_s) == (True, before_s + 0.01, before_s + 0.01)
+    assert second.fired
+    assert run.spec.faults == (f"TRN_SPEED loss @{before_s + 0.01:.10g}s for 400ms", "TRN_POS loss 50% @v<5km/h")
+    assert run.reaction("TRACTION CUT").time_s == pytest.approx(cut_s, abs=0.011)
+    assert library.run(run.spec).frames_sha256 == run.frames_sha256
+    with pytest.raises(AssertionError, match="inject: the run has ended"):
+        live.inject("TRN_SPEED loss")
+
+
+@pytest.mark.faults
+def test_when_the_watches_react(bench: Bench) -> None:
+    fault = "TRN_SPEED loss @5s for 200ms"
+    run = bench.run(faults=[fault])
+    cut = run.reaction("TRACTION CUT")
+    assert cut.happened
+    assert 0.05 < cut.after_s(fault) == cut.after_s(0) == cut.after_s(run.faults[0]) < 0.1
+    assert run.reaction("hold").after_s(fault) < cut.after_s(fault)
+    assert run.reaction("EMERGENCY").after_s(fault) == math.inf
+    assert not run.reaction("EMERGENCY").happened
+    with pytest.raises(ValueError, match=r"no level 'PANIC' of the watches, allowed HOLD, TRACTION CUT"):
+        run.reaction("PANIC")
+    with pytest.raises(ValueError, match="no fault 'TRN_SPEED loss' in this run"):
+        cut.after_s("TRN_SPEED loss")
+    never = bench.run(faults=["TRN_SPEED loss @5000s"])
+    assert (never.verdict, never.faults[0].fired) == ("INVALID", False)
+    with pytest.raises(AssertionError, match="never began"):
+        never.reaction("HOLD").after_s(0)
 
 
 def test_scores_of_a_train_that_did_not_stop_meet_no_limit(bench: Bench) -> None:

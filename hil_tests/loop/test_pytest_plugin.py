@@ -115,6 +115,32 @@ def test_over_processes_of_xdist(suite: pytest.Pytester) -> None:
         assert [path.name for path in folder.iterdir()] == ["certificate.json"], name
 
 
+def test_faults_of_a_suite(suite: pytest.Pytester) -> None:
+    """Faults in ids, in the JUnit report and in the marker; what they disturb is no error of the test."""
+    suite.makepyfile(
+        test_suite="""
+        import pytest
+
+        pytestmark = pytest.mark.railhil(scenario="short.toml", controller="ipfc_plus")
+
+        @pytest.mark.parametrize("fault", ["TRN_SPEED loss @1s for 200ms", "controller kill @v>1km/h"])
+        def test_train_is_safe(bench, fault):
+            run = bench.run(faults=[fault])
+            assert run.faults[0].fired
+            assert run.reaction("TRACTION CUT").after_s(fault) <= 0.5
+
+        @pytest.mark.railhil(faults=["TRN_SPEED loss 5% @0s"])
+        def test_noisy(bench):
+            assert bench.run().faults[0].hits > 5
+        """
+    )
+    done = run_suite(suite.path, "-v", "--junitxml=junit.xml")
+    done.assert_outcomes(passed=3)
+    done.stdout.fnmatch_lines(["*test_train_is_safe[[]TRN_SPEED_loss_@1s_for_200ms] PASSED*"])
+    found = properties(suite.path / "junit.xml")
+    assert dict(found["test_train_is_safe[controller_kill_@v>1km/h]"])["fault"] == "controller kill @v>1km/h"
+
+
 @pytest.mark.slow
 def test_the_same_suite_over_a_hub(suite: pytest.Pytester) -> None:
     """Three processes instead of one: the same bytes; nobody can hold their clock."""

@@ -173,7 +173,7 @@ def test_a_users_test_holds_its_clock(site: Path, tmp_path: Path) -> None:
     refused, (verdict, disturbed, law, begun_s, same) = python(site, _LIVE, str(SCENARIO), str(tmp_path))
     assert (verdict, disturbed, law, same) == ("PASS", {}, "apart", True)
     assert begun_s > 0.5
-    assert refused.startswith("speed: system two_carts has no column true_speed_mps")
+    assert refused.startswith("speed: system two_carts does not say where it is sent")
 
 
 @pytest.mark.parametrize("unit", [0, 1])

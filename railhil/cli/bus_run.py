@@ -39,6 +39,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.sockets import private_socket
 from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.trace import Trace
 
 if TYPE_CHECKING:
     from railhil.local_run import LocalRun
@@ -173,15 +174,30 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
-        result.events = events_of(scenario, run.trace)
-        result.memory = memory_after(spec, folder, result)
-        given = [] if choice.needs_hub else choice.arguments
-        write_folder(folder, scenario, spec, start_up, result, run.trace, given)
-        if spec.memory_file is not None and result.memory is not None:
-            keep_memory(spec, result.memory)
+        write_results(folder, scenario, spec, start_up, result, run.trace, [] if choice.needs_hub else choice.arguments)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
+
+
+def write_results(
+    folder: Path,
+    scenario: AnyScenario,
+    spec: RunSpec,
+    start_up: StartUp,
+    result: RunResult,
+    trace: Trace,
+    bus_arguments: list[str],
+) -> None:
+    """Complete a result with its events and the law's memory, and write folder and memory.
+
+    :raises RecordFailed: they cannot be written.
+    """
+    result.events = events_of(scenario, trace)
+    result.memory = memory_after(spec, folder, result)
+    write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
+    if spec.memory_file is not None and result.memory is not None:
+        keep_memory(spec, result.memory)
 
 
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:

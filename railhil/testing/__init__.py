@@ -14,14 +14,16 @@ if TYPE_CHECKING:
     from railhil.testing.bench import Bench
     from railhil.testing.live import Live
     from railhil.testing.result import Run
+    from railhil.testing.strategies import faults
 
 #: Name -> its module.
 _PLACES = {
     "Bench": "railhil.testing.bench",
     "Live": "railhil.testing.live",
     "Run": "railhil.testing.result",
+    "faults": "railhil.testing.strategies",
 }
-__all__ = ["Bench", "Live", "Run", "kmh"]
+__all__ = ["Bench", "Live", "Run", "faults", "kmh"]
 
 
 def __getattr__(name: str) -> Any:

@@ -25,6 +25,7 @@ _USUAL: Mapping[str, Any] = {
     "indexing": "time",
     "parameters": None,
     "settings": (),
+    "faults": (),
     "memory": None,
 }
 
@@ -51,8 +52,8 @@ class Bench:
     def run(self, *, seed: int = 0, perturbed: bool = False, **spec: Any) -> Run:
         """One run to its end, recorded and judged.
 
-        :param spec: further arguments of :func:`railhil.run`, such as ``scenario``, ``controller``, ``settings``; they
-            override the marker ``railhil``.
+        :param spec: further arguments of :func:`railhil.run`, such as ``scenario``, ``controller``, ``settings``,
+            ``faults``; they override the marker ``railhil``.
         :raises InputError: anything that is not allowed, in one line.
         :raises NeverBegan: the nodes refused the run, or no frame came.
         """
@@ -114,8 +115,8 @@ class Bench:
 
     @property
     def disturbances(self) -> list[str]:
-        """One line for each run in which frames were lost, refused or reordered."""
-        found = [(run.folder, run.disturbed) for run in self.runs]
+        """One line for each run without faults in which frames were lost, refused or reordered."""
+        found = [(run.folder, run.disturbed) for run in self.runs if not run.faults]
         return [f"{folder}: {_counted(causes)}" for folder, causes in found if causes]
 
     def facts(self) -> list[tuple[str, str]]:
@@ -129,11 +130,12 @@ class Bench:
                 "controller": spec.law.label,
                 "arithmetic": spec.law.arithmetic,
                 "seed": spec.seed,
+                "fault": "; ".join(spec.faults),
                 "verdict": run.verdict,
                 "frames_sha256": run.frames_sha256,
                 "certificate": run.folder / CERTIFICATE,
             }
-            found += [(name + end, str(value)) for name, value in facts.items()]
+            found += [(name + end, str(value)) for name, value in facts.items() if value != ""]
         return found
 
     def reported(self) -> list[str]:

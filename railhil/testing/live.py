@@ -2,37 +2,48 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from railhil.bus.errors import BusError
 from railhil.bus.frame import Frame
+from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
+from railhil.cli.bus_run import write_results
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
-from railhil.controller_node.telemetry_file import write_telemetry
+from railhil.faults.language import fault_text, parse
 from railhil.library import outcome_of
 from railhil.local_run import LocalRun
 from railhil.plant_sim.any_plant import PlantError
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.folder import write_folder
+from railhil.supervisor.fault_report import check_faults
 from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.judging import judging_of
-from railhil.supervisor.memory import keep_memory, memory_after, with_memory
+from railhil.supervisor.memory import with_memory
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
-from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.testing.result import Run
 from railhil.testing.telegrams import Heard, Wanted
 
 #: A truth of the run to wait for: a value to be reached from either side, or a function of it.
 Truth = float | Callable[[float], object]
-#: Keyword of :meth:`Live.wait_until` -> column of ``signals.csv``.
-_TRUTHS = {"speed": "true_speed_mps", "position": "true_position_m"}
+#: What may follow the condition of a fault.
+_TAIL = re.compile(r"\s(x\d+|for|until|after|seed|units?|combine|id|expect)(?=\s|$)")
+
+
+def _triggered(fault: str, time_s: float) -> str:
+    """A fault with its condition; without one it begins at ``time_s``."""
+    if "@" in fault:
+        return fault
+    tail = _TAIL.search(fault)
+    place = len(fault) if tail is None else tail.start()
+    return f"{fault[:place]} @{time_s:.10g}s{fault[place:]}"
 
 
 class _HearingSession(Session):
@@ -60,23 +71,27 @@ class Live:
     """
 
     def __init__(self, spec: RunSpec, scenario: AnyScenario, folder: Path, on_end: Callable[[Run], object]) -> None:
-        self.scenario = scenario
         self.folder = folder
         #: The result, after the end.
         self.result: Run | None = None
         self._on_end = on_end
-        write_inputs(folder, scenario, spec.law.parameters)
+        self._begun = False
         self.spec = with_memory(spec, folder)
-        contract = system_named(scenario.system).contract
-        self._run = run = LocalRun(scenario, self.spec, folder)
-        session = _HearingSession(scenario, run.log.write, self.spec)
-        session.heard = self._heard = Heard(contract)
+        self._prepare(self.spec, scenario)
+
+    def _prepare(self, spec: RunSpec, scenario: AnyScenario) -> None:
+        """Nodes and recorder of a run that has not begun."""
+        check_faults(scenario, [LOCAL], spec.pace)
+        self.spec, self.scenario = spec, scenario
+        write_inputs(self.folder, scenario, spec.law.parameters)
+        self._run = run = LocalRun(scenario, spec, self.folder)
+        session = _HearingSession(scenario, run.log.write, spec)
+        session.heard = self._heard = Heard(system_named(scenario.system).contract)
         run.session = session
         self._plant, self._controller = run.nodes()
         self._tick_ns = scenario.timing.base_tick_ns
         self._ticks: Iterator[None] = iter(())
         self._incomplete = "", PASS
-        self._begun = False
 
     # -- beginning and end --------------------------------------------------------------------------------------------
 
@@ -85,11 +100,14 @@ class Live:
 
         :raises BusError: the nodes refuse the run.
         """
+        self._begin()
+        return self
+
+    def _begin(self) -> None:
         self._plant.handshake()
         self._begun = True
         self._ticks = self._plant.ticks()
         self._advance()
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -118,12 +136,9 @@ class Live:
 
     def _write(self) -> None:
         run = self._run
-        write_telemetry(self._controller, self.folder / TELEMETRY)
+        run.write_logs(self._plant, self._controller)
         result = run.finish(run.log.close(), *self._incomplete)
-        result.memory = memory_after(self.spec, self.folder, result)
-        write_folder(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
-        if self.spec.memory_file is not None and result.memory is not None:
-            keep_memory(self.spec, result.memory)
+        write_results(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
         self.result = Run(outcome_of(self.folder, self.scenario, run, result))
         self._on_end(self.result)
 
@@ -146,6 +161,31 @@ class Live:
         """
         return self._heard.values(port)
 
+    # -- faults -------------------------------------------------------------------------------------------------------
+
+    def inject(self, fault: str) -> None:
+        """Inject a fault from the next tick on, or when its own condition is met.
+
+        The run is made again up to now with the fault, so that its record is that of a run with all its faults given
+        from the start: ``railhil rerun`` repeats it.
+
+        :param fault: in the fault language, ``"pantograph off"``, ``"TRN_SPEED loss 30% for 5s"``; with ``@WHEN`` for a
+            later instant, place or event.
+        :raises InputError: it is not in the language, or cannot be injected here.
+        """
+        if self.ended:
+            raise AssertionError(f"inject: the run has ended, at {self.time_s:.2f} s")
+        now = self._plant.plant.tick
+        text = fault_text(parse(_triggered(fault, (now + 1) * self._tick_ns / 1e9), "inject"))
+        spec = replace(self.spec, faults=(*self.spec.faults, text))
+        scenario = spec.load()
+        self._run.log.close()
+        self._prepare(spec, scenario)
+        self._begin()
+        while self._plant.plant.tick < now:
+            if not self._advance():
+                raise AssertionError(f"inject: with {text!r} the run ends at {self.time_s:.2f} s")
+
     # -- advancing ----------------------------------------------------------------------------------------------------
 
     def _advance(self) -> bool:
@@ -159,7 +199,7 @@ class Live:
         except StopIteration:
             return False
         except (BusError, PlantError, InputError) as error:
-            self._incomplete = self._run.incomplete(error)
+            self._incomplete = self._run.incomplete(error, self._controller)
         return not self.ended
 
     def step(self, ticks: int = 1) -> bool:
@@ -230,19 +270,16 @@ class Live:
 
     def _truth(self, name: str, wanted: Truth) -> tuple[Callable[[], bool], Callable[[], str]]:
         """Whether a truth is reached, and how it is now."""
-        column = _TRUTHS[name]
-        place = next(
-            ((port, signal) for header, port, signal in judging_of(self.scenario).columns if header == column), None
-        )
-        if place is None:
-            raise ValueError(f"{name}: system {self.scenario.system} has no column {column}; wait for a port's signals")
-        port, signal = place
+        truth = system_named(self.scenario.system).truth
+        signal = str(getattr(truth, name)) if truth is not None else ""
+        if truth is None or not signal:
+            raise ValueError(f"{name}: system {self.scenario.system} does not say where it is sent; wait for a port")
 
         def now() -> float:
-            return self._heard.values(port).get(signal, 0.0)
+            return self._heard.values(truth.port).get(signal, 0.0)
 
         if callable(wanted):
             test = wanted
-            return lambda: bool(test(now())), lambda: f"{column} {now():.6g}"
+            return lambda: bool(test(now())), lambda: f"true {name} {now():.6g}"
         goal, rising = wanted, now() <= wanted
-        return lambda: now() >= goal if rising else now() <= goal, lambda: f"{column} {now():.6g}, wanted {goal:.6g}"
+        return lambda: now() >= goal if rising else now() <= goal, lambda: f"true {name} {now():.6g}, wanted {goal:.6g}"

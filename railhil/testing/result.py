@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.testing.health import disturbed_run
+from railhil.testing.reactions import Injected, Reaction, injected, watch_times_s
 
 
 class Score:
@@ -73,6 +75,33 @@ class Run:
         """What happened, in order."""
         return self.outcome.events
 
+    @cached_property
+    def faults(self) -> tuple[Injected, ...]:
+        """What became of the faults of the run: those of its scenario, then those of the test."""
+        return injected(self.folder)
+
+    def reaction(self, level: str) -> Reaction:
+        """When the watches came to a level, or above it.
+
+        :param level: ``HOLD``, ``TRACTION CUT``, ``SERVICE BRAKE``, ``EMERGENCY``, or a word of the system's watches.
+        :raises ValueError: no watch has this level.
+        """
+        return Reaction(level, watch_times_s(self.events, level), self._effect_s)
+
+    def _effect_s(self, fault: str | int | Injected) -> float:
+        """First effect of a fault, named by its text as given to the run, by its place in :attr:`faults`, or itself."""
+        if isinstance(fault, str):
+            texts = self.spec.faults
+            if fault not in texts:
+                raise ValueError(f"no fault {fault!r} in this run, which has {', '.join(map(repr, texts)) or 'none'}")
+            fault = len(self.faults) - len(texts) + texts.index(fault)
+        found = self.faults[fault] if isinstance(fault, int) else fault
+        if found.effect_s is None:
+            raise AssertionError(
+                f"fault {found.text!r} {'changed nothing' if found.begun_s is not None else 'never began'}"
+            )
+        return found.effect_s
+
     @property
     def signals(self) -> Signals:
         """Columns of ``signals.csv``."""
@@ -104,7 +133,15 @@ class Run:
         outcome = self.outcome
         found = judging_of(outcome.scenario).score(outcome.scenario, outcome.trace)
         invalid = "; ".join(outcome.reasons) if outcome.verdict == "INVALID" else ""
-        return recorded_run(outcome.folder, dict(outcome.certificate), outcome.scenario, outcome.trace, found, invalid)
+        return recorded_run(
+            outcome.folder,
+            dict(outcome.certificate),
+            outcome.scenario,
+            outcome.trace,
+            found,
+            invalid,
+            events=outcome.events,
+        )
 
     @property
     def disturbed(self) -> dict[str, int]:
