@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from railhil.faults.language import fault_text
 from railhil.faults.model import Fault, Place, Trigger, Value
@@ -55,7 +55,7 @@ def random_fault(chance: random.Random, horizon_s: float, ports: Ports, words: S
     """One fault that begins before ``horizon_s``; it may meet others on its target.
 
     :param ports: telegrams on which it may act.
-    :param words: those of :func:`words_drawn` that the run can inject.
+    :param words: those of :func:`words_drawn`.
     """
     level = chance.choice(sorted({word.level for word in words}))
     word = chance.choice([word for word in words if word.level == level])
@@ -82,8 +82,15 @@ def random_fault(chance: random.Random, horizon_s: float, ports: Ports, words: S
     return Fault(Place(level, name, part), word.name, trigger, values, duration_s=duration_s, count=count, combine=True)
 
 
-def random_pair(seed: int, horizon_s: float, ports: Ports, words: Sequence[Word]) -> tuple[str, str]:
-    """Two random faults in the fault language, the same for the same seed; they are combined if they meet."""
+def random_pair(seed: int, horizon_s: float, ports: Ports, is_possible: Callable[[str], bool]) -> tuple[str, str]:
+    """Two random faults in the fault language, the same for the same seed; they are combined if they meet.
+
+    :param is_possible: whether the run can inject a fault; others are drawn again.
+    """
     chance = random.Random(seed)
-    first, second = (fault_text(random_fault(chance, horizon_s, ports, words)) for _ in range(2))
-    return first, second
+    words, found = words_drawn(), []
+    while len(found) < 2:
+        text = fault_text(random_fault(chance, horizon_s, ports, words))
+        if is_possible(text):
+            found.append(text)
+    return found[0], found[1]

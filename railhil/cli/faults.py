@@ -19,8 +19,10 @@ from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json, table
-from railhil.faults.drawn import random_pair, words_drawn
-from railhil.scenarios.fault_list import disturbed_signals
+from railhil.faults.capability import why_not
+from railhil.faults.drawn import random_pair
+from railhil.faults.language import parse
+from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.reactions.catalogue import Entry, catalogue
@@ -99,8 +101,17 @@ def _entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: 
 def _pair_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, number: int) -> PairRun:
     """One random pair as a run; its folder is not kept: it can be made again from its faults."""
     scenario = base.load()
-    ports = disturbed_signals(system_named(scenario.system))
-    pair = random_pair(number, scenario.planned_s, ports, words_drawn())
+    system = system_named(scenario.system)
+
+    def is_possible(text: str) -> bool:
+        try:
+            found = fault_texts([text], system, lambda row: Path("drawn"))
+        except InputError:
+            return False
+        return not why_not(parse(found[0]), transport, base.pace)
+
+    transport = "local" if base.is_local else "hub"
+    pair = random_pair(number, scenario.planned_s, disturbed_signals(system), is_possible)
     spec = replace(base, faults=pair, seed=number)
     with TemporaryDirectory(prefix="railhil-faults-") as folder:
         try:
