@@ -88,7 +88,8 @@ def random_pair(seed: int, horizon_s: float, ports: Ports, is_possible: Callable
     :param is_possible: whether the run can inject a fault; others are drawn again.
     """
     chance = random.Random(seed)
-    words, found = words_drawn(), []
+    words = words_drawn()
+    found: list[str] = []
     while len(found) < 2:
         text = fault_text(random_fault(chance, horizon_s, ports, words))
         if is_possible(text):
