@@ -82,8 +82,8 @@ def _made(namespace: argparse.Namespace, how: StartUp, spec: RunSpec, folder: Pa
     return scenario, run, result
 
 
-def _entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
-    """One entry as a run."""
+def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
+    """One entry as a run, with its folder in ``out``."""
     if entry.seen_in:
         return Row(entry)
     law = replace(base.law, controller=entry.law) if entry.law else base.law
@@ -183,7 +183,7 @@ def work(namespace: argparse.Namespace) -> int:
     with ExitStack() as held:
         out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
         entries = _entries(namespace.only)
-        rows = list(_each(partial(_entry_run, namespace, how, base, out), entries, jobs))
+        rows = list(_each(partial(entry_run, namespace, how, base, out), entries, jobs))
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:

@@ -1,0 +1,61 @@
+"""Every entry of the fault catalogue on a shipped scenario: what detects it, and the reaction within its bound."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from hil_tests.support.cli import railhil
+from railhil.cli.bus_run import run_spec
+from railhil.cli.commands import parser
+from railhil.cli.faults import entry_run
+from railhil.supervisor.reactions.catalogue import Entry, catalogue
+from railhil.supervisor.start_up import StartUp
+
+pytestmark = [pytest.mark.faults, pytest.mark.slow]
+
+#: Entries that need a hub with controllers and lines, or another process, or real time.
+NOT_HERE = {"B1", "B2", "B7", "N5", "K2"}
+SCENARIO = "yizhuang_05"
+
+
+@pytest.mark.parametrize("entry", [entry for entry in catalogue() if entry.faults], ids=lambda entry: entry.id)
+def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) -> None:
+    given = parser("faults").parse_args(["faults", SCENARIO])
+    row = entry_run(given, StartUp(), run_spec(given, "ipfc", None), tmp_path, entry)
+    assert bool(row.refused) is (entry.id in NOT_HERE), row.refused
+    assert row.failures == []
+    assert row.made is not bool(row.refused)
+
+
+def test_the_table_is_printed_and_kept(tmp_path: Path) -> None:
+    done = railhil("faults", SCENARIO, "--only", "T2a,T15,B7", "--jobs", "1", "--out", tmp_path / "runs", "--quiet")
+    assert done.exit_code == 0, done.err
+    assert "speed_age" in done.out
+    assert "1 runs, 0 not as they must be" in done.out
+    assert (tmp_path / "runs" / "T2a" / "frames.log").is_file()
+    (first,) = railhil("faults", SCENARIO, "--only", "T2a", "--json").json
+    assert first["reaction"] == "HOLD"
+    assert 0 <= first["after_ms"] <= first["within_ms"] == 40
+
+
+def test_random_pairs_are_made_and_made_again() -> None:
+    once, again = (railhil("faults", SCENARIO, "--pairs", "2", "--seed", "7", "--jobs", "1") for _ in range(2))
+    assert once.exit_code == 0, once.out + once.err
+    assert once.out == again.out
+    assert "2 pairs: " in once.out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--only", "Q9"], "--only: found 'Q9'"),
+        (["--pairs", "0"], "argument --pairs"),
+        (["--controller", "nobody"], "--controller: found 'nobody'"),
+    ],
+)
+def test_what_is_not_in_the_catalogue_is_refused(words: list[str], said: str) -> None:
+    done = railhil("faults", SCENARIO, *words)
+    assert done.exit_code == 2
+    assert said in done.err
