@@ -29,6 +29,7 @@ from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
@@ -173,7 +174,8 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
-        result.events = events_of(scenario, run.trace)
+        injected = fault_events((one.as_json() for one in result.faults), run.trace.end_s)
+        result.events = events_of(scenario, run.trace, injected)
         result.memory = memory_after(spec, folder, result)
         given = [] if choice.needs_hub else choice.arguments
         write_folder(folder, scenario, spec, start_up, result, run.trace, given)
