@@ -29,6 +29,7 @@ from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
@@ -193,7 +194,8 @@ def write_results(
 
     :raises RecordFailed: they cannot be written.
     """
-    result.events = events_of(scenario, trace)
+    injected = fault_events((one.as_json() for one in result.faults), trace.end_s)
+    result.events = events_of(scenario, trace, injected)
     result.memory = memory_after(spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if spec.memory_file is not None and result.memory is not None:

@@ -59,6 +59,15 @@ class _Note(_Part):
     bits: list[str]
 
 
+class _Injected(_Part):
+    number: int
+    fault: str
+    begun_s: float | None
+    effect_s: float | None
+    ended_s: float | None
+    hits: int
+
+
 class _Certificate(_Part):
     scenario: str | None = None
     scenario_sha256: str | None = None
@@ -87,6 +96,7 @@ class _Certificate(_Part):
     attached: bool | None = None
     foreign: bool | None = None
     not_witnessed: list[str] = []
+    injected: list[_Injected] = []
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None

@@ -26,7 +26,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
-from railhil.supervisor.events.event import EVENTS, LOST, MISSED_POLL, REFUSED, write_events
+from railhil.supervisor.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
@@ -256,6 +256,7 @@ def junit(scenario: AnyScenario, spec: RunSpec, result: RunResult) -> ET.Element
         ("arithmetic", spec.law.arithmetic),
         *((f"reaction.{item.watch.name}", item.sentence()) for item in reactions(scenario, result.events)),
         *((kind, said) for kind in (REFUSED, LOST, MISSED_POLL) if (said := counts_said(result.events, kind))),
+        *((FAULT, event.detail) for event in result.events if event.kind == FAULT),
     ):
         ET.SubElement(properties, "property", name=name, value=_xml(str(value)))
     classname = _xml(f"railhil.{scenario.name}")

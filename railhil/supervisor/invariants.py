@@ -79,7 +79,8 @@ def _commanded_traction(trace: Trace) -> Iterator[str]:
 
 def _applied_traction(trace: Trace) -> Iterator[str]:
     time_s, force_n = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce")
-    level = _level_at(trace, time_s)
+    # The level before as well: when the port that opens the ticks is lost, a later tick can have the same instant.
+    level = np.minimum(_level_at(trace, time_s), _level_at(trace, np.nextafter(time_s, -np.inf)))
     wrong = np.flatnonzero((level >= _TRACTION_CUT) & (force_n > _FORCE_MIN_N))
     if len(wrong):
         first = wrong[0]

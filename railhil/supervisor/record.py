@@ -16,6 +16,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.documents import CERTIFICATE, read_certificate
 from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
+from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.trace import Trace, trace_of
 
@@ -39,8 +40,9 @@ class Record:
 
     @property
     def events(self) -> tuple[RecordedEvent, ...]:
-        """What happened, in the order of the instants."""
-        return events_of(self.scenario, self.trace)
+        """What happened, in the order of the instants; injected faults from the certificate."""
+        injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
+        return events_of(self.scenario, self.trace, injected)
 
 
 def log_path(text: str) -> Path:

@@ -186,7 +186,7 @@ def test_a_healthy_run_has_its_milestones_and_the_normal_start(healthy: Run) -> 
     assert (healthy.events[0].level, healthy.events[0].until_s) == ("service_brake", 0.01)
     assert healthy.line == ""
     assert healthy.summary == {
-        "watches": {"controller": None, "train": None}, "refused": {}, "lost": {}, "missed_polls": {},
+        "watches": {"controller": None, "train": None}, "refused": {}, "lost": {}, "missed_polls": {}, "faults": [],
     }  # fmt: skip
 
 

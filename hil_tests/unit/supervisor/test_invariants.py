@@ -80,6 +80,12 @@ def test_traction_at_a_level_that_cuts_it(level: int) -> None:
     assert "at 0.50 s" in said
 
 
+def test_a_level_of_the_same_instant_may_be_of_a_later_tick() -> None:
+    """When the port that opens the ticks is lost, the record has the instants of the polls."""
+    later = Story(train_level=lambda tick: 4 if tick >= 30 else 0, traction_20n=lambda tick: 500 if tick <= 30 else 0)
+    assert found(later) == []
+
+
 def test_traction_on_the_way_out_is_none() -> None:
     """At the instant of the new level, and while the level is not in the record."""
     hold = Story(train_level=lambda tick: 1 if tick >= 30 else 0, traction_20n=lambda tick: 500)

@@ -21,6 +21,8 @@ LOST = "lost"
 MISSED_POLL = "missed_poll"
 #: An interlock or status of the train that is not as in normal operation.
 INTERLOCK = "interlock"
+#: An injected fault is active.
+FAULT = "fault"
 #: RUN_EVENT.
 MILESTONE = "milestone"
 

@@ -8,7 +8,8 @@ from typing import Any
 
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.declared import Watch
-from railhil.supervisor.events.event import LEVEL, LOST, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.supervisor.events.event import FAULT, LEVEL, LOST, MISSED_POLL, REFUSED, RecordedEvent
+from railhil.supervisor.events.injected import faults_said
 from railhil.supervisor.judging import judging_of
 
 #: Frames of other systems on a shared bus are no disturbance.
@@ -97,7 +98,7 @@ def summary(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> dict[str,
     """``events`` of ``score.json``.
 
     ``watches``: for each watch its first and worst reaction, null if it stayed at normal; ``refused`` telegrams by port
-    and cause; ``lost`` telegrams and ``missed_polls`` by port.
+    and cause; ``lost`` telegrams and ``missed_polls`` by port; ``faults`` that became active, in their order.
     """
     reacted = {reaction.watch.name: reaction.as_json() for reaction in reactions(scenario, events)}
     return {
@@ -105,11 +106,17 @@ def summary(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> dict[str,
         "refused": _counts(events, REFUSED),
         "lost": {port: sum(causes.values()) for port, causes in _counts(events, LOST).items()},
         "missed_polls": {port: sum(causes.values()) for port, causes in _counts(events, MISSED_POLL).items()},
+        "faults": [
+            {"time_s": event.time_s, "until_s": event.until_s, "hits": event.count, "detail": event.detail}
+            for event in events
+            if event.kind == FAULT
+        ],
     }
 
 
 def why(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> str:
-    """One sentence on what the watches did; if they did nothing, on telegrams that were refused, lost or missing.
+    """One sentence on what the watches did; if they did nothing, on telegrams that were refused, lost or missing; then
+    on the injected faults.
 
     Empty for a healthy run.
     """
@@ -121,7 +128,7 @@ def why(scenario: AnyScenario, events: Sequence[RecordedEvent]) -> str:
             for port, causes in _counts(events, kind).items()
             if _FOREIGN not in causes
         ]
-    return "; ".join(found)
+    return "; ".join([*found, *faults_said(events)])
 
 
 def explained(line: str, reason: str) -> str:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.axes import Axes
 
 from railhil.scenarios.model import AnyScenario
-from railhil.supervisor.events.event import LEVEL, MILESTONE, START, RecordedEvent
+from railhil.supervisor.events.event import FAULT, LEVEL, MILESTONE, START, RecordedEvent
 from railhil.supervisor.events.summary import level_shown
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report.panels import Drawn
@@ -18,6 +19,9 @@ _USUAL = (START, MILESTONE)
 #: Lines of the watches, in their order.
 _TRACKS = ({"linestyle": "-", "linewidth": 1.4}, {"linestyle": (0, (4, 2)), "linewidth": 1.4, "color": "black"})
 _TICK = 0.25
+#: An injected fault stands out from what followed from it.
+_MARKER: dict[str, Any] = {"linewidth": 1.5, "color": "C0"}
+_FAULT_MARKER: dict[str, Any] = {"linewidth": 4.0, "color": "firebrick"}
 
 
 def has_unusual(events: Sequence[RecordedEvent]) -> bool:
@@ -68,10 +72,10 @@ def markers(axes: Axes, run: Drawn) -> None:
     shown = kinds(run.events)
     for row, kind in enumerate(shown):
         own = [event for event in run.events if event.kind == kind]
-        axes.hlines(
-            [row for _ in own], [event.time_s for event in own], [event.time_s + event.lasted_s for event in own]
-        )
-        axes.plot([event.time_s for event in own], [row for _ in own], "|", color="black", markersize=9)
+        look = _FAULT_MARKER if kind == FAULT else _MARKER
+        begun_s, rows = [event.time_s for event in own], [row for _ in own]
+        axes.hlines(rows, begun_s, [event.time_s + event.lasted_s for event in own], **look)
+        axes.plot(begun_s, rows, "|", color="black", markersize=9)
     axes.set_yticks(range(len(shown)), [kind.replace("_", " ") for kind in shown], fontsize=8)
     axes.set_ylim(len(shown) - 1 + 0.5, -0.5)
 
@@ -87,6 +91,7 @@ class EventRow:
     source: str
     what: str
     why: str
+    is_fault: bool = False
 
 
 def event_rows(label: str, events: Sequence[RecordedEvent]) -> list[EventRow]:
@@ -101,5 +106,6 @@ def event_rows(label: str, events: Sequence[RecordedEvent]) -> list[EventRow]:
         place = next((f"at {event.position_m:.4f} m" for event in own if event.position_m is not None), "")
         until_s = max(event.time_s + event.lasted_s for event in own)
         count = sum(event.count for event in own)
-        rows.append(EventRow(label, own[0].time_s, until_s, count, source, what, f"{why} {place}".strip()))
+        said = f"{why} {place}".strip()
+        rows.append(EventRow(label, own[0].time_s, until_s, count, source, what, said, kind == FAULT))
     return rows
