@@ -10,9 +10,10 @@ import json
 import sys
 import zlib
 from collections.abc import Sequence
+from itertools import accumulate
 from pathlib import Path
 
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.whole_file import whole_file
 
@@ -20,10 +21,15 @@ from railhil.common.whole_file import whole_file
 _BATCH = 4096
 #: Fast compression: the file is read once, and then removed.
 _LEVEL = 1
+#: Flags of frames that are no telegrams, whatever their identifier: they have no owner.
+NO_TELEGRAM = ERROR | EXTENDED | REMOTE
 
 
 class SentFrames:
-    """Data of every frame that a node has sent, by CAN identifier; all frames of an identifier have the same length.
+    """Data of every frame that a node has sent, by CAN identifier.
+
+    The frames of an identifier have one length, except under faults: empty ones ("no answer"), truncated ones, those of
+    another port.
 
     :param path: the file for :meth:`write`.
     :param node: the node, for messages.
@@ -34,7 +40,7 @@ class SentFrames:
         self._node = node
         self._waiting: list[Frame] = []
         self._data: dict[int, bytearray] = {}
-        self._length: dict[int, int] = {}
+        self._lengths: dict[int, bytearray] = {}
 
     def note(self, frames: Sequence[Frame]) -> None:
         """Take frames that are being sent."""
@@ -43,10 +49,13 @@ class SentFrames:
             self._sort()
 
     def _sort(self) -> None:
-        for can_id, data, _ in self._waiting:
+        for can_id, data, flags in self._waiting:
+            if flags & NO_TELEGRAM:
+                continue
             if can_id not in self._data:
-                self._data[can_id], self._length[can_id] = bytearray(), len(data)
+                self._data[can_id], self._lengths[can_id] = bytearray(), bytearray()
             self._data[can_id] += data
+            self._lengths[can_id].append(len(data))
         self._waiting = []
 
     def write(self) -> None:
@@ -54,7 +63,7 @@ class SentFrames:
         so."""
         finish_undisturbed()
         self._sort()
-        document = {str(can_id): [self._length[can_id], data.hex()] for can_id, data in self._data.items()}
+        document = {str(can_id): [self._lengths[can_id].hex(), data.hex()] for can_id, data in self._data.items()}
         try:
             with whole_file(self._path) as draft:
                 draft.write_bytes(zlib.compress(json.dumps(document).encode(), _LEVEL))
@@ -64,10 +73,17 @@ class SentFrames:
             )
 
 
-def read_sent(path: Path) -> dict[int, tuple[int, bytes]] | None:
-    """Length and data of the frames that a node has sent, in order, by CAN identifier; None without a readable file."""
+def read_sent(path: Path) -> dict[int, list[bytes]] | None:
+    """Data of the frames that a node has sent, in order, by CAN identifier; None without a readable file."""
     try:
         document = json.loads(zlib.decompress(path.read_bytes()))
     except (OSError, ValueError, zlib.error):
         return None
-    return {int(can_id): (length, bytes.fromhex(data)) for can_id, (length, data) in document.items()}
+    return {
+        int(can_id): _apart(bytes.fromhex(lengths), bytes.fromhex(data)) for can_id, (lengths, data) in document.items()
+    }
+
+
+def _apart(lengths: bytes, data: bytes) -> list[bytes]:
+    """Frames of these lengths, joined in ``data``."""
+    return [data[end - length : end] for length, end in zip(lengths, accumulate(lengths), strict=True)]

@@ -99,6 +99,11 @@ class Fault:
     expect: Expect | None = None
     id: str = ""
 
+    @property
+    def kills_controller(self) -> bool:
+        """Whether the run goes on without a controller, as asked for."""
+        return (self.place.level, self.place.name, self.what) == ("node", "controller", "kill")
+
 
 @dataclass(frozen=True, slots=True)
 class Truth:

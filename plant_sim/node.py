@@ -11,6 +11,7 @@ from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.injector.log import INSIDE
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.schedule import Schedule
@@ -32,8 +33,6 @@ from railhil.scenarios.system import system_named
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
-#: Name of the log of the faults inside the plant, as of a node (:mod:`railhil.bus.injector.log`).
-INSIDE = "inside-plant"
 
 
 class Refused(BusError):

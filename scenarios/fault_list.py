@@ -15,7 +15,7 @@ from railhil.faults.model import Draw, Fault, Injection, Place, Random, Value
 from railhil.faults.places import place_text
 from railhil.faults.ports import instruments, life_signal, port_names
 from railhil.faults.tables import fault_of
-from railhil.faults.words import CLEAR, kind_of_part
+from railhil.faults.words import CLEAR, COUNT, kind_of_part, word_of
 from railhil.scenarios import streams
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import System, system_named
@@ -154,7 +154,9 @@ def _start_s(fault: Fault) -> float | None:
 
 
 def drawn(fault: Fault, number: int, seed: int) -> Fault:
-    """A fault with its distributions drawn for one run.
+    """A fault with its distributions drawn for one run: its text is in the language again.
+
+    Counts are rounded down; what is drawn outside a parameter's bounds becomes the nearer bound.
 
     :param number: its place in the run's list, from 1.
     :param seed: of the run.
@@ -163,12 +165,20 @@ def drawn(fault: Fault, number: int, seed: int) -> Fault:
         return fault
     source = streams.fault_generator(streams.FAULT_VALUES, seed, number, fault.seed)
 
-    def one(value: Value) -> Value:
+    place = fault.place
+    word = word_of(place.level, place.name, place.part, fault.what)
+    assert word is not None
+    parameters = {parameter.name: parameter for parameter in word.parameters}
+
+    def one(name: str, value: Value) -> Value:
         if not isinstance(value, Draw):
             return value
-        return float(source.uniform(value.a, value.b) if value.kind == "uniform" else source.normal(value.a, value.b))
+        found = float(source.uniform(value.a, value.b) if value.kind == "uniform" else source.normal(value.a, value.b))
+        parameter = parameters[name]
+        found = min(max(found, parameter.low), parameter.high)
+        return float(int(found)) if parameter.unit == COUNT else found
 
-    values = {name: one(fault.values[name]) for name in sorted(fault.values)}
+    values = {name: one(name, fault.values[name]) for name in sorted(fault.values)}
     return replace(fault, values=MappingProxyType(values))
 
 

@@ -128,7 +128,7 @@ class FaultyController:
             if one.active and one.hits == 0:
                 activities.note(one, "running", "stopped")
                 if self._pause is not None and not self._node.lockstep and one.fault.duration_s is not None:
-                    self._pause(one.fault.duration_s)
+                    self._pause(self.faults.follower.wall_s(one.fault.duration_s))
                     one.order(False, activities.now_ns)
         for one in self._restarts:
             if one.active and one.hits == 0:

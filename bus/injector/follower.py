@@ -9,7 +9,7 @@ from __future__ import annotations
 from railhil.bus.frame import Frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd
+from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
 from railhil.faults.model import Injection
 from railhil.faults.ports import life_signal
@@ -46,6 +46,8 @@ class Follower:
         self.now_ns = -1
         self.position_m = 0.0
         self.speed_mps = 0.0
+        #: Simulated seconds per wall second, as told by TIME_SYNC; 0: lockstep, or not known.
+        self.rate = 0.0
         #: The event that ended the run.
         self.ended: Event | None = None
         #: Events since :meth:`take_events`, in lower case.
@@ -66,6 +68,7 @@ class Follower:
             clock.name: clock,
             RunEvent.PORT: contract.port(RunEvent.PORT),
             SupCmd.PORT: contract.port(SupCmd.PORT),
+            TimeSync.PORT: contract.port(TimeSync.PORT),
         }
         self._levels: dict[str, Signal] = {}
         self._level: dict[str, int] = {}
@@ -80,6 +83,10 @@ class Follower:
                 self._levels[name] = next(one for one in ports[name].signals if one.name == signal)
         self._store = TrafficStore(ports.values())
 
+    def wall_s(self, duration_s: float) -> float:
+        """A simulated duration on the wall clock."""
+        return duration_s / (self.rate or 1.0)
+
     def see(self, frame: Frame) -> bool:
         """Take a frame in bus order; True if it begins a new instant."""
         name = self._store.feed(frame, max(self.now_ns, 0)) if frame.data else None
@@ -91,6 +98,8 @@ class Follower:
             self._move(data)
         elif name == RunEvent.PORT:
             self._milestone(RunEvent.decode(data))
+        elif name == TimeSync.PORT:
+            self.rate = TimeSync.decode(data).rate_10th / 10
         elif name == SupCmd.PORT:
             order = SupCmd.decode(data)
             if order.fault_order != FaultOrder.NONE:

@@ -13,6 +13,8 @@ from railhil.common.whole_file import whole_file
 
 #: Files of a run folder, by node: ``faults-plant.csv``.
 FILE_NAME = "faults-{node}.csv"
+#: In place of a node, in the name of the log of the faults inside the plant.
+INSIDE = "inside-plant"
 #: Header of such a file.
 COLUMNS = ("fault", "time_ns", "what", "before", "after")
 

@@ -84,7 +84,7 @@ class FaultyEndpoint:
             if one.active and one.fault.duration_s is not None:
                 activities.note(one, "running", "stopped")
                 one.order(False, activities.now_ns)
-                self._stop(one.fault.duration_s)
+                self._stop(self.faults.follower.wall_s(one.fault.duration_s))
         for one in self._pauses:
             if one.active:
                 activities.note(one, "running", "paused")

@@ -331,6 +331,8 @@ def test_a_killed_controller_is_gone(runs: Runs) -> None:
     assert run.ended is Event.ENDED_CONTROLLER_LOST
     assert frames(run, NOTCH)[-1][0] < 1.0
     assert run.faults[0].effect_s == 1.0
+    # As asked for: the train is judged, not the bench.
+    assert (run.score.verdict, run.score.failures[0]) == ("FAIL", "controller lost")
 
 
 def test_a_stopped_controller_continues(runs: Runs) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.injector.log import COLUMNS, FILE_NAME
+from railhil.bus.injector.log import COLUMNS, FILE_NAME, INSIDE
 from railhil.bus.injector.node_faults import nodes_of
 from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
 from railhil.common.whole_file import whole_file
@@ -100,6 +100,17 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
         ]
         found[index] = replace(found[index], unlogged=tuple(silent))
     return found
+
+
+def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
+    """Logs of faults that the nodes of a run have yet to write into its folder, by their file names."""
+    injection = injection_of(scenario, 0)
+    if injection is None:
+        return []
+    contract = system_named(scenario.system).contract
+    nodes = {node for fault in injection.faults for node in nodes_of(fault, injection, contract) or (INSIDE,)}
+    names = sorted(FILE_NAME.format(node=node) for node in nodes)
+    return [name for name in names if not (folder / name).is_file()]
 
 
 def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) -> None:

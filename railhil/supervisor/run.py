@@ -20,7 +20,7 @@ from railhil.faults.language import parse
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults, missing_logs
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -46,7 +46,7 @@ from railhil.supervisor.trace import Trace, trace_of
 #: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
 #: In lockstep the limit is slightly longer than the plant's patience.
 SILENCE_S = 4.0
-#: Time for the other nodes to stop by themselves after a node was lost.
+#: Time for the other nodes to stop by themselves after a node was lost; while the plant ticks, the record goes on.
 AFTER_LOSS_S = 4.0
 #: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost.
 SUSPENDED_S = 5.0
@@ -134,6 +134,8 @@ class Run:
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
+                    if self.start_up.attach:
+                        self._await_fault_logs()
                 if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.suspended():
                     self._lost = self._lost or self._who_died(nodes)
                 faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
@@ -145,11 +147,15 @@ class Run:
             sha256 = self.log.close()
         return self._result(started_ns, sha256, counters, line, refused, faults)
 
+    def _await_fault_logs(self) -> None:
+        """Nodes that were started elsewhere write what they have injected a moment after the end of the run."""
+        deadline_s = time.monotonic() + self._after_loss_s
+        while missing_logs(self.folder, self.scenario) and time.monotonic() < deadline_s:
+            time.sleep(_LOOK_S)
+
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
         """Whether a fault of the run has killed the controller, and nothing else has ended a node."""
-        killed = any(
-            parse(one.text).place.name == "controller" and one.hits for one in outcomes if " kill " in one.text
-        )
+        killed = any(one.hits and parse(one.text).kills_controller for one in outcomes)
         return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
 
     def _join(self, nodes: Nodes) -> Link:
@@ -227,7 +233,8 @@ class Run:
                     # Without a train in motion there is nothing more to record.
                     if ended[0].role != "controller" or not session.recording:
                         return
-            elif now_s > give_up_s:
+            elif now_s > max(give_up_s, session.heard_ns / 1e9 + self._after_loss_s):
+                # The plant ends the run when its train stands; until then it ticks.
                 return
             if self.spec.is_realtime:
                 suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0

@@ -13,6 +13,7 @@ import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
+from railhil.faults.language import parse
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
@@ -104,6 +105,8 @@ class Measured:
 def judged(scenario: Scenario, run: Measured) -> Score:
     """Score of a complete run with its verdict: which limits of the plan it misses."""
     failures = []
+    if run.ended is Event.ENDED_CONTROLLER_LOST:
+        failures.append("controller lost")
     if run.stop.standstill is None:
         failures.append(f"not stopped {scenario.plan.overtime_max_s:g} s after the timetable")
     for criterion in limited():
@@ -137,7 +140,8 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
     :param scenario: the *nominal* scenario of the run (its plan, target curve and limits).
-    :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run.
+    :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run. One whose controller a fault has
+        killed is complete when the train stands; its verdict is FAIL.
     """
     events = _events(trace)
     ended = next((event for event in sorted(events, reverse=True) if event.ends_run), None)
@@ -152,7 +156,10 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     # A telegram that was recorded twice counts once, so that the times are strictly increasing.
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
-    whole = (Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED)
+    whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
+    if any(parse(text).kills_controller for text in scenario.faults):
+        # As asked for: what the train did without it is judged.
+        whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:
         name = ended.name.lower() if ended is not None else "record_incomplete"
         return _unscored(f"run {name}", name)

@@ -10,20 +10,19 @@ from __future__ import annotations
 
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.sent import read_sent
+from railhil.bus.sent import NO_TELEGRAM, read_sent
 from railhil.dbc import Contract, Port
 
 #: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
 WITNESSES = ("plant", "controller")
 #: Frames that may be missing in a row where the record differs from what was sent.
 _AHEAD = (0, 1, 8, 64, 512)
-_NO_TELEGRAM = ERROR | EXTENDED | REMOTE
 
 
 def sent_file(folder: Path, node: str) -> Path:
@@ -55,20 +54,28 @@ class Strangers:
 
 @dataclass(slots=True)
 class _Stream:
-    """The frames of one identifier: what its owner has sent, and how far the record agrees with it."""
+    """The frames of one identifier: what its owner has sent, and how far the record agrees with it.
 
-    length: int = 0
-    sent: bytes = b""
+    ``foreign``: what the other node has sent under the identifier, as a fault of the run has made it do (masquerade).
+    """
+
+    sent: Sequence[bytes] = ()
+    foreign: Counter[bytes] = field(default_factory=Counter)
     position: int = 0
     #: Recorded frames from the first one that is not the next one sent.
     rest: list[tuple[int, bytes]] = field(default_factory=list)
 
     def judge(self, strangers: Strangers) -> int:
         """Count the frames that were not sent; returns how many of those sent are missing in the record."""
-        due = [self.sent[at : at + self.length] for at in range(self.position, len(self.sent), self.length or 1)]
+        due, rest, foreign = self.sent[self.position :], [], self.foreign.copy()
+        for time_ns, data in self.rest:
+            if foreign[data]:
+                foreign[data] -= 1
+            else:
+                rest.append((time_ns, data))
         # A strange frame may look like one that was sent later: the explanation with the fewest strange frames is
         # taken.
-        each = [_strange(self.rest, due, ahead) for ahead in (*_AHEAD, len(due))] if self.rest else [([], len(due))]
+        each = [_strange(rest, due, ahead) for ahead in (*_AHEAD, len(due))] if rest else [([], len(due))]
         found, missing = min(each, key=lambda item: len(item[0]))
         for time_ns in found:
             strangers.add(time_ns)
@@ -124,9 +131,13 @@ class Senders:
         for node, can_id in [*owned, ("plant", contract.poll_id)]:
             sent = lists.get(node)
             if sent is not None:
-                self._streams[can_id] = _Stream(*sent.get(can_id, (0, b"")))
+                self._streams[can_id] = _Stream(sent.get(can_id, ()), self._foreign(node, can_id, lists))
         if "plant" in self._witnesses:
             self._streams[contract.poll_id] = self._polls = _without_scan(self._streams[contract.poll_id])
+
+    @staticmethod
+    def _foreign(owner: str, can_id: int, lists: Mapping[str, Mapping[int, Sequence[bytes]] | None]) -> Counter[bytes]:
+        return Counter(data for node, sent in lists.items() if node != owner and sent for data in sent.get(can_id, ()))
 
     def passing(self, frames: Iterable[tuple[int, Frame]]) -> Iterator[tuple[int, Frame]]:
         """The frames of a record, compared on their way to another reader."""
@@ -136,10 +147,10 @@ class Senders:
             stream = streams.get(can_id)
             if stream is None:
                 answers[can_id] += 1
-            elif not flags & _NO_TELEGRAM:
-                end = stream.position + stream.length
-                if not stream.rest and data and stream.sent[stream.position : end] == data:
-                    stream.position = end
+            elif not flags & NO_TELEGRAM:
+                position = stream.position
+                if not stream.rest and position < len(stream.sent) and stream.sent[position] == data:
+                    stream.position = position + 1
                 else:
                     stream.rest.append((time_ns, data))
             yield item
@@ -173,17 +184,14 @@ class Senders:
         """A port without witness is answered at most once for each poll."""
         if "plant" not in self._witnesses or port.mode != "poll":
             return []
-        polls = self._polls
-        asked = [polls.sent[at : at + polls.length] for at in range(0, len(polls.sent), polls.length or 1)]
         surplus = max(self._answers[port.can_ids[-1]], self._answers[port.fd_id])
-        surplus -= asked.count(master_frame(port.f_code, port.address).data)
+        surplus -= self._polls.sent.count(master_frame(port.f_code, port.address).data)
         return [f"{_frames(surplus)} on {port.name} more than the plant has polled"] if surplus > 0 else []
 
 
 def _without_scan(polls: _Stream) -> _Stream:
     """The polls without those of the device status, which are not recorded."""
-    each = (polls.sent[at : at + polls.length] for at in range(0, len(polls.sent), polls.length or 1))
-    return _Stream(polls.length, b"".join(data for data in each if data[0] >> 4 != F_DEVICE_STATUS))
+    return _Stream([data for data in polls.sent if not data or data[0] >> 4 != F_DEVICE_STATUS])
 
 
 def _frames(count: int) -> str:

@@ -17,12 +17,14 @@ from pathlib import Path
 from typing import Any
 
 from railhil.bus.administrator import REPLY_NS
+from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Link, Timeouts, open_link
 from railhil.bus.link.outage import TIMEOUTS
 from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import guarded
+from railhil.common.patience import Lifelines
 from railhil.common.scheduling import cycle
-from railhil.controller_node.node import ControllerNode
+from railhil.controller_node.faulty import controller_of, write_fault_log
 from railhil.controller_node.serve import run_controller
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
@@ -63,6 +65,8 @@ def run_on(
     What the nodes say is in ``folder/plant.txt`` and ``controller.txt`` afterwards, what they counted comes from
     :func:`counters_of`.
 
+    As with ``railhil run``, the plant notices at once when the controller's process has ended.
+
     :param config: arguments of ``can.Bus`` for plant and supervisor.
     :param folder: existing run folder.
     :param rate: simulated seconds per wall second; only with ``pace="realtime"``.
@@ -76,9 +80,12 @@ def run_on(
     :returns: the result, and the exit codes of controller and plant (None: it had to be killed).
     """
     spec = RunSpec(scenario.name, law=LawSpec(controller, arithmetic), seed=seed, pace=pace, rate=rate)
+    # The write end closes with the controller's process.
+    controller_alive, controller_open = os.pipe()
 
     def run_the_controller() -> int:
-        node = ControllerNode(scenario, spec.law)
+        os.close(controller_alive)
+        node = controller_of(scenario, spec.law, seed, folder=folder, kill=kill_this_process, pause=stop_this_process)
         link = open_link(
             dict(config if controller_config is None else controller_config), "controller", timeouts=timeouts
         )
@@ -86,15 +93,19 @@ def run_on(
             return run_controller(node, link)
         finally:
             _write_counters(folder, "controller", {**link.counters, **node.counters})
+            write_fault_log(node)
 
     def run_the_plant() -> int:
         link = open_link(dict(config), "plant", timeouts=timeouts)
-        node = PlantNode(scenario, spec, link, appear_s=appear_s, reply_ns=reply_ns)
+        if controller_command is None:
+            link.lifelines = Lifelines({"controller": controller_alive})
+        node = PlantNode(scenario, spec, link, appear_s=appear_s, reply_ns=reply_ns, fault_log=folder)
         try:
             node.run()
         finally:
             link.close()
             _write_counters(folder, "plant", {**link.counters, **node.counters, **node.plant.gate.counters})
+            node.write_fault_logs()
         return 0
 
     nodes: list[_Forked | _Program] = []
@@ -103,12 +114,14 @@ def run_on(
             nodes.append(_Forked("controller", run_the_controller, folder))
         else:
             nodes.append(_Program("controller", controller_command, folder))
+        os.close(controller_open)
         nodes.append(_Forked("plant", run_the_plant, folder))
         how = StartUp(attach=True, appear_s=appear_s)
         choice = BusChoice(dict(config), "the test's")
         result = Run(scenario, spec, how, choice, folder, on_progress, open_bus=open_recorder).execute()
         return result, [node.exit_code(_NODE_END_S) for node in nodes]
     finally:
+        os.close(controller_alive)
         for node in nodes:
             node.kill()
 

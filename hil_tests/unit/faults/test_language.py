@@ -15,6 +15,7 @@ from railhil.faults.language import fault_text, parse
 from railhil.faults.model import Draw, Expect, Fault, Place, Trigger, Value
 from railhil.faults.tables import fault_of
 from railhil.faults.words import CONTINUING, COUNT, NAME, PLACES, WORDS, Parameter, Word
+from railhil.scenarios.fault_list import drawn
 
 
 def refused(text: str) -> str:
@@ -221,6 +222,13 @@ def test_every_fault_has_a_text_that_is_read_back(fault: Fault) -> None:
     again = parse(text)
     assert again == fault
     assert fault_text(again) == text
+
+
+@given(faults(), st.integers(0, 9))
+def test_what_was_drawn_is_a_fault_that_can_be_pasted(fault: Fault, seed: int) -> None:
+    """Counts are whole, and nothing is beyond its bounds."""
+    found = drawn(fault, 1, seed)
+    assert parse(fault_text(found)) == found
 
 
 @given(st.text(max_size=60))

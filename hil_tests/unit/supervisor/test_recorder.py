@@ -146,6 +146,28 @@ def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(tmp_path: Path) -
     assert run.log.path.read_text().startswith(line)
 
 
+@pytest.mark.parametrize("ticks", [True, False])
+def test_without_a_controller_the_record_goes_on_while_the_plant_ticks(tmp_path: Path, ticks: bool) -> None:
+    """At 1x a train takes longer to stop than nodes have time to end."""
+    run = made(tmp_path, 5.0)
+    session = run.session
+    session.recording, session.first_frame_ns = True, time.monotonic_ns()
+    begun_s = time.monotonic()
+
+    def tick() -> None:
+        if ticks:
+            session.wall_ns.append(time.monotonic_ns())
+            if time.monotonic() - begun_s > 0.4:
+                session.ended = Event.ENDED_CONTROLLER_LOST
+
+    nodes = Nodes(tmp_path)
+    nodes.nodes = [node_that(None, "", tmp_path, "plant"), node_that(-9, "", tmp_path)]
+    nodes.nodes[0].process.pid = 0
+    run._record(Bus([], tick), nodes, StopSignals())
+    assert run._lost == "controller lost at simulation time 0.00 s: killed by SIGKILL"
+    assert session.ended is (Event.ENDED_CONTROLLER_LOST if ticks else None)
+
+
 # -- why a node has ended ---------------------------------------------------------------------------------------------
 
 CHATTER = (

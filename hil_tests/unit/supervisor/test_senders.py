@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from railhil.bus.frame import EXTENDED, FD, Frame
+from railhil.bus.frame import EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, master_frame
 from railhil.bus.sent import SentFrames
@@ -143,6 +143,26 @@ def test_frames_that_are_no_telegrams_belong_to_nobody(tmp_path: Path) -> None:
     record = [frame for _, frame in sent]
     record[400:400] = [Frame(TrnSpeed.port().address, bytes(8), EXTENDED), Frame(0x7E0, b"x"), Frame(0x7E1, b"y", FD)]
     assert compared(tmp_path, sent, record).said == []
+
+
+@pytest.mark.parametrize("complete", [False, True])
+def test_what_faults_make_of_frames_was_sent_too(tmp_path: Path, complete: bool) -> None:
+    """No answer, a truncated telegram, a remote frame, and a telegram under an identifier of the other node."""
+    sent = bench()
+    speed_id, notch_id = TrnSpeed.port().address, NotchCmd.port().address
+    faulty = [
+        ("controller", Frame(notch_id, b"")),
+        ("plant", Frame(speed_id, b"\1\2")),
+        ("plant", Frame(speed_id, bytes(8), REMOTE)),
+        ("plant", Frame(notch_id, bytes(8))),
+    ]
+    sent = [*faulty, *sent[:400], *faulty, *sent[400:]]
+    record = [frame for _, frame in sent]
+    assert compared(tmp_path, sent, record, complete=complete) == Findings([], [])
+    for _, frame in (faulty[0], faulty[1], faulty[3]):
+        found = compared(tmp_path, sent, [*record[:600], frame, *record[600:]], complete=complete)
+        assert len(found.said) == 1, frame
+        assert found.said[0].startswith("1 frame on "), found
 
 
 def test_a_list_that_cannot_be_written_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

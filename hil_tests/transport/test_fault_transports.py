@@ -1,0 +1,140 @@
+"""Faults on every transport: the bytes of the run in one process; without its controller the train stops by itself."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hil_tests.support.adapter_rig import Rig
+from hil_tests.support.cli import railhil
+from hil_tests.support.fault_runs import (
+    BRAKED,
+    FAST_TOML,
+    KILL,
+    KILLED,
+    Made,
+    assert_stopped_by_its_own_watch,
+    fast,
+    levels,
+)
+from hil_tests.support.hub import running_hub, socket_folder, two_hubs_and_a_gateway
+from hil_tests.transport.vcan.bench import run_on
+from railhil.bench import local_run
+from railhil.supervisor.framelog import read_log
+from railhil.supervisor.trace import trace_of
+
+pytestmark = [pytest.mark.loop, pytest.mark.faults, pytest.mark.slow]
+
+
+def _hub(channel: str) -> dict[str, Any]:
+    return {"interface": "railhil", "channel": channel}
+
+
+@contextmanager
+def _tcp() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    with running_hub(channel="tcp://127.0.0.1:0") as hub:
+        yield _hub(hub.channel), _hub(hub.channel)
+
+
+@contextmanager
+def _gateway() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    with two_hubs_and_a_gateway(options=("--lossless",)) as (a, b, _):
+        yield _hub(a.channel), _hub(b.channel)
+
+
+@contextmanager
+def _adapter() -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    with socket_folder() as folder, Rig(folder) as rig:
+        yield rig.hub, rig.adapter
+
+
+#: Buses of plant and controller.
+BUSES = {"tcp": _tcp, "gateway": _gateway, "adapter": _adapter}
+
+
+def by_command(folder: Path, *options: str, faults: tuple[str, ...]) -> Made:
+    """``railhil run`` with the scenario's file; the certificate and the log of the faults are in the folder."""
+    path = folder / "fast.toml"
+    path.write_text(FAST_TOML, encoding="utf-8")
+    given = [word for text in faults for word in ("--fault", text)]
+    done = railhil("run", path, "--out", folder / "run", "--quiet", "--no-report", *options, *given)
+    assert done.exit_code in (1, 3), done.err
+    assert "Traceback" not in done.out + done.err
+    certificate = json.loads((folder / "run" / "certificate.json").read_text(encoding="utf-8"))
+    return Made(folder / "run", done.exit_code, certificate["line"], certificate["frames_sha256"])
+
+
+@pytest.fixture(scope="module")
+def local_sha256(tmp_path_factory: pytest.TempPathFactory) -> Callable[[tuple[str, ...]], str]:
+    """Hash of the record of the run in one process, each made once."""
+    made: dict[tuple[str, ...], str] = {}
+
+    def sha256(faults: tuple[str, ...]) -> str:
+        if faults not in made:
+            folder = tmp_path_factory.mktemp("local")
+            made[faults] = local_run(fast(folder, *faults), folder).frames_sha256
+        return made[faults]
+
+    return sha256
+
+
+@pytest.mark.parametrize("bus", ["local", "hub", *BUSES])
+def test_a_train_whose_controller_is_killed_stops_by_itself(bus: str, tmp_path: Path, local_sha256: Any) -> None:
+    scenario = fast(tmp_path, *KILLED)
+    if bus in BUSES:
+        (tmp_path / "run").mkdir()
+        with BUSES[bus]() as (config, controller_config):
+            result, exit_codes = run_on(config, scenario, tmp_path / "run", seed=0, controller_config=controller_config)
+        assert exit_codes[0] == -9
+        assert all(one.hits for one in result.faults)
+        made = Made.of(tmp_path / "run", result)
+    else:
+        made = by_command(tmp_path, *(["--bus", "local"] if bus == "local" else ["-i", "railhil"]), faults=KILLED)
+        assert made.exit_code == 1
+    assert made.frames_sha256 == local_sha256(KILLED)
+    assert_stopped_by_its_own_watch(scenario, made)
+
+
+@pytest.mark.parametrize("bus", ["hub", "adapter"])
+def test_a_controller_that_hangs_starts_anew_or_brakes(bus: str, tmp_path: Path, local_sha256: Any) -> None:
+    if bus == "adapter":
+        (tmp_path / "run").mkdir()
+        with _adapter() as (config, controller_config):
+            result, exit_codes = run_on(
+                config, fast(tmp_path, *BRAKED), tmp_path / "run", seed=0, controller_config=controller_config
+            )
+        assert exit_codes == [0, 0]
+        assert all(one.hits for one in result.faults)
+        made = Made.of(tmp_path / "run", result)
+    else:
+        made = by_command(tmp_path, "-i", "railhil", faults=BRAKED)
+    assert made.frames_sha256 == local_sha256(BRAKED)
+    # Judged by what the train did: what the controller said while it hung was no stranger's.
+    assert (made.exit_code, made.line.split(" ")[:2]) == (1, ["stop", "error"])
+
+
+@pytest.mark.wall_clock
+def test_in_real_time_the_process_is_stopped_and_killed(tmp_path: Path) -> None:
+    """SIGSTOP and SIGCONT, then SIGKILL. At 10 simulated seconds a second 400 ms of the run are 40 ms; polls without an
+    answer end after one period of NOTCH_CMD, so that they do not hold the train back."""
+    scenario = fast(tmp_path, "controller stop @8s for 400ms combine", f"{KILL} combine")
+    (tmp_path / "run").mkdir()
+    with running_hub() as hub:
+        result, exit_codes = run_on(
+            _hub(hub.channel), scenario, tmp_path / "run", seed=0, pace="realtime", rate=10.0, reply_ns=2_000_000
+        )
+    assert exit_codes[0] == -9
+    made = Made.of(tmp_path / "run", result)
+    assert_stopped_by_its_own_watch(scenario, made, late_s=0.1)
+    assert (result.faults[0].hits, result.faults[0].begun_s) == (1, 8.0)
+    notch_s = trace_of(read_log(made.folder / "frames.log")).times_s("NOTCH_CMD")
+    stopped_s = notch_s[(notch_s > 7.5) & (notch_s < 12.0)]
+    assert np.diff(stopped_s).max() > 0.25, "the process has slept"
+    found = [event for event in levels(scenario, made.folder, "train") if 7.9 < event.time_s < 8.5]
+    assert {"hold", "traction_cut"} <= {event.level for event in found if event.cause == "command_age"}
