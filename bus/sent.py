@@ -12,7 +12,7 @@ import zlib
 from collections.abc import Sequence
 from pathlib import Path
 
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.whole_file import whole_file
 
@@ -20,10 +20,20 @@ from railhil.common.whole_file import whole_file
 _BATCH = 4096
 #: Fast compression: the file is read once, and then removed.
 _LEVEL = 1
+#: Frames that carry no telegram; nothing is compared with them.
+NO_TELEGRAM = ERROR | EXTENDED | REMOTE
+#: Length that an identifier has in the list when its frames differ in length (faults cut and empty frames); no frame
+#: is that long. Each is then its length in one byte and its data, filled up.
+CODED_BYTES = 65
+
+
+def coded(data: bytes) -> bytes:
+    """A frame's data as :data:`CODED_BYTES` bytes."""
+    return bytes([len(data)]) + data.ljust(CODED_BYTES - 1, b"\0")
 
 
 class SentFrames:
-    """Data of every frame that a node has sent, by CAN identifier; all frames of an identifier have the same length.
+    """Data of every frame that a node has sent, by CAN identifier.
 
     :param path: the file for :meth:`write`.
     :param node: the node, for messages.
@@ -43,11 +53,24 @@ class SentFrames:
             self._sort()
 
     def _sort(self) -> None:
-        for can_id, data, _ in self._waiting:
+        lengths = self._length
+        for can_id, data, flags in self._waiting:
+            if flags & NO_TELEGRAM:
+                continue
             if can_id not in self._data:
-                self._data[can_id], self._length[can_id] = bytearray(), len(data)
+                self._data[can_id], lengths[can_id] = bytearray(), len(data) or CODED_BYTES
+            if lengths[can_id] != len(data):
+                data = self._coded(can_id, data)
             self._data[can_id] += data
         self._waiting = []
+
+    def _coded(self, can_id: int, data: bytes) -> bytes:
+        """The coded data of a frame; those of the frames before it are coded too."""
+        length, before = self._length[can_id], self._data[can_id]
+        if length != CODED_BYTES:
+            each = (bytes(before[at : at + length]) for at in range(0, len(before), length))
+            self._data[can_id], self._length[can_id] = bytearray(b"".join(map(coded, each))), CODED_BYTES
+        return coded(data)
 
     def write(self) -> None:
         """Write the file whole or not at all, undisturbed by signals; if it cannot be written, one line on stderr says
@@ -65,7 +88,10 @@ class SentFrames:
 
 
 def read_sent(path: Path) -> dict[int, tuple[int, bytes]] | None:
-    """Length and data of the frames that a node has sent, in order, by CAN identifier; None without a readable file."""
+    """Length and data of the frames that a node has sent, in order, by CAN identifier; None without a readable file.
+
+    Where the length is :data:`CODED_BYTES`, each frame is coded.
+    """
     try:
         document = json.loads(zlib.decompress(path.read_bytes()))
     except (OSError, ValueError, zlib.error):

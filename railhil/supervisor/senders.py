@@ -14,16 +14,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
+from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.sent import read_sent
+from railhil.bus.sent import CODED_BYTES, NO_TELEGRAM, coded, read_sent
 from railhil.dbc import Contract, Port
 
 #: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
 WITNESSES = ("plant", "controller")
 #: Frames that may be missing in a row where the record differs from what was sent.
 _AHEAD = (0, 1, 8, 64, 512)
-_NO_TELEGRAM = ERROR | EXTENDED | REMOTE
 
 
 def sent_file(folder: Path, node: str) -> Path:
@@ -136,7 +135,9 @@ class Senders:
             stream = streams.get(can_id)
             if stream is None:
                 answers[can_id] += 1
-            elif not flags & _NO_TELEGRAM:
+            elif not flags & NO_TELEGRAM:
+                if stream.length == CODED_BYTES:
+                    data = coded(data)
                 end = stream.position + stream.length
                 if not stream.rest and data and stream.sent[stream.position : end] == data:
                     stream.position = end
