@@ -31,7 +31,9 @@ def ports_of(fault: Fault, injection: Injection, contract: Contract) -> list[Por
         return [contract.port(name) for name in port_names(fault, contract, injection.units, injection.named)]
     if level == "clock" and fault.place.name == "time":
         return [contract.port(TimeSync.PORT)]
-    spared = instruments(injection)
+    levels = injection.truth.levels if injection.truth is not None else {}
+    # The level of the train's own watch is for the record; that of the controller comes with its command.
+    spared = instruments(injection) | {name for name in levels if contract.port(name).source == "plant"}
     if level == "bus" and fault.what in (*SILENT, "ok"):
         return [port for port in contract.ports if port.name not in spared]
     if level == "node" and fault.what == "slow":
@@ -72,6 +74,8 @@ class NodeFaults:
         ]
         self.node = node
         self._folder = folder
+        #: Number of a fault -> its random numbers.
+        self.samples = injection.samples
         self.follower = Follower(injection, contract, schedule, at_plant=node == "plant")
         self.activities = Activities(own)
         self.ports: dict[str, PortFaults] = {}
