@@ -19,6 +19,8 @@ TRANSPORTS = {
     "board": "a controller that is not railhil's (`--no-controller`), on any of these",
     "batch": "the compiled batch of `campaign` and `tune`",
 }
+#: Those without the hub's model of CAN controllers and lines; a board is not told what happens to it.
+_NOT_THE_HUB = tuple(name for name in TRANSPORTS if name != "hub")
 PACES = ("lockstep", "realtime")
 
 
@@ -53,8 +55,13 @@ class Refusal:
 
 #: The table; the first entry that fits says why.
 REFUSALS: tuple[Refusal, ...] = (
-    Refusal("the bus has one line", ("bus",), parts=("line",)),
-    Refusal("neither the hub nor this connection has error counters", ("bus",), ("error_frames", "passive")),
+    Refusal("only railhil's hub has two lines", ("bus",), parts=("line",), transports=_NOT_THE_HUB),
+    Refusal(
+        "only railhil's hub takes orders for its error counters",
+        ("bus",),
+        ("error_frames", "passive"),
+        transports=_NOT_THE_HUB,
+    ),
     Refusal("end the process by hand: nothing is left that could record it", ("node",), names=("supervisor",)),
     Refusal("only a controller can be made anew or answer late", ("node",), ("restart", "slow"), ("plant",)),
     Refusal("the plant is in the process of all others", ("node",), names=("plant",), transports=("local",)),

@@ -60,10 +60,17 @@ Signals change first, then the telegram, then the bus. `ok` ends what is active 
 
 **Where it acts.** A fault of a telegram acts where the telegram leaves its source: record and receivers see what is
 left of it. `faults.csv` in the run folder lists each change with what was before and after it. The telegrams by
-which the bench itself observes the run (`SUP_CMD`, `RUN_EVENT`, the truth, the handshake) are never disturbed. A
-telegram that is asked for by a poll can be sent late only in the place of a later answer. In lockstep the bus
-administrator waits for the answer to each poll: if there is none, the source sends an empty frame on the telegram's
-last identifier instead, counted as `no_answer`. In real time nothing is sent.
+which the bench itself observes the run (`SUP_CMD`, `RUN_EVENT`, the truth, the handshake) are never disturbed, and
+the level of the train's own watch (`TRN_WATCH`) not by faults of the whole bus. A telegram that is asked for by a poll
+can be sent late only in the place of a later answer. In lockstep the bus administrator waits for the answer to each
+poll: if there is none, the source sends an empty frame on the telegram's last identifier instead, counted as
+`no_answer`. In real time nothing is sent.
+
+**Error counters and lines** are those of the hub's model ([hub.md](hub.md)): `railhil run` starts its hub with
+`--faults` when a fault needs it. The plant gives the orders between its own frames, so a run stays the same bytes.
+Plant and controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are what
+the plant's CAN controller reports: error frames, error-passive, another trusted line. A line that nobody trusts
+(`bus.b` at the start) can be open without any effect, and such a run is INVALID.
 
 **A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
 nobody ordered does not.

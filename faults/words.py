@@ -245,18 +245,18 @@ _NODE = (
 )  # fmt: skip
 
 _BUS = (
-    Word("error_frames", "bus", "error frames disturb frames, which are repeated", _CAN,
+    Word("error_frames", "bus", "error frames disturb frames of plant and controller, which are repeated", _CAN,
          (Parameter("share", SHARE, 0.01, "share of the disturbed frames", low=0.0, high=1.0),)),
-    Word("passive", "bus", "error-passive", _CAN),
+    Word("passive", "bus", "plant and controller are error-passive", _CAN),
     Word("off", "bus", "bus-off: nobody sends", _CAN, after=DELIVERY),
     Word("down", "bus", "interface down, cable out", _CAN, after=DELIVERY),
     Word("full", "bus", "transmit queue full (ENOBUFS)", "Linux SocketCAN", after=DELIVERY),
     Word("load", "bus", "foreign frames load the bus", _CAN,
          (Parameter("share", SHARE, 0.6, "share of the bus", low=0.0, high=1.0),)),
-    Word("open", "bus", "the line is open", _XIL, (), "line"),
-    Word("loose", "bus", "the line has a loose contact", _XIL,
-         (Parameter("share", SHARE, 0.5, "share of the lost frames", low=0.0, high=1.0),), "line"),
-    Word("short", "bus", "the line is short-circuited", _XIL, (), "line"),
+    Word("open", "bus", "the line is open at the controller", _XIL, (), "line"),
+    Word("loose", "bus", "the line has a loose contact at the controller", _XIL,
+         (Parameter("share", SHARE, 0.5, "share of the instants without contact", low=0.0, high=1.0),), "line"),
+    Word("short", "bus", "the line is short-circuited: dead for all", _XIL, (), "line"),
 )  # fmt: skip
 
 _CLEARING = tuple(

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from can.cli import add_bus_arguments
 
+from railhil.bus.errors import BusUnavailable
+from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
@@ -25,6 +27,7 @@ from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
+from railhil.faults.language import parse as parse_fault
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
@@ -92,8 +95,16 @@ def main(words: Sequence[str] | None = None) -> int:
     link.lifelines = Lifelines(dict(namespace.lifeline))
     link.sent = SentFrames(namespace.sent_file, "plant") if namespace.sent_file else None
     try:
+        if link.disturber is None and need_orders(map(parse_fault, scenario.faults)):
+            raise BusUnavailable(f"{link.where}: takes no orders to disturb it, it must be a hub started with --faults")
         node = PlantNode(
-            scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout, fault_log=namespace.fault_log
+            scenario,
+            run,
+            link,
+            fd=choice.fd,
+            appear_s=namespace.appear_timeout,
+            fault_log=namespace.fault_log,
+            disturber=link.disturber,
         )
         run_plant(node, priority, namespace.timing_file)
     finally:

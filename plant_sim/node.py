@@ -10,6 +10,7 @@ from typing import NoReturn
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.injector.log import INSIDE
 from railhil.bus.injector.node_faults import NodeFaults
@@ -50,6 +51,7 @@ class PlantNode:
     :param silence_ns: real time: a supervisor silent for this long on the wall clock is considered lost; at a slow pace
         the limit is longer.
     :param fault_log: the run folder, for the log of the faults of this node; None: no log is written.
+    :param disturber: takes the orders of faults of the bus; None: they are not acted out (a replay).
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class PlantNode:
         reply_ns: int = REPLY_NS,
         silence_ns: int = SILENCE_NS,
         fault_log: Path | None = None,
+        disturber: Disturber | None = None,
     ) -> None:
         system = system_named(scenario.system)
         self._contract = contract = system.contract
@@ -86,7 +89,7 @@ class PlantNode:
         injection = injection_of(scenario, run.seed)
         if injection is not None:
             self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
-            endpoint = FaultyEndpoint(endpoint, self.faults, contract.bit_rate)
+            endpoint = FaultyEndpoint(endpoint, self.faults, contract, disturber)
         polled = [port for port in contract.ports if port.mode == "poll"]
         self._store = TrafficStore(polled)
         self.administrator = Administrator(

@@ -9,6 +9,7 @@ an own frame sent                      TEC - 1, not below 0
 a frame received                       REC - 1, not below 0; from above 127 to 119
 TEC or REC 128 or more                 error-passive; both below 128 again: error-active
 TEC above 255                          bus-off: neither sends nor receives, until it is restarted
+held error-passive (by order)          TEC 128, or more if it is; it does not fall below that while it is held
 restarted                              after 128 times 11 recessive bits: TEC = REC = 0, error-active
 ====================================== ================================================================================
 
@@ -34,12 +35,14 @@ class CanController:
 
     :ivar tec: transmit error counter, 0 to 256 or a little more.
     :ivar rec: receive error counter.
+    :ivar least_tec: below this value the transmit error counter does not fall.
     :ivar errors_left: how many of its next attempts to send a frame an error destroys.
     """
 
     def __init__(self) -> None:
         self.tec = 0
         self.rec = 0
+        self.least_tec = 0
         self.errors_left = 0
         self.is_off = False
         self._states = 0
@@ -64,9 +67,9 @@ class CanController:
 
     def sent(self, frames: int) -> list[Frame]:
         """Own frames were sent."""
-        if not self.tec:
+        if self.tec == self.least_tec:
             return []
-        self.tec = max(self.tec - frames, 0)
+        self.tec = max(self.tec - frames, self.least_tec)
         return self._changes()
 
     def received(self, frames: int) -> list[Frame]:
@@ -77,6 +80,12 @@ class CanController:
             self.rec, frames = _AFTER_PASSIVE, frames - 1
         self.rec = max(self.rec - frames, 0)
         return self._changes()
+
+    def hold_passive(self, on: bool) -> list[Frame]:
+        """Be error-passive and stay so, or leave it to the traffic again."""
+        self.least_tec = _PASSIVE if on else 0
+        self.tec = max(self.tec, self.least_tec)
+        return [] if self.is_off else self._changes()
 
     def go_off(self) -> list[Frame]:
         """Leave the bus."""
@@ -89,7 +98,7 @@ class CanController:
         """Be back on the bus, after the recessive bits."""
         if not self.is_off:
             return []
-        self.tec = self.rec = self._states = 0
+        self.tec = self.rec = self.least_tec = self._states = 0
         self.is_off = False
         return [errorframe.restarted(), errorframe.controller_state(0, 0, errorframe.ACTIVE)]
 

@@ -83,6 +83,8 @@ class Disturbance:
         if order.what == "errors":
             if not client.controller.is_off:
                 client.controller.errors_left += order.count
+        elif order.what == "passive":
+            frames = client.controller.hold_passive(order.on)
         elif order.what == "bus_off":
             frames = self._went_off(client, client.controller.go_off())
         elif order.what == "line":

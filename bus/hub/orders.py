@@ -8,6 +8,7 @@ An order is a packet like any other and has its place in the total order: what w
 order       effect on each client ``who``
 =========== =================================================================================================
 ``errors``  errors destroy its next ``count`` attempts to send; every attempt counts (:mod:`..cancontroller`)
+``passive`` its CAN controller is error-passive and stays so (``on``), or the traffic decides again
 ``bus_off`` its CAN controller leaves the bus at once, as after 32 errors in a row
 ``restart`` its CAN controller returns after 128 times 11 recessive bits; without a bit rate at once
 ``line``    its ``line`` A or B is ``dead`` or alive again (:mod:`..lines`)
@@ -20,7 +21,7 @@ The wire format is described in :mod:`..wire`.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_ACTIVE
 from railhil.bus.hub.lines import NAMES
@@ -31,7 +32,7 @@ _ERRORS_MAX = 1_000_000
 @dataclass(frozen=True, slots=True)
 class Order:
     """One order; see the module for ``what``. ``count``: only for ``errors``; ``line``: only for ``line``; ``on``: the
-    line is dead, the queue is full.
+    line is dead, the queue is full, the controller is held error-passive.
 
     :raises ValueError: one line with key, value found and values allowed.
     """
@@ -55,7 +56,7 @@ class Order:
         return asdict(self)
 
 
-_WORDS = ("errors", "bus_off", "restart", "line", "full")
+_WORDS = ("errors", "passive", "bus_off", "restart", "line", "full")
 
 
 def _demand(key: str, found: object, is_right: bool, allowed: str) -> None:
@@ -85,6 +86,20 @@ class Host:
     def is_off(self) -> bool:
         """Whether the CAN controller is bus-off."""
         return self.state == BUS_OFF
+
+
+class Disturber(Protocol):
+    """Takes orders, and tells the state of the own CAN controller."""
+
+    @property
+    def host(self) -> Host:
+        """State of the own CAN controller and lines, as of what was received so far."""
+
+    def order(self, order: Order) -> None:
+        """Disturb the bus from the next packet on.
+
+        :raises BusLost: the hub is gone.
+        """
 
 
 class Notices:

@@ -66,6 +66,8 @@ class NodeFaults:
         ]
         self.node = node
         self._folder = folder
+        #: Number of a fault -> its random numbers.
+        self.samples = injection.samples
         self.follower = Follower(injection, contract, schedule, at_plant=node == "plant")
         self.activities = Activities(own)
         self.ports: dict[str, PortFaults] = {}

@@ -6,17 +6,20 @@ import time
 from collections.abc import Callable, Sequence
 
 from railhil.bus.frame import Frame
+from railhil.bus.hub.orders import Disturber
+from railhil.bus.injector.bus_faults import BusFaults
 from railhil.bus.injector.changes import number_of
 from railhil.bus.injector.flood import Flood
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Endpoint
+from railhil.dbc import Contract
 
 
 class FaultyEndpoint:
     """:class:`railhil.bus.link.Endpoint` of the plant.
 
-    :param bit_rate: of the bus in bit/s.
+    :param disturber: takes the orders of faults of the bus; None: there are none, or they are not acted out (a replay).
     :param kill: ends the process at once.
     :param stop: stops the process for a time on the wall clock in s; ``sleep``: ``clock.wall pause``.
     """
@@ -25,7 +28,9 @@ class FaultyEndpoint:
         self,
         endpoint: Endpoint,
         faults: NodeFaults,
-        bit_rate: int,
+        contract: Contract,
+        disturber: Disturber | None = None,
+        *,
         kill: Callable[[], None] = kill_this_process,
         stop: Callable[[float], None] = stop_this_process,
         sleep: Callable[[float], None] = time.sleep,
@@ -35,7 +40,8 @@ class FaultyEndpoint:
         self._kills = faults.at("node", "kill")
         self._stops = faults.at("node", "stop")
         self._pauses = faults.at("clock", "pause")
-        self._floods = [Flood(one, bit_rate) for one in faults.at("bus", "load")]
+        self._floods = [Flood(one, contract.bit_rate) for one in faults.at("bus", "load")]
+        self._bus = None if disturber is None else BusFaults.of(faults, disturber, contract)
         self._kill = kill
         self._stop = stop
         self._sleep = sleep
@@ -70,6 +76,8 @@ class FaultyEndpoint:
                 leaving += self._at_once()
         leaving += faults.passes(frames[begun:])
         if leaving:
+            if self._bus is not None:
+                self._bus.sending(leaving)
             self._endpoint.send(leaving)
 
     def _at_once(self) -> list[Frame]:
@@ -90,6 +98,8 @@ class FaultyEndpoint:
                 activities.note(one, "running", "paused")
                 one.order(False, activities.now_ns)
                 self._sleep(number_of(one.fault, "pause_s"))
+        if self._bus is not None:
+            self._bus.instant()
         flooded: list[Frame] = []
         for flood in self._floods:
             flooded += flood.frames(activities)
@@ -98,6 +108,8 @@ class FaultyEndpoint:
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """See :class:`railhil.bus.link.Endpoint`."""
         frames = self._endpoint.receive(timeout_s)
+        if self._bus is not None:
+            self._bus.heard(frames)
         for frame in frames:
             self.faults.see(frame)
         return frames

@@ -6,7 +6,7 @@ import contextlib
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import can
 
@@ -15,11 +15,15 @@ from railhil.bus.frame import Frame
 from railhil.bus.sent import SentFrames
 from railhil.common.patience import Lifelines
 
+if TYPE_CHECKING:
+    # The hub's models import the error frames of this package.
+    from railhil.bus.hub.orders import Disturber
+
 #: Exceptions that python-can and its drivers raise when an interface fails.
 FAILURES = (can.CanError, OSError)
 _TROUBLE = (
     "outages", "bus_off", "error_frames", "send_dropped", "send_retries", "rx_lost", "garbage", "adapter_stuck",
-    "adapter_refused",
+    "adapter_refused", "error_passive", "switch_overs",
 )  # fmt: skip
 
 
@@ -88,6 +92,11 @@ class Link(ABC):
     def is_down(self) -> bool:
         """See :attr:`Endpoint.is_down`."""
         return False
+
+    @property
+    def disturber(self) -> Disturber | None:
+        """What takes orders to disturb the bus; None: nothing does. Only a hub with ``--faults`` has one."""
+        return None
 
     @property
     def has_rest(self) -> bool:

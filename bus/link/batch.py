@@ -9,7 +9,8 @@ from typing import Any
 import can
 
 from railhil.bus.frame import ERROR, Frame
-from railhil.bus.hub.orders import Notices
+from railhil.bus.hub.cancontroller import ERROR_PASSIVE
+from railhil.bus.hub.orders import Disturber, Host, Notices, Order
 from railhil.bus.link.base import FAILURES, Link
 from railhil.bus.link.errorframe import BUS_OFF, describe
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
@@ -45,6 +46,7 @@ class BatchLink(Link):
         self._receive_batch: Callable[[float | None], list[Frame]] = hub.recv_frames
         self._has_left: Callable[[str], bool] = hub.has_left
         self._is_here: Callable[[str], bool] = hub.is_here
+        self._order: Callable[[Order], None] = hub.order
         self._notices: Notices | None = hub.notices
         self._timeouts = timeouts
         self._wall = wall
@@ -52,6 +54,7 @@ class BatchLink(Link):
         self._stash: list[Frame] = []
         self._heard_ns = wall.monotonic_ns()
         self._was_off = False
+        self._was_passive = False
         self._off_ns = 0
         self._gap_ns = 0
 
@@ -59,6 +62,23 @@ class BatchLink(Link):
     def is_down(self) -> bool:
         """True while the CAN controller is bus-off."""
         return self._notices is not None and self._notices.host.is_off
+
+    @property
+    def disturber(self) -> Disturber | None:
+        """See :attr:`Link.disturber`."""
+        return None if self._notices is None else self
+
+    @property
+    def host(self) -> Host:
+        """See :class:`~railhil.bus.hub.orders.Disturber`."""
+        return Host() if self._notices is None else self._notices.host
+
+    def order(self, order: Order) -> None:
+        """See :class:`~railhil.bus.hub.orders.Disturber`."""
+        try:
+            self._order(order)
+        except FAILURES as error:
+            raise self._lost(f"cannot order: {error}") from error
 
     def has_ended(self, node: str) -> bool:
         """See :meth:`Link.has_ended`; who has left the hub has ended."""
@@ -147,6 +167,15 @@ class BatchLink(Link):
         self.counters["bus_off"] += sum(bool(frame.can_id & BUS_OFF) for frame in error_frames)
         if error_frames and self.counters["error_frames"] == len(error_frames):
             self._say(f"{self.where}: error frame: {describe(error_frames[0])} (said once, all are counted)")
+        host = self.host
+        if host.switch_overs > self.counters["switch_overs"]:
+            self.counters["switch_overs"] = host.switch_overs
+            self._say(f"{self.where}: takes frames from line {host.line} now")
+        is_passive = host.state == ERROR_PASSIVE
+        if is_passive and not self._was_passive:
+            self.counters["error_passive"] += 1
+            self._say(f"{self.where}: warning: error-passive (TEC {host.tec}, REC {host.rec})")
+        self._was_passive = is_passive
         now_ns = self._wall.monotonic_ns()
         if self.is_down:
             if not self._was_off:

@@ -51,6 +51,16 @@ def describe(frame: Frame) -> str:
     return " ".join(words) or f"class 0x{frame.can_id:X}"
 
 
+def is_bus_error(frame: Frame) -> bool:
+    """Whether a frame reports that a frame was destroyed on the wire."""
+    return bool(frame.flags & ERROR and frame.can_id & _BUS_ERROR)
+
+
+def counters_of(frame: Frame) -> tuple[int, int]:
+    """TEC and REC in an error frame; of those above 255 it holds 255."""
+    return frame.data[6], frame.data[7]
+
+
 def bus_error(tec: int, rec: int, *, sending: bool) -> Frame:
     """A frame was destroyed on the wire; ``sending``: it was this controller's own."""
     return _frame(_PROTOCOL | _BUS_ERROR | _COUNTERS, tec, rec, kind=_WHILE_SENDING if sending else 0)

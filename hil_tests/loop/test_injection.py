@@ -11,11 +11,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hil_tests.support.disturbed import disturbed_run
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 from railhil.bench import BenchRun, local_run, plant_beside, write_fault_logs
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import CtlMode, CtlStat, Event, FaultOrder, NotchCmd, RunEvent, TimeSync, TrnPos, TrnSpeed
+from railhil.bus.telegrams import (
+    CtlMode,
+    CtlStat,
+    Event,
+    FaultOrder,
+    NotchCmd,
+    RunEvent,
+    SimTruth,
+    SupCmd,
+    TimeSync,
+    TrnPos,
+    TrnSpeed,
+    TrnWatch,
+)
 from railhil.common.errors import InputError
 from railhil.controller_node.faulty import controller_of
 from railhil.dbc import wire_contract
@@ -303,7 +317,8 @@ def test_the_time_told_may_be_wrong(runs: Runs) -> None:
 
 def test_the_bus_is_off_for_both_sides(runs: Runs) -> None:
     run = runs("bus off @1s for 100ms")
-    vehicle = [port for port in wire_contract().ports if port.period_ns and port.name not in ("SUP_CMD", "SIM_TRUTH")]
+    told = ("SUP_CMD", "SIM_TRUTH", "TRN_WATCH")
+    vehicle = [port for port in wire_contract().ports if port.period_ns and port.name not in told]
     ids = {can_id for port in vehicle for can_id in port.can_ids}
     assert run.log is not None
     during = [frame for time_ns, frame in read_log(run.log) if 1_000_000_000 <= time_ns < 1_100_000_000]
@@ -317,6 +332,38 @@ def test_the_bus_is_off_for_both_sides(runs: Runs) -> None:
     assert len(frames(backlog, SPEED)) == len(frames(runs(), SPEED))
     newest = runs("bus full @1s for 100ms")
     assert len(frames(newest, SPEED)) == len(frames(runs(), SPEED)) - 9
+
+
+def test_both_watches_react_to_bus_off_and_the_notch_comes_back_without_a_jump(runs: Runs) -> None:
+    """B3 of the catalogue; the record shows the train's watch while the bus is off."""
+    run = runs("bus off @9s for 300ms", moving=True)
+    time_s, notch = run.trace.times_s(NotchCmd.PORT), run.trace.values(NotchCmd.PORT, "NotchCmd")
+    modes = run.trace.raw(NotchCmd.PORT, "CtlMode")
+    watch_s, levels = run.trace.times_s(TrnWatch.PORT), run.trace.raw(TrnWatch.PORT, "WatchLevel")
+    braked_s = watch_s[(levels == 3) & (watch_s > 1.0)]
+    assert 9.2 < braked_s[0] <= 9.27
+    assert braked_s[-1] < 9.5
+    back = np.flatnonzero(time_s >= 9.3)
+    assert modes[back[0]] == CtlMode.SERVICE_BRAKE
+    assert modes[back[20]] == CtlMode.RUNNING
+    # The brake's ramp had gone on meanwhile, and the way back is a ramp too.
+    assert np.abs(np.diff(notch[back[0] : back[40]])).max() < 0.12
+    assert abs(notch[back[0]] - notch[back[0] - 1]) < 1.2
+
+
+def test_an_error_frame_is_neither_a_poll_nor_a_tick_for_the_recorder(tmp_path: Path) -> None:
+    """Its identifier says what went wrong: "restarted" is the one of TRN_SPEED, "bus error" that of the polls."""
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML)
+    session_ids = (0x100, 0x80, SupCmd.port().address, SimTruth.port().address)
+
+    def disturbed(frame: Frame, time_s: float) -> list[Frame]:
+        noise = [Frame(can_id, bytes(range(8)), ERROR) for can_id in session_ids]
+        return [*noise, frame] if frame.can_id == TrnPos.port().address and 1.0 < time_s < 2.0 else [frame]
+
+    trace = disturbed_run(load(path, (), ("TRN_SPEED loss @3s x1",)), tmp_path, disturbed)
+    assert np.allclose(np.diff(trace.times_s(SimTruth.PORT)), 0.02)
+    assert {(source, cause) for _, source, cause in trace.refused} == {("bus", "error_frame")}
 
 
 def test_foreign_frames_load_the_bus(runs: Runs) -> None:
@@ -440,7 +487,7 @@ def test_a_distribution_is_drawn_with_the_seed(runs: Runs) -> None:
 def test_what_cannot_be_injected_is_refused(runs: Runs) -> None:
     for text, said in (
         ("plant kill @1s", "the plant is in the process of all others"),
-        ("bus.a open @1s", "the bus has one line"),
+        ("bus.a open @1s", "only railhil's hub has two lines"),
         ("bus passive @1s", "error counters"),
         ("wall pause 1s @1s", "lockstep has no wall clock"),
         ("SIM_TRUTH loss @1s", "a port of the vehicle"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import pytest
 
 from hil_tests.support.cli import complaint, railhil
+from hil_tests.support.hub import running_hub
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 
 pytestmark = [pytest.mark.loop, pytest.mark.faults]
@@ -114,3 +116,39 @@ def test_the_words_are_listed() -> None:
     assert "  loss: telegrams are lost" in done.out
     words = railhil("faults", "--list", "--json").json["words"]
     assert {"telegram", "node", "bus", "sensor"} <= {word["level"] for word in words}
+
+
+@pytest.mark.slow
+def test_error_counters_and_lines_of_the_bus_are_disturbed_on_a_hub_of_the_run(tmp_path: Path) -> None:
+    """B1, B2 and B7 of the catalogue: both watches stay at NORMAL, and the run is the same bytes each time."""
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML, encoding="utf-8")
+    given = ("bus error_frames 5% @1s for 1s", "bus passive @2200ms for 300ms combine", "bus.a open @2600ms for 300ms")
+    words = ["run", path, "--bus", "auto", "--quiet", "--no-report"]
+    words += [word for text in given for word in ("--fault", text)]
+    for name in ("once", "again"):
+        done = railhil(*words, "--out", tmp_path / name)
+        assert done.exit_code in (0, 1), done.err
+    first, score = documents(tmp_path / "once")
+    assert first["frames_sha256"] == documents(tmp_path / "again")[0]["frames_sha256"]
+    hits = [one["hits"] for one in score["faults"]]
+    assert hits[0] > 5
+    assert hits[1:] == [1, 1]
+    with (tmp_path / "once" / "events.csv").open(encoding="utf-8") as stream:
+        events = list(csv.DictReader(stream))
+    assert [one for one in events if one["level"] and float(one["time_s"]) > 0.9] == []
+    counted = [one for one in events if one["cause"] == "error_frame"]
+    assert sum(int(one["count"]) for one in counted) == hits[0], "all of them are in the record"
+    said = (tmp_path / "once" / "controller.txt").read_text(encoding="utf-8")
+    assert "warning: error-passive (TEC 128, REC 0)" in said
+    assert "error_passive 1, switch_overs 1" in said
+
+
+def test_a_hub_that_takes_no_orders_is_refused_in_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML, encoding="utf-8")
+    with running_hub() as hub:
+        words = ("run", path, "-i", "railhil", "-c", hub.channel, "--out", tmp_path / "run", "--quiet", "--no-report")
+        done = railhil(*words, "--fault", "bus passive @1s")
+    assert done.exit_code == 2
+    assert "takes no orders to disturb it, it must be a hub started with --faults" in done.err

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.select import BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
+from railhil.faults.language import parse
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
@@ -18,9 +21,13 @@ def _scheduling(run: RunSpec, start_up: StartUp, priority: int) -> list[str]:
     return ["--realtime-priority", str(priority)] if start_up.realtime_scheduling(run) else []
 
 
-def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice) -> None:
-    """Start the hub of this run alone."""
+def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, faults: Sequence[str] = ()) -> None:
+    """Start the hub of this run alone.
+
+    :param faults: of the run; some need a hub that takes orders.
+    """
     arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, start_up, HUB_PRIORITY)]
+    arguments += ["--faults"] * need_orders(map(parse, faults))
     nodes.start("hub", "railhil.bus.hub", arguments)
 
 

@@ -12,7 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from operator import itemgetter
 
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.lifesign import MAX_STEP
@@ -143,7 +143,8 @@ class Session:
 
     def handle(self, frame: Frame) -> list[Frame]:
         """Take one frame in bus order: record it, return the answer to a poll of the supervisor."""
-        if frame[0] in self._seen_ids:
+        # The identifier of an error frame says what went wrong.
+        if frame[0] in self._seen_ids and not frame[2] & ERROR:
             can_id = frame[0]
             if can_id in self._clock_ids:
                 truth_clock = self._truth_clock

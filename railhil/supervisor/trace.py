@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from railhil.bus.frame import Frame
+from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import Ident
 from railhil.bus.mvb import master_tail, parse_master_frame
 from railhil.bus.store import TrafficStore
@@ -166,7 +166,7 @@ def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = No
     time_ns, counted = 0, Counter(store.counters)
     for time_ns, frame in frames:
         can_id, data, flags = frame
-        if can_id == poll_id:
+        if can_id == poll_id and not flags & ERROR:
             if (asked := polls.get(data)) is not None:
                 trace.polled(asked, time_ns)
             elif flags or parse_master_frame(data) is None:

@@ -8,8 +8,8 @@ import pytest
 from hil_tests.support.clock import SetClock
 from railhil.bus.errors import BusLost
 from railhil.bus.frame import Frame
-from railhil.bus.hub.cancontroller import BUS_OFF
-from railhil.bus.hub.orders import Host, Notices
+from railhil.bus.hub.cancontroller import BUS_OFF, ERROR_PASSIVE
+from railhil.bus.hub.orders import Host, Notices, Order
 from railhil.bus.link import errorframe
 from railhil.bus.link.batch import BatchLink
 from railhil.bus.link.outage import Timeouts
@@ -29,6 +29,9 @@ class FakeHub:
     def send_frames(self, frames: list[Frame], *, even_full: bool = False) -> None:
         assert even_full
         self.sent += frames
+
+    def order(self, order: Order) -> None:
+        raise can.CanOperationError("the bus is shut down")
 
     def offer_frames(self, frames: list[Frame]) -> int:
         return 0
@@ -156,3 +159,29 @@ def test_what_is_cut_off_is_what_the_hub_says(link, hub) -> None:
     assert not link.is_cut_off("controller")
     hub.notices.take({"cut_off": ["controller"]})
     assert link.is_cut_off("controller")
+
+
+def test_error_passive_is_a_warning_and_each_switch_over_is_counted(link, hub, said) -> None:
+    assert link.disturber is link
+    states = [
+        Host(state=ERROR_PASSIVE, tec=128),
+        Host(state=ERROR_PASSIVE, tec=130, line="B", switch_overs=1),
+        Host(line="B", switch_overs=1),
+        Host(line="A", switch_overs=2, state=ERROR_PASSIVE, rec=128),
+    ]
+    hub.due = [(1.0, state) for state in states]
+    for state in states:
+        link.receive(1.0)
+        assert link.host == state
+    assert (link.counters["error_passive"], link.counters["switch_overs"]) == (2, 2)
+    assert said == [
+        "hub: warning: error-passive (TEC 128, REC 0)",
+        "hub: takes frames from line B now",
+        "hub: takes frames from line A now",
+        "hub: warning: error-passive (TEC 0, REC 128)",
+    ]
+
+
+def test_an_order_to_a_hub_that_is_gone_ends_the_node(link) -> None:
+    with pytest.raises(BusLost, match=r"^hub: cannot order: the bus is shut down"):
+        link.order(Order("restart", "controller"))

@@ -82,6 +82,27 @@ def test_bus_off_by_order_and_restart_only_from_it() -> None:
     assert controller.go_off() == []
 
 
+def test_held_error_passive_it_stays_so_until_the_traffic_decides_again() -> None:
+    controller = CanController()
+    assert [describe(frame) for frame in controller.hold_passive(True)] == [
+        "controller problem (transmit error-passive)"
+    ]
+    controller.send_failed()
+    assert controller.sent(50) == controller.hold_passive(True) == []
+    assert (controller.tec, controller.state) == (128, ERROR_PASSIVE)
+    assert controller.hold_passive(False) == []
+    assert [describe(frame) for frame in controller.sent(1)] == ["controller problem (transmit warning)"]
+    assert (controller.tec, controller.state) == (127, ERROR_ACTIVE)
+
+
+def test_a_controller_that_is_off_says_nothing_when_it_is_held_and_restarts_free() -> None:
+    controller = CanController()
+    controller.go_off()
+    assert controller.hold_passive(True) == []
+    controller.restart()
+    assert (controller.tec, controller.least_tec) == (0, 0)
+
+
 def test_a_receiver_switches_over_once_and_respects_the_guard() -> None:
     sender, receiver = Lines(), Lines()
     assert receiver.hears(sender, 1)
@@ -109,7 +130,7 @@ def test_without_a_common_line_nothing_is_heard_and_nothing_switched() -> None:
     [
         (None, "order: found None, allowed: what, who, count, line, on"),
         ({"what": "errors"}, "order: found {'what': 'errors'}, allowed: what, who"),
-        ({"what": "burn", "who": "plant"}, "key 'what': found 'burn', allowed: errors, bus_off, restart, line, full"),
+        ({"what": "burn", "who": "plant"}, "key 'what': found 'burn', allowed: errors, passive, bus_off, restart"),
         ({"what": "errors", "who": ""}, "key 'who': found '', allowed: a role"),
         ({"what": "errors", "who": "plant", "count": 0}, "key 'count': found 0, allowed: 1..1000000"),
         ({"what": "errors", "who": "plant", "count": True}, "key 'count': found True"),

@@ -56,7 +56,10 @@ def test_every_word_is_on_the_console() -> None:
         ("supervisor kill @1s", "hub", "lockstep", ["supervisor"], "by hand"),
         ("wall pause 1s @1s", "kernel", "realtime", ["plant"], ""),
         ("wall pause 1s @1s", "kernel", "lockstep", ["plant"], "no wall clock"),
-        ("bus.b open @1s", "hub", "lockstep", [], "one line"),
+        ("bus.b open @1s", "hub", "lockstep", [], ""),
+        ("bus.b open @1s", "kernel", "lockstep", [], "two lines"),
+        ("bus error_frames @1s", "local", "lockstep", [], "only railhil's hub takes orders"),
+        ("bus passive @1s", "hub", "realtime", [], ""),
         ("bus ok @1s", "hub", "lockstep", [], ""),
     ],
 )

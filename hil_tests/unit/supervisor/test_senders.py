@@ -170,3 +170,21 @@ def test_a_list_that_cannot_be_written_is_said(tmp_path: Path, capsys: pytest.Ca
     own.note([POLL])
     own.write()
     assert capsys.readouterr().err == "plant: list of sent frames is lost: no such file or directory\n"
+
+
+@pytest.mark.parametrize("first", [0, 2])
+def test_frames_that_a_fault_has_cut_emptied_or_made_remote_are_in_order_too(tmp_path: Path, first: int) -> None:
+    sent = bench(30)
+    for place, (owner, frame) in enumerate(sent):
+        if place % 7 == first and owner == "controller":
+            sent[place] = (owner, frame._replace(data=b""))
+        elif place % 5 == first:
+            sent[place] = (owner, frame._replace(data=frame.data[:3]))
+        elif place == 11:
+            sent[place] = (owner, frame._replace(flags=REMOTE))
+    record = [frame for _, frame in sent]
+    assert compared(tmp_path, sent, record) == Findings([], [])
+    forged = Frame(NotchCmd.port().can_ids[-1], b"")
+    found = compared(tmp_path, sent, [*record[:20], forged, *record[20:]])
+    assert len(found.said) == 1
+    assert "on NOTCH_CMD that the controller did not send" in found.said[0]
