@@ -238,7 +238,7 @@ def test_corrupt_telegrams_are_refused(runs: Runs) -> None:
         ("TRN_SPEED truncate 4 @1s for 50ms", "controller", "wrong_length"),
         ("TRN_POS truncate @1s for 50ms", "controller", "wrong_length"),
         ("TRN_SPEED remote @1s for 50ms", "controller", "remote_frame"),
-        ("TRN_SPEED masquerade TRN_WATCH @1s for 50ms", "supervisor", ""),
+        ("TRN_SPEED masquerade PLT_STAT @1s for 50ms", "supervisor", ""),
         ("NOTCH_CMD masquerade CTL_STAT @1s for 50ms", "plant", "no_answer"),
         ("NOTCH_CMD truncate 0 @1s for 50ms", "plant", "no_answer"),
         ("NOTCH_CMD truncate 7 @1s for 50ms", "plant", "wrong_length"),
