@@ -19,6 +19,7 @@ import numpy.typing as npt
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.faults.language import parse
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
@@ -40,13 +41,20 @@ IntArray = npt.NDArray[np.int64]
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """One sentence for the first breach of each rule; empty for a run that keeps them.
 
-    A record of an earlier version, without the level of the train's watch, is checked only for the controller's.
+    A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
+    a fault has put into NOTCH_CMD is not the controller's, and is not checked.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
-    found = [*_commanded_traction(trace), *_left_early_by_controller(trace)]
+    found = [] if _is_forged(scenario) else [*_commanded_traction(trace), *_left_early_by_controller(trace)]
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace)]
     return found
+
+
+def _is_forged(scenario: Scenario) -> bool:
+    """Whether a fault of the run changes the commands on the bus."""
+    places = (parse(text).place for text in scenario.faults)
+    return any(place.level == "command" or place.name == NotchCmd.PORT for place in places)
 
 
 def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
@@ -63,7 +71,8 @@ def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
 
 
 def _controller_levels(trace: Trace) -> IntArray:
-    return np.maximum(trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING), 0)
+    """Level in each NOTCH_CMD; -1 for a controller that initialises: after a restart it has no level to keep."""
+    return trace.raw(NotchCmd.PORT, "CtlMode") - int(CtlMode.RUNNING)
 
 
 def _commanded_traction(trace: Trace) -> Iterator[str]:

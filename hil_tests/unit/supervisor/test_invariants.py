@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 
@@ -175,3 +175,20 @@ def test_a_record_without_the_trains_watch_is_judged_by_the_rest() -> None:
 
 def test_an_unfinished_record_stays_invalid() -> None:
     assert score(SCENARIO, Story(notch_256th=lambda tick: 256).trace()).verdict == "INVALID"
+
+
+def test_a_controller_that_starts_anew_has_left_no_level() -> None:
+    story = Story(
+        controller_level=lambda tick: 4 if tick < 50 else -1 if tick < 60 else 0,
+        notch_256th=lambda tick: 0,
+    )
+    assert found(story) == []
+
+
+@pytest.mark.parametrize(
+    ("fault", "checked"),
+    [("notch value 3 @1s", False), ("NOTCH_CMD stuck @1s", False), ("TRN_SPEED stuck @1s", True)],
+)
+def test_what_a_fault_commands_is_not_the_controllers(fault: str, checked: bool) -> None:
+    story = Story(controller_level=lambda tick: 4)
+    assert bool(broken(replace(SCENARIO, faults=(fault,)), story.trace())) is checked
