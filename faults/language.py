@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.faults.model import Draw, Expect, Fault, Place, Trigger, Value
+from railhil.faults.model import WATCH_LEVELS, Draw, Expect, Fault, Place, Trigger, Value
 from railhil.faults.places import allowed_places, place_hint, place_of, place_text
 from railhil.faults.quantities import UNITS, allowed_text, number_of, number_text, value_of, value_text
 from railhil.faults.triggers import ALLOWED, trigger_of, trigger_text
@@ -210,6 +210,8 @@ def _expect(reader: _Reader) -> Expect:
     level, within_s, by, verdict = "", None, "", ""
     if reader.next not in ("within", "by", "verdict", ""):
         level = reader.take().replace("_", " ").upper()
+        if any(known.startswith(f"{level} ") for known in WATCH_LEVELS):
+            level = f"{level} {reader.take().upper()}"
     while reader.next in ("within", "by", "verdict"):
         word, text = reader.take(), reader.take()
         if word == "within":
@@ -282,9 +284,10 @@ def _check_expect(expect: Expect, complain: Complain) -> None:
         raise complain("", "expect with a level, within, by or verdict")
     if expect.verdict and expect.verdict not in _VERDICTS:
         raise complain(expect.verdict, f"verdict {', '.join(_VERDICTS)}", did_you_mean(expect.verdict, _VERDICTS))
-    for text in (expect.level.replace(" ", "_"), expect.detected_by):
-        if text and not _NAME.fullmatch(text):
-            raise complain(text, "a level or a cause of the watches")
+    if expect.level and expect.level not in WATCH_LEVELS:
+        raise complain(expect.level, ", ".join(WATCH_LEVELS), did_you_mean(expect.level, WATCH_LEVELS))
+    if expect.detected_by and not _NAME.fullmatch(expect.detected_by):
+        raise complain(expect.detected_by, "a cause of the watches")
 
 
 def fault_text(fault: Fault, *, judging: bool = True) -> str:

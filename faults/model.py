@@ -14,6 +14,9 @@ from typing import Any, Literal, Protocol
 #: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
 LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
 
+#: Levels of the watches, weakest first, as people read them.
+WATCH_LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
+
 TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual"]
 
 

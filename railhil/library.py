@@ -29,7 +29,7 @@ from railhil.supervisor.documents import CERTIFICATE
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.summary import why
 from railhil.supervisor.folder import run_folder
-from railhil.supervisor.judging import Judging, judging_of
+from railhil.supervisor.judging import Judging
 from railhil.supervisor.record import Record, checked_record
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
@@ -214,7 +214,7 @@ def open_run(folder: str | Path) -> Outcome:
     :raises InputError: there is no record, or its parts do not belong together.
     """
     record = checked_record(str(folder), None)
-    found = judging_of(record.scenario).score(record.scenario, record.trace)
+    found = record.score
     return _outcome(record, found, record.events)
 
 

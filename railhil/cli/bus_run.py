@@ -17,7 +17,7 @@ from railhil.bus.select import BusChoice, choose_bus, no_bus
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
-from railhil.common.exit_codes import USAGE
+from railhil.common.exit_codes import FAIL, USAGE
 from railhil.common.extras import install_command
 from railhil.common.output import Output
 from railhil.scenarios.load import load_any
@@ -35,6 +35,7 @@ from railhil.supervisor.folder import discard_folder, record_failed, write_folde
 from railhil.supervisor.inputs import write_inputs
 from railhil.supervisor.memory import keep_memory, memory_after, with_memory
 from railhil.supervisor.processes import process_start_ns
+from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
@@ -194,8 +195,11 @@ def write_results(
 
     :raises RecordFailed: they cannot be written.
     """
-    injected = fault_events((one.as_json() for one in result.faults), trace.end_s)
-    result.events = events_of(scenario, trace, injected)
+    injected = [one.as_json() for one in result.faults]
+    result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
+    expected = with_expectations(result.score, injected, result.events)
+    if result.trusted and expected is not result.score:
+        result.score, result.exit_code, result.line = expected, FAIL, "; ".join(expected.failures)
     result.memory = memory_after(spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if spec.memory_file is not None and result.memory is not None:

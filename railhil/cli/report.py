@@ -11,7 +11,6 @@ from railhil.common.output import Output
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.supervisor.documents import read_comparison
 from railhil.supervisor.errors import not_written
-from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
 
@@ -61,7 +60,7 @@ def work(namespace: argparse.Namespace) -> int:
 
 def _run(folder: Path, scenario: str | None) -> RecordedRun:
     record = checked_record(str(folder), scenario)
-    found = judging_of(record.scenario).score(record.scenario, record.trace)
+    found = record.score
     invalid = record.invalid or ("; ".join(found.failures) if found.verdict == "INVALID" else "")
     folder = record.log.parent
     return recorded_run(folder, record.certificate, record.scenario, record.trace, found, invalid, events=record.events)

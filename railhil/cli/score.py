@@ -8,7 +8,6 @@ from railhil.cli.show import print_scores, print_verdict, print_watch
 from railhil.common.exit_codes import FAIL, INVALID, PASS
 from railhil.common.output import Output, add_json_argument, print_json
 from railhil.supervisor.events.summary import explained, summary, why
-from railhil.supervisor.judging import judging_of
 from railhil.supervisor.record import checked_record
 from railhil.supervisor.report.facts import memory_sentence
 
@@ -25,7 +24,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def work(namespace: argparse.Namespace) -> int:
     """Score and print; the exit code is the verdict."""
     record = checked_record(namespace.log, namespace.scenario)
-    found, events = judging_of(record.scenario).score(record.scenario, record.trace), record.events
+    found, events = record.score, record.events
     reason = why(record.scenario, events)
     verdict, line = found.verdict, "; ".join(found.failures)
     if record.invalid:

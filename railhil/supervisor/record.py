@@ -18,6 +18,9 @@ from railhil.supervisor.events.derive import events_of
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.framelog import log_sha256, read_log
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.reactions.expected import with_expectations
+from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace, trace_of
 
 _BESIDE = "a certificate beside the log, or --scenario"
@@ -43,6 +46,13 @@ class Record:
         """What happened, in the order of the instants; injected faults from the certificate."""
         injected = fault_events(self.certificate.get("injected", ()), self.trace.end_s)
         return events_of(self.scenario, self.trace, injected)
+
+    @property
+    def score(self) -> Score:
+        """The score of the record, with the expectations of its faults."""
+        found = judging_of(self.scenario).score(self.scenario, self.trace)
+        injected = self.certificate.get("injected", ())
+        return with_expectations(found, injected, self.events) if injected else found
 
 
 def log_path(text: str) -> Path:

@@ -11,6 +11,7 @@ from typing import Any
 from railhil.library import Outcome, RecordedEvent, Signals
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import RecordedRun, recorded_run
 from railhil.testing.health import disturbed_run
 from railhil.testing.reactions import Injected, Reaction, injected, watch_times_s
@@ -131,7 +132,11 @@ class Run:
     def recorded(self) -> RecordedRun:
         """The run as its report takes it."""
         outcome = self.outcome
-        found = judging_of(outcome.scenario).score(outcome.scenario, outcome.trace)
+        found = with_expectations(
+            judging_of(outcome.scenario).score(outcome.scenario, outcome.trace),
+            outcome.certificate.get("injected", ()),
+            outcome.events,
+        )
         invalid = "; ".join(outcome.reasons) if outcome.verdict == "INVALID" else ""
         return recorded_run(
             outcome.folder,

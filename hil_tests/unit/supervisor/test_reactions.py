@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
+from railhil.faults.model import WATCH_LEVELS
 from railhil.supervisor.events.event import LEVEL, REFUSED, RecordedEvent
-from railhil.supervisor.reactions.catalogue import LEVELS, Entry, catalogue
+from railhil.supervisor.reactions.catalogue import Entry, catalogue
 from railhil.supervisor.reactions.evaluate import Row, Seen, evaluated
 
 ENTRY: dict[str, Any] = {
@@ -26,7 +27,7 @@ ENTRY: dict[str, Any] = {
 def level(
     name: str, time_s: float, until_s: float, cause: str = "speed_age", source: str = "controller"
 ) -> RecordedEvent:
-    return RecordedEvent(time_s, "controller", LEVEL, cause, name, until_s=until_s, rank=LEVELS.index(name))
+    return RecordedEvent(time_s, "controller", LEVEL, cause, name, until_s=until_s, rank=WATCH_LEVELS.index(name))
 
 
 SEEN = Seen(

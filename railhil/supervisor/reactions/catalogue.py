@@ -13,8 +13,6 @@ from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
 CATALOGUE = Path(__file__).parent / "catalogue.toml"
-#: Levels of both watches, weakest first, as people read them.
-LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 Level = Literal["NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY"]
 
 

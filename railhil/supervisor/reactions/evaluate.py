@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from railhil.faults.model import WATCH_LEVELS
 from railhil.supervisor.events.event import LEVEL, MISSED_POLL, REFUSED, RecordedEvent
-from railhil.supervisor.reactions.catalogue import LEVELS, Entry
+from railhil.supervisor.reactions.catalogue import Entry
 
 #: A watch that is back at NORMAL for less than this before the end of the record has not resumed.
 RESUMED_S = 1.0
@@ -97,13 +98,15 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
     strongest = max(levels, key=lambda event: event.rank, default=None)
     reached = None
     if entry.reaction is not None:
-        wanted = LEVELS.index(entry.reaction)
+        wanted = WATCH_LEVELS.index(entry.reaction)
         reached = next((event for event in levels if event.rank >= wanted), None)
         if reached is None:
-            failures.append(f"reached {LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}")
+            failures.append(
+                f"reached {WATCH_LEVELS[strongest.rank] if strongest else 'NORMAL'}, expected {entry.reaction}"
+            )
     shown = reached if entry.reaction is not None else strongest
-    if strongest is not None and strongest.rank > LEVELS.index(entry.at_most):
-        failures.append(f"reached {LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
+    if strongest is not None and strongest.rank > WATCH_LEVELS.index(entry.at_most):
+        failures.append(f"reached {WATCH_LEVELS[strongest.rank]} at {strongest.time_s:.2f} s, allowed {entry.at_most}")
     causes = [(max(event.time_s, seen.effective_s), _cause(event)) for event in after]
     of_entry = [found for found in causes if found[1] in entry.detected] if entry.detected else causes
     detected_s, detected_by = min(of_entry, default=(None, ""))
@@ -115,7 +118,7 @@ def evaluated(entry: Entry, seen: Seen) -> Row:
         seen.effective_s,
         detected_by,
         detected_s,
-        LEVELS[strongest.rank] if strongest is not None else "NORMAL",
+        WATCH_LEVELS[strongest.rank] if strongest is not None else "NORMAL",
         shown.time_s if shown is not None else None,
         seen.verdict,
         failures,
@@ -132,7 +135,7 @@ def _ending(entry: Entry, seen: Seen, levels: Sequence[RecordedEvent]) -> list[s
     if entry.ends == "resumes":
         late = [event for event in levels if (event.until_s or event.time_s) > seen.end_s - RESUMED_S]
         if late:
-            return [f"{late[-1].source} at {LEVELS[late[-1].rank]} until the end"]
+            return [f"{late[-1].source} at {WATCH_LEVELS[late[-1].rank]} until the end"]
         return [] if seen.ended == "ended_complete" else [f"run {seen.ended}, expected to go on and stop"]
     if entry.ends and not seen.stands:
         return ["the train does not stand at the end"]
