@@ -24,7 +24,7 @@ def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         ("HOLD within 40ms by speed_age", ""),
         ("TRACTION CUT within 70ms", ""),
-        ("TRACTION CUT within 50ms", "fault 1: expected TRACTION CUT within 50 ms, came after 70 ms"),
+        ("TRACTION CUT within 50ms", "fault 1: expected TRACTION CUT within 50 ms, came after 60 ms"),
         ("EMERGENCY", "fault 1: expected EMERGENCY, reached TRACTION CUT"),
         ("HOLD by overspeed", "fault 1: expected to be detected by overspeed, was by speed_age"),
     ],

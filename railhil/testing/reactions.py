@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from railhil.faults.model import WATCH_LEVELS
 from railhil.supervisor.events.event import LEVEL, RecordedEvent
-from railhil.supervisor.reactions.catalogue import LEVELS
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,9 +48,11 @@ def watch_times_s(events: Sequence[RecordedEvent], level: str) -> list[tuple[flo
     :raises ValueError: no watch has this level.
     """
     reactions = [event for event in events if event.kind == LEVEL]
-    ranks = {_flat(name): rank for rank, name in enumerate(LEVELS)} | {_flat(one.level): one.rank for one in reactions}
+    ranks = {_flat(name): rank for rank, name in enumerate(WATCH_LEVELS)} | {
+        _flat(one.level): one.rank for one in reactions
+    }
     if _flat(level) not in ranks:
-        raise ValueError(f"no level {level!r} of the watches, allowed {', '.join(LEVELS[1:])}")
+        raise ValueError(f"no level {level!r} of the watches, allowed {', '.join(WATCH_LEVELS[1:])}")
     wanted = ranks[_flat(level)]
     return [(one.time_s, one.until_s or one.time_s) for one in reactions if one.rank >= wanted]
 
