@@ -95,7 +95,11 @@ def main(words: Sequence[str] | None = None) -> int:
         node = PlantNode(
             scenario, run, link, fd=choice.fd, appear_s=namespace.appear_timeout, fault_log=namespace.fault_log
         )
-        run_plant(node, priority, namespace.timing_file)
+        try:
+            run_plant(node, priority, namespace.timing_file)
+        finally:
+            if link.sent is not None:
+                link.sent.received = node.received
     finally:
         link.close()
         link.tell_trouble()

@@ -119,12 +119,14 @@ class Senders:
         # Frames of nodes that have said nothing, and of nobody.
         self._answers: Counter[int] = Counter()
         lists = {node: read_sent(sent_file(folder, node)) for node in WITNESSES}
+        #: By node what it has received (:mod:`railhil.bus.reception`).
+        self.received = {node: sent.received for node, sent in lists.items() if sent is not None and sent.received}
         self._witnesses = [node for node, sent in lists.items() if sent is not None]
         owned = [(port.source, can_id) for port in contract.ports for can_id in (*port.can_ids, port.fd_id)]
         for node, can_id in [*owned, ("plant", contract.poll_id)]:
             sent = lists.get(node)
             if sent is not None:
-                self._streams[can_id] = _Stream(*sent.get(can_id, (0, b"")))
+                self._streams[can_id] = _Stream(*sent.frames.get(can_id, (0, b"")))
         if "plant" in self._witnesses:
             self._streams[contract.poll_id] = self._polls = _without_scan(self._streams[contract.poll_id])
 
