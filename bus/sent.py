@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from railhil.bus.frame import ERROR, EXTENDED, REMOTE, Frame
 from railhil.common.exit_codes import finish_undisturbed
@@ -41,6 +42,8 @@ class SentFrames:
         self._waiting: list[Frame] = []
         self._data: dict[int, bytearray] = {}
         self._lengths: dict[int, bytearray] = {}
+        #: What the node has received (:mod:`railhil.bus.reception`); None: it does not say.
+        self.received: dict[str, Any] | None = None
 
     def note(self, frames: Sequence[Frame]) -> None:
         """Take frames that are being sent."""
@@ -63,7 +66,8 @@ class SentFrames:
         so."""
         finish_undisturbed()
         self._sort()
-        document = {str(can_id): [self._lengths[can_id].hex(), data.hex()] for can_id, data in self._data.items()}
+        frames = {str(can_id): [self._lengths[can_id].hex(), data.hex()] for can_id, data in self._data.items()}
+        document = {"frames": frames, "received": self.received}
         try:
             with whole_file(self._path) as draft:
                 draft.write_bytes(zlib.compress(json.dumps(document).encode(), _LEVEL))
@@ -73,15 +77,24 @@ class SentFrames:
             )
 
 
-def read_sent(path: Path) -> dict[int, list[bytes]] | None:
-    """Data of the frames that a node has sent, in order, by CAN identifier; None without a readable file."""
+class Told(NamedTuple):
+    """A node's file: data of the frames that it has sent, in order, by CAN identifier; what it received."""
+
+    frames: dict[int, list[bytes]]
+    received: dict[str, Any] | None
+
+
+def read_sent(path: Path) -> Told | None:
+    """What a node has written; None without a readable file."""
     try:
         document = json.loads(zlib.decompress(path.read_bytes()))
     except (OSError, ValueError, zlib.error):
         return None
-    return {
-        int(can_id): _apart(bytes.fromhex(lengths), bytes.fromhex(data)) for can_id, (lengths, data) in document.items()
+    frames = {
+        int(can_id): _apart(bytes.fromhex(lengths), bytes.fromhex(data))
+        for can_id, (lengths, data) in document["frames"].items()
     }
+    return Told(frames, document["received"])
 
 
 def _apart(lengths: bytes, data: bytes) -> list[bytes]:

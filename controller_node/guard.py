@@ -58,6 +58,8 @@ class Guard:
 
     def __init__(self, scenario: Scenario, counter: BitCounter | None = None, odometer: Odometer | None = None) -> None:
         self.counters: Counter[str] = Counter()
+        #: Number of accepted telegrams.
+        self.accepted = 0
         #: Speed of the last accepted telegram, None before the first.
         self.speed_01mmps: int | None = None
         self._ladder = Ladder.of(scenario)
@@ -148,6 +150,7 @@ class Guard:
                 return
             if speed != last:
                 self._changed_ns = now_ns
+        self.accepted += 1
         self.speed_01mmps = speed
         self._speed_ns = now_ns
         self._age.accept(self._counter.at(now_ns) if stamp is None else stamp)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
+from railhil.bus.reception import Document, reception
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt, safe_tick_fields
 from railhil.bus.schedule import Schedule
@@ -171,6 +173,26 @@ class ControllerNode:
         """Counters of refused and lost frames, by cause."""
         watched = (self.responder.store, self.guard, self.guard.safe, self._odometer, self._balises, self.ecan)
         return {cause: count for part in watched if part is not None for cause, count in part.counters.items()}
+
+    @property
+    def received(self) -> Document:
+        """What it has received (:mod:`railhil.bus.reception`)."""
+        odometer, guard = self._odometer, self.guard
+        position = {cause.removeprefix("position_"): count for cause, count in odometer.counters.items()}
+        if "check" in position:
+            position["check_variable"] = position.pop("check")
+        judged: dict[str, tuple[int, Mapping[str, int]]] = {
+            TrnSpeed.PORT: (guard.accepted, guard.counters),
+            TrnPos.PORT: (odometer.accepted, position),
+        }
+        if guard.safe is not None:
+            judged[SpeedSdt.PORT] = (guard.safe.accepted, guard.safe.counters)
+        found = reception(self.responder.store, judged)
+        for name, lost in self.lost_by_mailbox.items():
+            port = found["ports"].get(name.partition(".")[0])
+            if port is not None:
+                port["lost"] = port.get("lost", 0) + lost
+        return {**found, "by_task": bool(self.law.task_period_ms)}
 
     @property
     def lockstep(self) -> bool:

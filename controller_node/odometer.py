@@ -57,6 +57,8 @@ class Odometer:
         timing, sensors = scenario.timing, scenario.sensors
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
         self.counters: Counter[str] = Counter()
+        #: Number of plausible telegrams.
+        self.accepted = 0
         self._needed = needed
         self._in_time_ns = schedule.ticks(TrnPos.PORT) * timing.base_tick_ns + task_period_ns
         self._exact = round((TOLERANCE_M + sensors.odometer_lsb_m) * 1e4) * _NS_PER_S
@@ -117,6 +119,7 @@ class Odometer:
             if self._jumped_ns is None:
                 self._jumped_ns = at_ns
             return
+        self.accepted += 1
         since_ns = max(at_ns - self._fitted_ns, 0)
         share_ns = min(since_ns, FOLLOWING_NS)
         self._place += off * share_ns // FOLLOWING_NS

@@ -32,6 +32,8 @@ class SafeSpeed:
         timing, safety = scenario.timing, scenario.safety
         ticks = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns).ticks(SpeedSdt.PORT)
         self._counters: Counter[str] = Counter()
+        #: Number of telegrams that confirmed a speed.
+        self.accepted = 0
         self._n_rxsafe = safety.n_rxsafe
         limits = SinkLimits(n_rxsafe=safety.n_rxsafe, n_ssc=safety.n_rxsafe + 1, cmthr=safety.cmthr)
         self._sink = SafeSink([source_identity(SpeedSdt.port().address)], SAFE_DATA_VERSION, limits, self._counters)
@@ -64,6 +66,7 @@ class SafeSpeed:
             self._counters["differs"] += 1
         else:
             self._confirmed_ns = now_ns
+            self.accepted += 1
 
     def age_ns(self, now_ns: int) -> int:
         """Time without confirmation, beyond what the channel tolerates."""

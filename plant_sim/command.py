@@ -106,7 +106,11 @@ def main(words: Sequence[str] | None = None) -> int:
             fault_log=namespace.fault_log,
             disturber=link.disturber,
         )
-        run_plant(node, priority, namespace.timing_file)
+        try:
+            run_plant(node, priority, namespace.timing_file)
+        finally:
+            if link.sent is not None:
+                link.sent.received = node.received
     finally:
         link.close()
         link.tell_trouble()

@@ -15,6 +15,7 @@ from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
 from railhil.bus.injector.log import INSIDE
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.injector.plant_side import FaultyEndpoint
+from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
@@ -128,6 +129,13 @@ class PlantNode:
     def counters(self) -> dict[str, int]:
         """Polls, missed polls, and telegrams refused by cause."""
         return {**self.administrator.counters, **self._store.counters}
+
+    @property
+    def received(self) -> Document:
+        """What it has received (:mod:`railhil.bus.reception`); a plant may say in ``judged`` what its checks did."""
+        found = reception(self._store, getattr(self.plant, "judged", {}))
+        found["frames"]["no_answer"] = self.administrator.counters["no_answer"]
+        return found
 
     def write_fault_logs(self) -> None:
         """Write the logs of what was injected at this node, and inside the plant, into the run folder."""

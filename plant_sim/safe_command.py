@@ -27,6 +27,8 @@ class SafeCommand:
         timing, safety = scenario.timing, scenario.safety
         schedule = Schedule.from_contract(timing.base_tick_ns, timing.port_period_ns)
         self._counters: Counter[str] = Counter()
+        #: Number of telegrams that confirmed a command.
+        self.accepted = 0
         self._n_rxsafe = safety.n_rxsafe
         limits = SinkLimits(n_rxsafe=safety.n_rxsafe, n_ssc=safety.n_rxsafe + 1, cmthr=safety.cmthr)
         self._sink = SafeSink([source_identity(NotchSdt.port().address)], SAFE_DATA_VERSION, limits, self._counters)
@@ -68,4 +70,5 @@ class SafeCommand:
             self._counters["differs"] += 1
             return None
         self._confirmed_tick = tick
+        self.accepted += 1
         return held

@@ -50,6 +50,16 @@ class TrainOnBus(Plant):
         """Counters of the gate, and of the safe channel if there is one."""
         return self.gate.counters if self._safe is None else {**self.gate.counters, **self._safe.counters}
 
+    @property
+    def judged(self) -> dict[str, tuple[int, Mapping[str, int]]]:
+        """For each port with commands how many were accepted, and the counters of its check."""
+        found: dict[str, tuple[int, Mapping[str, int]]] = {
+            NotchCmd.PORT: (self.gate.counters["accepted"], self.gate.counters)
+        }
+        if self._safe is not None:
+            found[NotchSdt.PORT] = (self._safe.accepted, self._safe.counters)
+        return found
+
     def take(self, telegram: Telegram) -> None:
         """Take NOTCH_CMD if it passes the gate, and tell the watch what the gate finds suspicious; with a safe channel,
         take it only if NOTCH_SDT confirms it."""

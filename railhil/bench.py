@@ -18,6 +18,7 @@ from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.local import LocalBus
+from railhil.bus.reception import received_by
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
@@ -45,7 +46,7 @@ from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.score import Score, score
 from railhil.supervisor.session import Session
-from railhil.supervisor.trace import Trace, trace_of
+from railhil.supervisor.trace import Told, Trace, trace_of
 
 
 @dataclass(slots=True)
@@ -113,6 +114,8 @@ def local_run(
     write_fault_logs(plant, node)
     sha256 = log.close()
     trace = trace_of(read_log(log.path), system.contract)
+    if wire is None:
+        trace.told = Told(exact=True, nodes=received_by({"controller": node, "plant": plant}))
     return BenchRun(
         trace,
         judging_of(scenario).score(scenario, trace),

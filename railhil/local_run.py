@@ -10,6 +10,7 @@ from pathlib import Path
 
 from railhil.bench import plant_beside, write_fault_logs
 from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.reception import received_by
 from railhil.bus.select import LOCAL
 from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
@@ -31,7 +32,7 @@ from railhil.supervisor.session import Session
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
-from railhil.supervisor.trace import Trace, trace_of
+from railhil.supervisor.trace import Told, Trace, trace_of
 
 
 class LocalRun:
@@ -60,6 +61,7 @@ class LocalRun:
         self.trace = Trace()
         self.stopped_exit_code = 0
         self.stop = StopSignals()
+        self._made: dict[str, object] = {}
         self._on_progress = on_progress
         self._started_ns = time.monotonic_ns() if started_ns is None else started_ns
 
@@ -95,7 +97,9 @@ class LocalRun:
         :raises InputError: the law cannot be made, or does not fit the scenario.
         """
         node = controller_of(self.scenario, self.spec.law, self.spec.seed, folder=self.folder)
-        return plant_beside(self.scenario, self.spec, node, self.session, folder=self.folder), node
+        plant = plant_beside(self.scenario, self.spec, node, self.session, folder=self.folder)
+        self._made = {"controller": node, "plant": plant}
+        return plant, node
 
     def _run(self) -> tuple[str, int]:
         """Why the run is incomplete, and its exit code; empty and PASS for a complete run."""
@@ -131,6 +135,7 @@ class LocalRun:
         session = self.session
         contract = self._system.contract
         self.trace = trace_of(read_log(self.log.path), contract) if session.frames else Trace(contract)
+        self.trace.told = Told(exact=True, nodes=received_by(self._made))
         found = self._judging.score(self.scenario, self.trace)
         if code == PASS:
             code = {"PASS": PASS, "FAIL": FAIL}.get(found.verdict, INVALID)

@@ -7,13 +7,14 @@ never made therefore says so: an empty frame on the telegram's last identifier m
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from railhil.bus.frame import BRS, FD, Frame
 from railhil.bus.injector.holding import LOST
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import parse_master_frame
+from railhil.bus.reception import Document, Gap, summed
 from railhil.bus.telegrams import Event
 from railhil.dbc import Contract, Port
 
@@ -71,6 +72,10 @@ class FaultyController:
         self._deaf_since_ns: int | None = None
         self._backlog: list[Frame] = []
         self._is_new = False
+        # What it had received when it was started again, and what it never got.
+        self._former: list[Document] = []
+        self._gaps: list[Gap] = []
+        self._ports = contract.ports
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._node, name)
@@ -85,6 +90,8 @@ class FaultyController:
         if self.faults.see(frame):
             self._instant()
         if self.is_gone:
+            if self._gaps:
+                self._gaps[-1].take(frame)
             return []
         port = self._asked(frame)
         if self._deaf_since_ns is not None:
@@ -121,6 +128,8 @@ class FaultyController:
             if one.active and not self.is_gone:
                 activities.note(one, "running", "killed")
                 self.is_gone = True
+                self._gaps += self._gap(self._backlog)
+                self._deaf_since_ns, self._backlog = None, []
                 if self._kill is not None:
                     self.faults.write()
                     self._kill()
@@ -145,11 +154,35 @@ class FaultyController:
         backlog, self._backlog = self._backlog, []
         delivers = any(one.fault.after == "deliver" and one.over for one in self._stops)
         if self._is_new:
+            self._gaps += self._gap(backlog, restarted=True)
             self._is_new = False
+            if (told := getattr(self._node, "received", None)) is not None:
+                self._former.append(told)
             self._node = self._make()
         elif delivers:
             # Its answers to these polls come too late for anybody.
             for frame in backlog:
                 self._node.handle(frame)
         else:
+            self._gaps += self._gap(backlog)
             self._node.was_stopped(now_ns - since_ns)
+
+    @property
+    def received(self) -> Document | None:
+        """What the controller has received (:mod:`railhil.bus.reception`); None: it does not say."""
+        return self._told([] if self._deaf_since_ns is None else self._gap(self._backlog))
+
+    def _told(self, also: Sequence[Gap] = ()) -> Document | None:
+        told = getattr(self._node, "received", None)
+        gaps = [gap.document() for gap in (*self._gaps, *also)]
+        return None if told is None else summed([*self._former, told], gaps)
+
+    def _gap(self, frames: Sequence[Frame], restarted: bool = False) -> list[Gap]:
+        """Frames that the controller never gets; nothing of a controller that does not say what it has received."""
+        before = self._told()
+        if before is None:
+            return []
+        gap = Gap(before, self._ports, restarted)
+        for frame in frames:
+            gap.take(frame)
+        return [gap]

@@ -11,6 +11,7 @@ from railhil.common.law_order import LAW_ORDER
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.ato_events import INTERLOCKS, WATCHES, received
+from railhil.supervisor.counters import unchecked, unreconciled
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, STOP_ERROR, STOP_WITHIN_M, TIME_ERROR
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.notes import note_values, notes_of
@@ -72,7 +73,19 @@ def checks(scenario: Scenario, found: Score) -> list[tuple[str, str]]:
 def facts(run: RecordedRun) -> list[tuple[str, str]]:
     """Train and line, and how the run stopped."""
     scenario = run.scenario
-    return [("Train", f"{scenario.train.name}, line {scenario.line.name}"), ("Stopped", _signed(run))]
+    return [
+        ("Train", f"{scenario.train.name}, line {scenario.line.name}"),
+        ("Stopped", _signed(run)),
+        ("Telegrams counted", _counted(run)),
+    ]
+
+
+def _counted(run: RecordedRun) -> str:
+    """Whether the nodes' own counters of telegrams agree with the record."""
+    if silent := unchecked(run.trace):
+        return f"not checked against the record: the {silent} did not report"
+    said = unreconciled(run.scenario, run.trace)
+    return "; ".join(said) or "by controller and plant, as the record shows"
 
 
 def _signed(run: RecordedRun) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from railhil.bus.layout import FLAG_TRUE
 from railhil.bus.telegrams import CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 from railhil.scenarios.model import Scenario
@@ -55,7 +57,7 @@ def received(scenario: Scenario) -> tuple[Received, ...]:
     return (
         Received.of(TrnSpeed, {"TrainSpeed": SPEED_RANGE_01MMPS}),
         Received.of(TrnPos),
-        Received.of(NotchCmd, {"NotchCmd": (-notch_max, notch_max)}),
+        replace(Received.of(NotchCmd, {"NotchCmd": (-notch_max, notch_max)}), follows_bad=False),
     )
 
 

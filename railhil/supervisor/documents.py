@@ -68,6 +68,34 @@ class _Injected(_Part):
     hits: int
 
 
+class _PortCount(_Part):
+    committed: int
+    accepted: int = 0
+    refused: dict[str, int] = {}
+
+
+class _Missed(_Part):
+    first: int
+    count: int
+
+
+class _Gap(_Part):
+    restarted: bool
+    ports: dict[str, _Missed]
+
+
+class _Reception(_Part):
+    ports: dict[str, _PortCount]
+    frames: dict[str, int]
+    gaps: list[_Gap]
+    by_task: bool = False
+
+
+class _Received(_Part):
+    exact: bool
+    nodes: dict[str, _Reception]
+
+
 class _Certificate(_Part):
     scenario: str | None = None
     scenario_sha256: str | None = None
@@ -97,6 +125,7 @@ class _Certificate(_Part):
     foreign: bool | None = None
     not_witnessed: list[str] = []
     injected: list[_Injected] = []
+    received: _Received | None = None
     transport: str | None = None
     frames: int | None = None
     frames_sha256: str | None = None

@@ -303,7 +303,8 @@ def write_folder(
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
         if result.memory is not None:
             write_memory(result.memory, folder / MEMORY_AFTER)
-        write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments))
+        told = {"received": None if trace.told is None else trace.told.as_json()}
+        write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments) | told)
     except BaseException as error:
         # On Ctrl-C, too, nothing may remain that looks like a result.
         if isinstance(error, OSError):

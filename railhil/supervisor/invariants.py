@@ -5,8 +5,8 @@
 4. A watch lowers its level only after the stated number of good telegrams, or at a standstill; EMERGENCY is never left.
 
 The numbers are those of the specification of the bench. Rule 1 (no telegram that failed a check reaches the law) and 6
-(sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.supervisor.counters`. The checks use
-neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
+(sent = accepted + refused + lost) need the counters of the nodes: :mod:`railhil.supervisor.counters`. The checks here
+use neither watch: they read levels, speeds and forces from the record, and count its good telegrams again.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
 from railhil.faults.language import parse
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.counters import unreconciled
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -39,13 +40,16 @@ IntArray = npt.NDArray[np.int64]
 
 
 def broken(scenario: Scenario, trace: Trace) -> list[str]:
-    """One sentence for the first breach of each rule; empty for a run that keeps them.
+    """One sentence for the first breach of each rule, with those of :mod:`railhil.supervisor.counters`; empty for a run
+    that keeps them.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
     a fault has put into NOTCH_CMD is not the controller's, and is not checked.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
-    found = [] if _is_forged(scenario) else [*_commanded_traction(trace), *_left_early_by_controller(trace)]
+    found = list(unreconciled(scenario, trace))
+    if not _is_forged(scenario):
+        found += [*_commanded_traction(trace), *_left_early_by_controller(trace)]
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace)]
     return found
@@ -148,6 +152,9 @@ def _left_early(
             return
         while entered > 0 and level[entered - 1] == left:
             entered -= 1
+        if entered > 0 and level[entered - 1] < 0:
+            # It may have been entered earlier.
+            continue
         count = int(past[index] - first[entered])
         if count < GOOD_NEEDED[left] and not (left == _SERVICE_BRAKE and stands[index]):
             yield (

@@ -21,7 +21,7 @@ from railhil.supervisor.framelog import log_sha256, read_log
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.score import Score
-from railhil.supervisor.trace import Trace, trace_of
+from railhil.supervisor.trace import Told, Trace, trace_of
 
 _BESIDE = "a certificate beside the log, or --scenario"
 
@@ -114,14 +114,17 @@ def checked_record(text: str, name: str | None) -> Record:
     _check_judged(log, scenario, document, name)
     contract = system_named(scenario.system).contract
     trace = _trace(log, scenario, recorded_contract(log.parent, document.get("dbc_sha256"), contract))
+    told = document.get("received")
+    trace.told = None if told is None else Told(told["exact"], told["nodes"])
     wanted, found = document.get("frames_sha256"), log_sha256(log)
     if wanted != found:
         if name is None:
             raise InputError(log, "sha256", found, f"{wanted} ({CERTIFICATE} beside it): a log that nobody changed")
         if wanted is not None:
             other = f"{log.name} (sha256 {found}) is not the log that {CERTIFICATE} beside it is of (sha256 {wanted})"
+            trace.told = None
             return Record(log, scenario, trace, other)
-        document = {}
+        document, trace.told = {}, None
     invalid = str(document.get("line") or "no reason given") if document.get("verdict") == "INVALID" else ""
     return Record(log, scenario, trace, invalid, document)
 

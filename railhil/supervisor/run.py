@@ -41,7 +41,7 @@ from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
-from railhil.supervisor.trace import Trace, trace_of
+from railhil.supervisor.trace import Told, Trace, trace_of
 
 #: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
 #: In lockstep the limit is slightly longer than the plant's patience.
@@ -333,6 +333,7 @@ class Run:
         senders = Senders(self.folder, self.trace.contract, complete=complete)
         if session.frames:
             self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)
+        self.trace.told = Told(complete, senders.received)
         found = senders.findings()
         said = [*(item.sentence(port, "supervisor") for port, item in session.strangers.items()), *found.said]
         line = "; ".join(filter(None, (line, *said)))

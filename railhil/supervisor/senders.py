@@ -16,7 +16,7 @@ from pathlib import Path
 
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
-from railhil.bus.sent import NO_TELEGRAM, read_sent
+from railhil.bus.sent import NO_TELEGRAM, Told, read_sent
 from railhil.dbc import Contract, Port
 
 #: Nodes that write what they have sent; the supervisor knows by itself what it has sent.
@@ -126,18 +126,21 @@ class Senders:
         # Frames of nodes that have said nothing, and of nobody.
         self._answers: Counter[int] = Counter()
         lists = {node: read_sent(sent_file(folder, node)) for node in WITNESSES}
+        #: By node what it has received (:mod:`railhil.bus.reception`).
+        self.received = {node: sent.received for node, sent in lists.items() if sent is not None and sent.received}
         self._witnesses = [node for node, sent in lists.items() if sent is not None]
         owned = [(port.source, can_id) for port in contract.ports for can_id in (*port.can_ids, port.fd_id)]
         for node, can_id in [*owned, ("plant", contract.poll_id)]:
             sent = lists.get(node)
             if sent is not None:
-                self._streams[can_id] = _Stream(sent.get(can_id, ()), self._foreign(node, can_id, lists))
+                self._streams[can_id] = _Stream(sent.frames.get(can_id, ()), self._foreign(node, can_id, lists))
         if "plant" in self._witnesses:
             self._streams[contract.poll_id] = self._polls = _without_scan(self._streams[contract.poll_id])
 
     @staticmethod
-    def _foreign(owner: str, can_id: int, lists: Mapping[str, Mapping[int, Sequence[bytes]] | None]) -> Counter[bytes]:
-        return Counter(data for node, sent in lists.items() if node != owner and sent for data in sent.get(can_id, ()))
+    def _foreign(owner: str, can_id: int, lists: Mapping[str, Told | None]) -> Counter[bytes]:
+        others = [sent.frames for node, sent in lists.items() if node != owner and sent is not None]
+        return Counter(data for frames in others for data in frames.get(can_id, ()))
 
     def passing(self, frames: Iterable[tuple[int, Frame]]) -> Iterator[tuple[int, Frame]]:
         """The frames of a record, compared on their way to another reader."""

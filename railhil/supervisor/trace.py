@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,20 @@ class Noted(NamedTuple):
     cause: str
 
 
+class Told(NamedTuple):
+    """What nodes say that they have received (:mod:`railhil.bus.reception`), by node.
+
+    ``exact``: the record and the nodes have got the same frames, except those that an injected fault kept from a node.
+    """
+
+    exact: bool
+    nodes: Mapping[str, Mapping[str, Any]]
+
+    def as_json(self) -> dict[str, Any]:
+        """As in ``certificate.json``."""
+        return {"exact": self.exact, "nodes": dict(self.nodes)}
+
+
 class Trace:
     """Committed telegrams per port, with the simulation time of each.
 
@@ -46,6 +60,8 @@ class Trace:
         self.polls = 0
         #: Refused frames and telegrams, in the order of the record.
         self.refused: list[Noted] = []
+        #: What the nodes themselves have counted; None: it is not known.
+        self.told: Told | None = None
         #: Time of the last frame, in ns.
         self.end_ns = 0
         self._missed: list[Noted] = []

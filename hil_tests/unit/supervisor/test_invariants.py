@@ -86,6 +86,13 @@ def test_a_level_of_the_same_instant_may_be_of_a_later_tick() -> None:
     assert found(later) == []
 
 
+def test_a_level_that_was_entered_unseen_is_not_judged() -> None:
+    """The record shows it two ticks late, with one good telegram less than it took."""
+    level = {"train_level": lambda tick: 3 if 30 <= tick < 50 else 0}
+    assert found(Story(**level)) == []
+    assert found(Story(**level, watch_lost={30})) == []
+
+
 def test_traction_on_the_way_out_is_none() -> None:
     """At the instant of the new level, and while the level is not in the record."""
     hold = Story(train_level=lambda tick: 1 if tick >= 30 else 0, traction_20n=lambda tick: 500)

@@ -40,12 +40,14 @@ class Received:
     """Telegrams of one port whose receiver judges their content: life sign, check variables, values in range.
 
     Names of signals; ``life`` is empty for a telegram without one. ``ranges``: smallest and largest raw value.
+    ``follows_bad``: the life sign of a telegram that is refused for its content is the last one nevertheless.
     """
 
     port: str
     life: str
     checks: tuple[str, ...]
     ranges: Mapping[str, tuple[int, int]] = field(default_factory=dict)
+    follows_bad: bool = True
 
     @classmethod
     def of(cls, kind: type[Telegram], ranges: Mapping[str, tuple[int, int]] | None = None) -> Received:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,7 @@ from railhil.supervisor.events.declared import Received
 from railhil.supervisor.events.event import LOST, MISSED_POLL, REFUSED, RecordedEvent
 from railhil.supervisor.trace import Noted, Trace
 
+BoolArray = npt.NDArray[np.bool_]
 #: Refusals of one port with one cause that are no further apart are one event; longer than any port's period.
 BURST_NS = 2_000_000_000
 _LIFE_VALUES = 16
@@ -57,32 +59,61 @@ def _burst(kind: str, source: str, cause: str, first_ns: int, last_ns: int, coun
 
 def _judged(trace: Trace, item: Received) -> Iterator[Noted]:
     """Telegrams of one port that its receiver refuses, by the causes of its counters."""
-    port = item.port
-    names = [name for name in (item.life, *item.checks, *item.ranges) if name]
-    if not all(trace.has(port, name) for name in names):
-        # A record of another version.
-        return
-    check_failed = np.zeros(trace.count(port), dtype=bool)
+    times_ns = trace.times_ns(item.port)
+    for index, cause in judged(trace, item):
+        yield Noted(times_ns[index], item.port, cause)
+
+
+class Stretch(NamedTuple):
+    """Telegrams of a port by their numbers in the record, from ``first`` up to ``after``; ``anew``: the receiver has
+    forgotten those before."""
+
+    first: int
+    after: int
+    anew: bool = False
+
+
+def bad_content(trace: Trace, item: Received) -> tuple[BoolArray, BoolArray]:
+    """Which telegrams of a port have a wrong check variable, and which a value out of range; shape (n,)."""
+    check_failed = np.zeros(trace.count(item.port), dtype=bool)
     for name in item.checks:
-        check_failed |= trace.raw(port, name) != CHECK_CORRECT
+        check_failed |= trace.raw(item.port, name) != CHECK_CORRECT
     outside = np.zeros_like(check_failed)
     for name, (lowest, highest) in item.ranges.items():
-        raw = trace.raw(port, name)
+        raw = trace.raw(item.port, name)
         outside |= (raw < lowest) | (raw > highest)
-    signs = trace.raw(port, item.life) if item.life else np.zeros(len(outside), dtype=np.int64)
+    return check_failed, outside
+
+
+def judged(trace: Trace, item: Received, heard: Sequence[Stretch] | None = None) -> Iterator[tuple[int, str]]:
+    """The telegrams of one port that its receiver refuses: number in the record, and cause.
+
+    :param heard: what the receiver has heard of them; None: all.
+    """
+    names = [name for name in (item.life, *item.checks, *item.ranges) if name]
+    if not all(trace.has(item.port, name) for name in names):
+        # A record of another version.
+        return
+    check_failed, outside = bad_content(trace, item)
+    signs = trace.raw(item.port, item.life) if item.life else np.zeros(len(outside), dtype=np.int64)
     steady = not item.life or bool(np.all(np.diff(signs) % _LIFE_VALUES == 1))
-    if steady and not (check_failed.any() or outside.any()):
+    if steady and not heard and not (check_failed.any() or outside.any()):
         return
     life = LifeSign()
-    for time_ns, sign, wrong, beyond in zip(trace.times_ns(port), signs.tolist(), check_failed, outside, strict=True):
-        if item.life:
-            verdict = life.judge(sign)
-            if not verdict.fresh:
-                yield Noted(time_ns, port, verdict.value)
-                continue
-            life.accept(sign)
-        if wrong or beyond:
-            yield Noted(time_ns, port, "check_variable" if wrong else "out_of_range")
+    for stretch in heard if heard is not None else [Stretch(0, len(signs))]:
+        life = LifeSign() if stretch.anew else life
+        for index in range(stretch.first, stretch.after):
+            wrong, beyond = check_failed[index], outside[index]
+            sign = int(signs[index])
+            if item.life:
+                verdict = life.judge(sign)
+                if not verdict.fresh:
+                    yield index, verdict.value
+                    continue
+                if item.follows_bad or not (wrong or beyond):
+                    life.accept(sign)
+            if wrong or beyond:
+                yield index, "check_variable" if wrong else "out_of_range"
 
 
 def lost(trace: Trace, schedule: Schedule) -> Iterator[RecordedEvent]:
