@@ -382,6 +382,13 @@ def test_a_killed_controller_is_gone(runs: Runs) -> None:
     assert (run.score.verdict, run.score.failures[0]) == ("FAIL", "controller lost")
 
 
+@pytest.mark.parametrize("fault", ["bus down @1s", "NOTCH_CMD loss @1s", "controller stop @1s"])
+def test_a_controller_silenced_for_good_is_lost(runs: Runs, fault: str) -> None:
+    run = runs(fault)
+    assert run.ended is Event.ENDED_CONTROLLER_LOST
+    assert (run.score.verdict, run.score.failures[0]) == ("FAIL", "controller lost")
+
+
 def test_a_stopped_controller_continues(runs: Runs) -> None:
     for after in ("", " after deliver"):
         run = runs(f"controller stop @1s for 200ms{after}")

@@ -12,8 +12,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
 from railhil.faults.language import parse
+from railhil.faults.model import Fault
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
@@ -136,12 +137,20 @@ def _unscored(reason: str, ended: str) -> Score:
     return Score("INVALID", *unscored(), (reason,), ended, {OVERSPEED.key: 0.0})
 
 
+def _silences_controller(fault: Fault) -> bool:
+    """Whether a run with this fault may end without a controller."""
+    place = fault.place
+    if place.level == "node":
+        return place.name == "controller"
+    return place.level == "bus" or (place.level == "telegram" and place.name == NotchCmd.PORT)
+
+
 def score(scenario: Scenario, trace: Trace) -> Score:
     """Score a recorded run.
 
     :param scenario: the *nominal* scenario of the run (its plan, target curve and limits).
     :returns: verdict PASS or FAIL; INVALID if the record does not hold a complete run. One whose controller a fault has
-        killed is complete when the train stands; its verdict is FAIL.
+        silenced is complete when the train stands; its verdict is FAIL.
     """
     events = _events(trace)
     ended = next((event for event in sorted(events, reverse=True) if event.ends_run), None)
@@ -157,7 +166,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
-    if any(parse(text).kills_controller for text in scenario.faults):
+    if any(_silences_controller(parse(text)) for text in scenario.faults):
         # As asked for: what the train did without it is judged.
         whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:
