@@ -126,7 +126,7 @@ def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
 
 
 def longest_stop_s(texts: Iterable[str]) -> float:
-    """The longest wall time in s for which one of a run's faults stops the controller's process; 0: none does."""
+    """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
     faults = (parse(text) for text in texts)
     stops = (one for one in faults if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop"))
     return max((one.duration_s or 0.0 for one in stops), default=0.0)

@@ -20,7 +20,8 @@ from railhil.faults.language import parse
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, longest_stop_s, missed_faults
+from railhil.supervisor import fault_report
+from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
     WALL,
@@ -48,8 +49,8 @@ from railhil.supervisor.trace import Trace, trace_of
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost.
 AFTER_LOSS_S = 4.0
-#: Real time: wall time for which the controller may be suspended by a signal, beside the time for which a fault of the
-#: run stops it; then it counts as lost.
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. The time for which
+#: a fault of the run stops it comes on top.
 SUSPENDED_S = 5.0
 _LOOK_S = 0.05
 #: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
@@ -98,8 +99,8 @@ class Run:
         #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
         self._lost = ""
-        # For how long a fault of the run stops the controller.
-        self._stopped_s = longest_stop_s(scenario.faults)
+        # For how long a fault of the run stops the controller, on the wall clock.
+        self._stopped_s = fault_report.longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0)
         self._scheduling = Scheduling()
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
@@ -134,9 +135,10 @@ class Run:
                 finally:
                     link.close()
                     link.tell_trouble()
-                counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     self._await_stopped(nodes)
+                counters = dict(link.counters) | self.session.counters
+                if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
                 if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.suspended():
                     self._lost = self._lost or self._who_died(nodes)
@@ -155,12 +157,6 @@ class Run:
             parse(one.text).place.name == "controller" and one.hits for one in outcomes if " kill " in one.text
         )
         return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
-
-    def _await_stopped(self, nodes: Nodes) -> None:
-        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
-        give_up_s = time.monotonic() + self._stopped_s
-        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not self.stop.number:
-            time.sleep(_LOOK_S)
 
     def _join(self, nodes: Nodes) -> Link:
         """Start the nodes and open the bus; an existing bus is checked first."""
@@ -252,6 +248,12 @@ class Run:
                 stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
                 self._lost = self._lost or self._who_died(nodes) or stuck
                 return
+
+    def _await_stopped(self, nodes: Nodes) -> None:
+        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
+        give_up_s = time.monotonic() + self._stopped_s
+        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not self.stop.number:
+            time.sleep(_LOOK_S)
 
     def _has_left(self, link: Link, heard: bool) -> bool:
         """Record which node was the first to leave an unfinished run; True if nothing more can come."""
