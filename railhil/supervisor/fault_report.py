@@ -14,7 +14,7 @@ from railhil.bus.injector.node_faults import nodes_of
 from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
 from railhil.common.whole_file import whole_file
 from railhil.faults.capability import check_injectable
-from railhil.faults.language import fault_text, parse
+from railhil.faults.language import fault_text
 from railhil.faults.model import Fault, Trigger
 from railhil.scenarios.fault_list import drawn_faults, injection_of
 from railhil.scenarios.model import AnyScenario
@@ -123,13 +123,6 @@ def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
     known = {LOCAL: "local", HUB_INTERFACE: "hub", "socketcan": "kernel"}
     found = known.get(str(choice.config.get("interface")), "adapter")
     return [found, *(["board"] * foreign)]
-
-
-def longest_stop_s(texts: Iterable[str]) -> float:
-    """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
-    faults = (parse(text) for text in texts)
-    stops = (one for one in faults if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop"))
-    return max((one.duration_s or 0.0 for one in stops), default=0.0)
 
 
 def missed_faults(outcomes: Sequence[FaultOutcome]) -> str:

@@ -20,7 +20,6 @@ from railhil.faults.language import parse
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
-from railhil.supervisor import fault_report
 from railhil.supervisor.fault_report import FaultOutcome, fault_outcomes, missed_faults
 from railhil.supervisor.framelog import FrameLog, read_log
 from railhil.supervisor.jitter import (
@@ -33,7 +32,7 @@ from railhil.supervisor.jitter import (
     write_wall_times,
 )
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.launch import start_hub, start_nodes
+from railhil.supervisor.launch import longest_stop_s, start_hub, start_nodes
 from railhil.supervisor.processes import Node, Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
@@ -49,8 +48,8 @@ from railhil.supervisor.trace import Trace, trace_of
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost.
 AFTER_LOSS_S = 4.0
-#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. The time for which
-#: a fault of the run stops it comes on top.
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
+#: fault of the run stops it comes on top.
 SUSPENDED_S = 5.0
 _LOOK_S = 0.05
 #: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
@@ -100,7 +99,7 @@ class Run:
         self.stop = StopSignals()
         self._lost = ""
         # For how long a fault of the run stops the controller, on the wall clock.
-        self._stopped_s = fault_report.longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0)
+        self._stopped_s = longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0)
         self._scheduling = Scheduling()
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
