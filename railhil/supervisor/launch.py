@@ -1,8 +1,8 @@
-"""Command lines of the nodes that the supervisor starts itself."""
+"""Command lines of the nodes that the supervisor starts itself, and what faults of the run mean for them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from railhil.bus.injector.bus_faults import need_orders
@@ -58,3 +58,10 @@ def start_nodes(
     law += _scheduling(run, start_up, NODE_PRIORITY)
     law += [*logged, "--seed", str(run.seed)] if faulty else []
     nodes.start("controller", "railhil.controller_node", [*run.scenario_words, *law, *choice.arguments])
+
+
+def longest_stop_s(texts: Iterable[str]) -> float:
+    """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
+    faults = (parse(text) for text in texts)
+    stops = (one for one in faults if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop"))
+    return max((one.duration_s or 0.0 for one in stops), default=0.0)

@@ -32,7 +32,7 @@ from railhil.supervisor.jitter import (
     write_wall_times,
 )
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.launch import start_hub, start_nodes
+from railhil.supervisor.launch import longest_stop_s, start_hub, start_nodes
 from railhil.supervisor.processes import Node, Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
@@ -48,7 +48,8 @@ from railhil.supervisor.trace import Told, Trace, trace_of
 SILENCE_S = 4.0
 #: Time for the other nodes to stop by themselves after a node was lost; while the plant ticks, the record goes on.
 AFTER_LOSS_S = 4.0
-#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost.
+#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
+#: fault of the run stops it comes on top.
 SUSPENDED_S = 5.0
 _LOOK_S = 0.05
 #: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
@@ -97,6 +98,8 @@ class Run:
         #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
         self._lost = ""
+        # For how long a fault of the run stops the controller, on the wall clock.
+        self._stopped_s = longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0)
         self._scheduling = Scheduling()
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
@@ -131,6 +134,8 @@ class Run:
                 finally:
                     link.close()
                     link.tell_trouble()
+                if self.session.ended is not None:
+                    self._await_stopped(nodes)
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
@@ -238,7 +243,7 @@ class Run:
                 return
             if self.spec.is_realtime:
                 suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
-                if suspended_looks * _LOOK_S > SUSPENDED_S:
+                if suspended_looks * _LOOK_S > SUSPENDED_S + self._stopped_s:
                     self._lost = self._who_died(nodes)
                     return
             # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
@@ -249,6 +254,12 @@ class Run:
                 stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
                 self._lost = self._lost or self._who_died(nodes) or stuck
                 return
+
+    def _await_stopped(self, nodes: Nodes) -> None:
+        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
+        give_up_s = time.monotonic() + self._stopped_s
+        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not self.stop.number:
+            time.sleep(_LOOK_S)
 
     def _has_left(self, link: Link, heard: bool) -> bool:
         """Record which node was the first to leave an unfinished run; True if nothing more can come."""

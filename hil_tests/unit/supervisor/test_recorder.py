@@ -58,11 +58,11 @@ class Bus:
 FOREIGN = [Frame(0x7FF, b"\0")]
 
 
-def made(folder: Path, silence_s: float) -> Run:
+def made(folder: Path, silence_s: float, faults: tuple[str, ...] = ()) -> Run:
     """A realtime run that gives up after so long."""
     choice = BusChoice({"interface": "socketcan", "channel": "can0"}, "test")
     return Run(
-        load("lvshun_tieshan"),
+        load("lvshun_tieshan", (), faults),
         RunSpec(pace="realtime"),
         StartUp(),
         choice,
@@ -266,6 +266,33 @@ def test_in_real_time_a_suspended_controller_is_not_waited_for_forever(
     assert run._lost == (blame if is_suspended else "no tick for 0.5 s of wall time: bench is deadlocked")
 
 
+@pytest.mark.parametrize("faults", [(), ("controller stop @1s for 30s", "plant stop @2s for 40s")])
+def test_a_controller_that_a_fault_has_stopped_is_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, faults: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr("railhil.supervisor.run.SUSPENDED_S", 0.1)
+    run = made(tmp_path, BOUND_S, faults)
+    assert run._stopped_s == (30 if faults else 0)
+    run.session.recording = True
+    run.session.first_frame_ns = time.monotonic_ns()
+    nodes = Nodes(tmp_path)
+    looks: list[str] = []
+
+    def suspended() -> str:
+        looks.append("controller")
+        if len(looks) == 10:
+            run.session.ended = Event.ENDED_CONTROLLER_LOST
+        return "controller" if len(looks) < 15 else ""
+
+    monkeypatch.setattr(nodes, "suspended", suspended)
+    run._record(Bus(FOREIGN), nodes, StopSignals())
+    assert bool(run._lost) is not bool(faults)
+    if faults:
+        assert len(looks) == 10
+        run._await_stopped(nodes)
+        assert len(looks) == 15
+
+
 def test_a_controller_that_refuses_its_input_ends_a_run_that_has_not_begun(tmp_path: Path) -> None:
     """At once: there is no train whose reaction would have to be recorded."""
     run = made(tmp_path, 0.1)
@@ -306,7 +333,11 @@ def test_the_plant_says_what_went_wrong_on_its_connection(
     """The last line, after the link is closed."""
     done: list[str] = []
     link = SimpleNamespace(
-        lossless=True, is_down=False, close=lambda: done.append("close"), tell_trouble=lambda: done.append("tell")
+        lossless=True,
+        is_down=False,
+        disturber=None,
+        close=lambda: done.append("close"),
+        tell_trouble=lambda: done.append("tell"),
     )
     monkeypatch.setattr(plant_program, "open_link", lambda _config, _name: link)
     monkeypatch.setattr(plant_program, "run_plant", lambda *_: done.append("run"))
