@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from railhil.bus.frame import REMOTE, Frame
+from railhil.bus.frame import FD, REMOTE, Frame
 from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.follower import raw_of
 from railhil.bus.injector.rewriting import (
@@ -232,11 +232,12 @@ class FrameChange:
 
     def _masquerade(self, frames: Telegram, now_ns: int) -> Telegram:
         assert self._other is not None
-        ids = self._other.can_ids
+        ids = (self._other.fd_id,) if frames[0].flags & FD else self._other.can_ids
         return [frame._replace(can_id=ids[min(index, len(ids) - 1)]) for index, frame in enumerate(frames)]
 
     def _remote(self, frames: Telegram, now_ns: int) -> Telegram:
-        return [Frame(frame.can_id, bytes(len(frame.data)), REMOTE) for frame in frames]
+        # CAN FD has no remote frames: on such a bus, too, they are classic ones.
+        return [Frame(frame.can_id, bytes(min(len(frame.data), 8)), REMOTE) for frame in frames]
 
     def _stuck(self, frames: Telegram, now_ns: int) -> Telegram:
         if self._first is None:

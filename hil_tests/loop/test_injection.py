@@ -14,7 +14,7 @@ import pytest
 from hil_tests.support.disturbed import disturbed_run
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 from railhil.bench import BenchRun, local_run, plant_beside, write_fault_logs
-from railhil.bus.frame import ERROR, Frame
+from railhil.bus.frame import ERROR, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import (
     CtlMode,
@@ -371,6 +371,24 @@ def test_foreign_frames_load_the_bus(runs: Runs) -> None:
     count = len(frames(run, 0x7E0))
     assert count * 111 == pytest.approx(0.5 * 500_000, rel=0.02)
     assert run.score.verdict == runs().score.verdict
+
+
+def test_with_can_fd_a_remote_frame_is_classic_and_a_foreign_one_has_the_form_of_its_port(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text(RUN_2M_TOML)
+    faults = ("TRN_POS remote @1s for 100ms", "TRN_POS masquerade SPEED_SDT @2s for 100ms")
+    seen: list[Frame] = []
+
+    def wire(frame: Frame) -> list[Frame]:
+        seen.append(frame)
+        return [frame]
+
+    local_run(load(path, (), faults), tmp_path, fd=True, wire=wire)
+    contract = wire_contract()
+    remote = [frame for frame in seen if frame.can_id == contract.port(TrnPos.PORT).fd_id and frame.flags & REMOTE]
+    assert {(len(frame.data), frame.flags & FD) for frame in remote} == {(8, 0)}
+    foreign = [frame for frame in seen if frame.can_id == contract.port("SPEED_SDT").fd_id]
+    assert {frame.flags & FD for frame in foreign} == {FD}
 
 
 def test_a_killed_controller_is_gone(runs: Runs) -> None:
