@@ -11,6 +11,7 @@ module       content
 ``ports``    the hub's end of a connection: never blocks, bounded queue
 ``gateway``  another python-can bus as a port; ``portspec`` its name, ``backlog`` frames waiting for it
 ``guests``   clients that have not said hello yet
+``membership`` who is connected, and which descriptors the loop watches
 ``switch``   the loop that carries packets from one port to all others
 ``bitlength`` length of a frame on the wire, stuff bits counted
 ``model``    optional bit rate and arbitration

@@ -16,7 +16,8 @@ from railhil.bus.hub import guests
 from railhil.bus.hub.address import listen, parse_channel
 from railhil.bus.hub.client import HubBus, HubUnavailable
 from railhil.bus.hub.connection import HubLost
-from railhil.bus.hub.switch import MAX_CLIENTS, Switch
+from railhil.bus.hub.membership import MAX_CLIENTS
+from railhil.bus.hub.switch import Switch
 from railhil.bus.hub.wire import encode_hello, pack_frame
 
 
