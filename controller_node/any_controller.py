@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Protocol
 
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import Event
 from railhil.scenarios.run_spec import LawSpec
 
 

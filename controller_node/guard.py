@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections import Counter
 
+from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import Life, LifeSign
 from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import CtlCause, TrkInfo, TrnSpeed
+from railhil.bus.telegrams import TrkInfo, TrnSpeed
 from railhil.controller_node.channel import (
     CHANNEL_WINDOW_MS,
     DISORDER_MAX_MS,

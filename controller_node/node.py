@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from railhil.bus.codes import ControllerFlag, CtlMode, Event
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.reception import Document, reception
@@ -16,10 +17,7 @@ from railhil.bus.telegrams import (
     HEADROOM_UNUSED,
     NO_QUANTITY,
     BalisePassed,
-    ControllerFlag,
-    CtlMode,
     CtlStat,
-    Event,
     NotchCmd,
     PltStat,
     RunEvent,

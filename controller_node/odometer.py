@@ -17,10 +17,11 @@ from __future__ import annotations
 
 from collections import Counter
 
+from railhil.bus.codes import CtlCause
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import LifeSign
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlCause, TrnPos
+from railhil.bus.telegrams import TrnPos
 from railhil.controller_node.loop import POSITION_MAX_01MM, limited_01mm
 from railhil.scenarios.model import Scenario
 

@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railhil.bus.telegrams import CtlCause
+from railhil.bus.codes import CtlCause
 from railhil.scenarios.effort import force_limit_n, resistance_n
 from railhil.scenarios.model import Scenario
 

@@ -29,7 +29,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
-from railhil.bus.telegrams import CtlCause
+from railhil.bus.codes import CtlCause
 from railhil.scenarios.model import Scenario
 
 GOOD_AFTER_TRACTION_CUT = 5

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
+from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
-from railhil.bus.telegrams import Event
 
 
 class PlantError(Exception):
@@ -16,7 +16,7 @@ class PlantError(Exception):
 class Happened(Protocol):
     """Something that happened inside a tick, at its exact instant and true position.
 
-    ``kind``: a milestone in lower case, either the bench's (:class:`railhil.bus.telegrams.Event`) or the system's own,
+    ``kind``: a milestone in lower case, either the bench's (:class:`railhil.bus.codes.Event`) or the system's own,
     or anything that :meth:`AnyPlant.telegram_of` turns into a telegram.
     """
 

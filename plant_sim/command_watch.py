@@ -28,7 +28,7 @@ from enum import IntEnum
 from math import inf
 from typing import NamedTuple
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.common.compilable import compilable, larger, smaller
 from railhil.scenarios.model import WatchLimits
 

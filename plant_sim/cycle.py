@@ -18,9 +18,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Protocol
 
+from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import Ending, Happened
 from railhil.plant_sim.milestones import Milestones

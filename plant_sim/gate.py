@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections import Counter
 
+from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE
 from railhil.bus.lifesign import Life, LifeSign
-from railhil.bus.telegrams import NotchCmd, WatchCause
+from railhil.bus.telegrams import NotchCmd
 
 #: Number of commands with a wrong check variable among the last :data:`RECENT` that is suspicious.
 BAD_FOR_SUSPICION = 3

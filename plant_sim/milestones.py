@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
-from railhil.bus.telegrams import EVENT_COPIES, EVENT_SPACING_NS, Event, RunEvent
+from railhil.bus.telegrams import EVENT_COPIES, EVENT_SPACING_NS, RunEvent
 
 _NUMBER_MASK = 0xFFFF
 

@@ -9,6 +9,7 @@ from typing import NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
+from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
@@ -18,7 +19,7 @@ from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import Event, FaultOrder, SupCmd, SupCommand
+from railhil.bus.telegrams import SupCmd
 from railhil.common.patience import APPEAR_S
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import deque
 from math import inf, isfinite
 
-from railhil.bus.telegrams import STOP_LEG_MIN_M, WatchCause
+from railhil.bus.codes import WatchCause
+from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.bus.telegrams import Event
+from railhil.bus.codes import Event
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.model import Scenario
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from railhil.bus.clock import rate_to_10th, to_time_sync
+from railhil.bus.codes import TimeState
 from railhil.bus.layout import Telegram, flag
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, SpeedSdt, safe_tick_fields
 from railhil.bus.sdt import SafeSource, source_identity
@@ -14,7 +15,6 @@ from railhil.bus.telegrams import (
     BalisePassed,
     PltStat,
     SimTruth,
-    TimeState,
     TimeSync,
     TrkInfo,
     TrnPos,

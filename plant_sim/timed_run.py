@@ -10,8 +10,9 @@ from typing import Any
 
 from railhil.bus.acceptance import Acceptance
 from railhil.bus.clock import rate_to_10th, to_time_sync
+from railhil.bus.codes import Event, TimeState
 from railhil.bus.layout import Telegram
-from railhil.bus.telegrams import Event, TimeState, TimeSync
+from railhil.bus.telegrams import TimeSync
 
 #: A plant that has received no command for this long is abandoned.
 ABANDONED_NS = 1_000_000_000

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from railhil.bus.codes import WatchCause
 from railhil.bus.layout import Telegram
 from railhil.bus.safe_telegrams import NotchSdt
-from railhil.bus.telegrams import CtlStat, NotchCmd, WatchCause
+from railhil.bus.telegrams import CtlStat, NotchCmd
 from railhil.plant_sim.command_watch import CommandWatchState
 from railhil.plant_sim.gate import CommandGate
 from railhil.plant_sim.plant import NOTCH_LSB_PER_NOTCH, Plant

@@ -23,7 +23,7 @@ from __future__ import annotations
 from math import exp, inf
 from typing import NamedTuple
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.common.compilable import compilable, compilable_aside, larger, smaller
 from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.forces import TrainConstants, effort_limit_n

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
@@ -20,7 +21,7 @@ from railhil.bus.layout import Telegram
 from railhil.bus.local import LocalBus
 from railhil.bus.reception import received_by
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.any_controller import AnyController
 from railhil.controller_node.arithmetic.base import Counters

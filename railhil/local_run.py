@@ -9,10 +9,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from railhil.bench import plant_beside, write_fault_logs
+from railhil.bus.codes import Event
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.reception import received_by
 from railhil.bus.select import LOCAL
-from railhil.bus.telegrams import Event
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.any_controller import AnyController

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
+from railhil.bus.codes import Event
 from railhil.bus.frame import BRS, FD, Frame
 from railhil.bus.injector.holding import LOST
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import parse_master_frame
 from railhil.bus.reception import Document, Gap, summed
-from railhil.bus.telegrams import Event
 from railhil.dbc import Contract, Port
 
 

@@ -6,10 +6,11 @@ fault disturbs: at the plant the port that opens the ticks, as it is before any 
 
 from __future__ import annotations
 
+from railhil.bus.codes import Event, FaultOrder
 from railhil.bus.frame import Frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd, TimeSync
+from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
 from railhil.faults.model import Injection
 from railhil.faults.ports import life_signal

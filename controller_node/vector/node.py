@@ -5,12 +5,13 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Ident, Role, make_ident
 from railhil.bus.layout import Telegram
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, RunEvent, TimeSync
+from railhil.bus.telegrams import RunEvent, TimeSync
 from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
 from railhil.controller_node.vector.controller import VectorController, VectorOutput

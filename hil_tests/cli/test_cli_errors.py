@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 from hil_tests.support.cli import Done, Started, complaint, railhil, wait_for
+from railhil.bus.codes import Event
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.ident import Role, make_ident
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.select import BusChoice
-from railhil.bus.telegrams import Event
 from railhil.cli import programs as outside
 from railhil.common.errors import InputError
 from railhil.controller_node.node import ControllerNode

@@ -9,11 +9,12 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from railhil.bench import local_run
+from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import FD, Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.responder import Responder
-from railhil.bus.telegrams import CtlMode, CtlStat, Event, NotchCmd, RunEvent, TimeSync, TrkInfo, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TimeSync, TrkInfo, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node import node as node_module
 from railhil.controller_node.node import ControllerNode

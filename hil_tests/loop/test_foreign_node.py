@@ -17,11 +17,12 @@ from hil_tests.support.foreign import (
     without_telemetry,
 )
 from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
+from railhil.bus.codes import Event
 from railhil.bus.frame import EXTENDED, REMOTE, Frame
 from railhil.bus.ident import CtlIdent, Role
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
 from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import BalisePassed, CtlStat, Event, NotchCmd, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract

@@ -18,10 +18,11 @@ from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.exported import STRICT
 from hil_tests.support.foreign import SANITIZED, build_node, export_node, foreign_run, without_status
 from railhil.bench import local_run
+from railhil.bus.codes import Event
 from railhil.bus.frame import EXTENDED, Frame
 from railhil.bus.hub.client import HubBus
 from railhil.bus.mvb import F_DEVICE_STATUS, device_status_frame, master_frame
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 
 from railhil.bench import BenchRun, local_run
+from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import CAUSES
-from railhil.bus.telegrams import CtlMode, Event, NotchCmd, SimTruth, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed
 from railhil.dbc import wire_contract
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.scenarios.model import Scenario

@@ -7,11 +7,12 @@ from collections.abc import Callable
 
 import pytest
 
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import Event, NotchCmd
+from railhil.bus.telegrams import NotchCmd
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.node import PlantNode

@@ -14,13 +14,11 @@ import pytest
 from hil_tests.support.disturbed import disturbed_run
 from hil_tests.support.short_runs import RUN_2M_TOML, RUN_72M_TOML
 from railhil.bench import BenchRun, local_run, plant_beside, write_fault_logs
+from railhil.bus.codes import CtlMode, Event, FaultOrder
 from railhil.bus.frame import ERROR, FD, REMOTE, Frame
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.telegrams import (
-    CtlMode,
     CtlStat,
-    Event,
-    FaultOrder,
     NotchCmd,
     RunEvent,
     SimTruth,

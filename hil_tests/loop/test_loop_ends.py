@@ -7,12 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
+from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, PltIdent
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import EVENT_COPIES, CtlStat, Event, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import EVENT_COPIES, CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.node import PlantNode, Refused

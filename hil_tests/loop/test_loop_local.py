@@ -6,8 +6,9 @@ import pytest
 
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnSpeed
 from railhil.controller_node.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load

@@ -10,11 +10,12 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import BenchRun, local_run
+from railhil.bus.codes import CtlMode, FaultOrder
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_ERRONEOUS
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import CtlMode, FaultOrder, NotchCmd, SimTruth, SupCmd, TrnPos, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import NotchCmd, SimTruth, SupCmd, TrnPos, TrnSpeed, TrnWatch
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import CommandWatchLevel

@@ -17,10 +17,11 @@ import pytest
 
 from hil_tests.support.paths import ROOT
 from railhil.bench import BenchRun, direct_run, local_run
+from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import CHECK_CORRECT, Telegram
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import BalisePassed, CtlMode, CtlStat, Event, NotchCmd, SimTruth, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, SimTruth, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Balise, Scenario

@@ -17,7 +17,8 @@ import pytest
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
-from railhil.bus.telegrams import Event, NotchCmd, SimTruth
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY, RECORDER_PRIORITY, permitted_priority
 from railhil.supervisor.framelog import read_log
 from railhil.supervisor.jitter import LATE_SHARE_MAX

@@ -9,7 +9,8 @@ import pytest
 from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
-from railhil.bus.telegrams import CtlMode, NotchCmd
+from railhil.bus.codes import CtlMode
+from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 

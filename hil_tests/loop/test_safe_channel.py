@@ -10,19 +10,13 @@ import pytest
 
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import direct_run, local_run
+from railhil.bus.codes import CtlCause, CtlMode, Event, WatchCause
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.safe_telegrams import SAFE_DATA_VERSION, NotchSdt, SpeedSdt
 from railhil.bus.sdt import SafeSource, source_identity
-from railhil.bus.telegrams import (
-    CtlCause,
-    CtlMode,
-    Event,
-    NotchCmd,
-    TrnSpeed,
-    WatchCause,
-)
+from railhil.bus.telegrams import NotchCmd, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.command_watch import CommandWatchLevel

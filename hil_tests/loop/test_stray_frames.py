@@ -10,9 +10,10 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from railhil.bench import BenchRun, local_run
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.mvb import TelegramSource
-from railhil.bus.telegrams import EVENT_COPIES, Event, RunEvent, SimTruth, TrnSpeed
+from railhil.bus.telegrams import EVENT_COPIES, RunEvent, SimTruth, TrnSpeed
 from railhil.plant_sim.milestones import Milestones
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario

@@ -16,8 +16,9 @@ from hil_tests.support.cli import Started, railhil, wait_for
 from hil_tests.support.plug import plug_in
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import BenchRun, local_run
+from railhil.bus.codes import ControllerFlag
 from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import ControllerFlag, CtlStat, NotchCmd, SimTruth
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant

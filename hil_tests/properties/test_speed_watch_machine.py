@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, rule
 
-from railhil.bus.telegrams import CtlCause
+from railhil.bus.codes import CtlCause
 from railhil.controller_node.speed_watch import Ladder, Reception, Seen, SpeedWatchState, command, observe
 from railhil.scenarios.load import load
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from railhil.bus.telegrams import Event
+from railhil.bus.codes import Event
 from railhil.scenarios.load import load
 from railhil.scenarios.model import AnyScenario
 from railhil.supervisor.events.derive import events_of

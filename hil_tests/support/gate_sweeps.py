@@ -9,7 +9,8 @@ import random
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
-from railhil.bus.telegrams import CtlCause, NotchCmd, TrkInfo, TrnSpeed, WatchCause
+from railhil.bus.codes import CtlCause, WatchCause
+from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnSpeed
 from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
 from railhil.controller_node.odometer import Odometer

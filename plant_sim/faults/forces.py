@@ -6,7 +6,7 @@ from dataclasses import replace
 from math import inf
 from typing import NamedTuple
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.faults.adhesion import AxleSlip

@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from math import nan
 from typing import Any
 
+from railhil.bus.codes import CtlMode
 from railhil.bus.layout import CHECK_ERRONEOUS, Telegram
 from railhil.bus.safe_telegrams import SpeedSdt
-from railhil.bus.telegrams import BalisePassed, CtlMode, NotchCmd, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, NotchCmd, TrnPos, TrnSpeed
 from railhil.faults.capability import MISMATCHES
 from railhil.faults.model import Fault
 from railhil.plant_sim import force_tables

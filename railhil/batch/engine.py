@@ -13,7 +13,7 @@ from railhil.batch.case import Case
 from railhil.batch.kernel import run_period, stand_to_the_end
 from railhil.batch.noise import standard_noise
 from railhil.batch.setup import Times, Trains, common, status_tick, trains
-from railhil.bus.telegrams import Event
+from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
 from railhil.controller_node.laws.base import NOTCH_Q, BaliseReading

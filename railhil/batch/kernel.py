@@ -14,7 +14,8 @@ from math import inf
 from typing import Any
 
 from railhil.batch import compiled, curve, layout
-from railhil.bus.telegrams import STOP_LEG_MIN_M, Event
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import STOP_LEG_MIN_M
 from railhil.common.compilable import larger, smaller
 from railhil.plant_sim import events, plant
 from railhil.plant_sim.command_watch import CommandWatchLevel, CommandWatchState, watch_brake_mps2, watch_step

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from railhil.bus.codes import CtlMode
 from railhil.bus.layout import FLAG_TRUE
-from railhil.bus.telegrams import CtlMode, NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.events.declared import Interlocks, Received, Watch
 

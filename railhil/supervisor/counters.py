@@ -15,7 +15,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from railhil.bus.telegrams import Event, RunEvent
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import RunEvent
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.ato_events import received
 from railhil.supervisor.events.declared import Received

@@ -16,9 +16,10 @@ from collections.abc import Iterator
 import numpy as np
 import numpy.typing as npt
 
+from railhil.bus.codes import CtlMode
 from railhil.bus.layout import CHECK_CORRECT
 from railhil.bus.lifesign import MAX_STEP
-from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
 from railhil.faults.language import parse
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.counters import unreconciled

@@ -8,11 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
-from railhil.bus.telegrams import Event
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from railhil.bus.codes import Event
 from railhil.bus.ident import INDEXINGS, CtlIdent
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.faults.language import parse
 from railhil.faults.model import Fault
 from railhil.scenarios.model import Scenario

@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable
 from operator import itemgetter
 
+from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.frame import ERROR, Frame
 from railhil.bus.ident import CtlIdent, Ident, PltIdent, Role, SupIdent, make_ident
 from railhil.bus.layout import Telegram
@@ -19,7 +20,7 @@ from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, FaultOrder, RunEvent, SupCmd, SupCommand, TimeSync
+from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.telegrams import ControllerFlag
+from railhil.bus.codes import ControllerFlag
 from railhil.supervisor.notes import ToldNote
 from railhil.supervisor.trace import Trace
 
@@ -17,7 +17,7 @@ WRAP_FAILURE = "fixed-point wrap in the controller"
 
 @dataclass(frozen=True, slots=True)
 class Status:
-    """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.telegrams.ControllerFlag`, empty: none.
+    """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.codes.ControllerFlag`, empty: none.
 
     ``notes``: those that are the same for every law of the system; a law may declare further ones.
     """

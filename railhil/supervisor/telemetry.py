@@ -16,7 +16,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY, ControllerFlag
+from railhil.bus.codes import ControllerFlag
+from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
 from railhil.supervisor.notes import ToldNote, told_notes
 from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from railhil.bus.telegrams import STOP_LEG_MIN_M, Event, RunEvent
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import STOP_LEG_MIN_M, RunEvent
 from railhil.supervisor.trace import FloatArray, Trace
 
 #: A train that SIM_TRUTH shows at rest for this long has stopped. Speeds below half an LSB (0.05 mm/s) also appear as

@@ -9,10 +9,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from railhil.bus.codes import Event
 from railhil.bus.errors import BusError
 from railhil.bus.frame import Frame
 from railhil.bus.select import LOCAL
-from railhil.bus.telegrams import Event
 from railhil.cli.bus_run import write_results
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS

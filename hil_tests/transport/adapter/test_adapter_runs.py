@@ -14,8 +14,8 @@ from hil_tests.support.adapter_rig import Rig, Timetable
 from hil_tests.support.cli import command, railhil
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
+from railhil.bus.codes import Event
 from railhil.bus.link import Timeouts
-from railhil.bus.telegrams import Event
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec

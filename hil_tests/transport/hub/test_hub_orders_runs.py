@@ -15,12 +15,13 @@ import pytest
 from hil_tests.support.hub import PATIENCE_S, HubProcess, running_hub
 from hil_tests.support.short_runs import RUN_2M_TOML
 from railhil.bench import local_run
+from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.hub.client import HubBus
 from railhil.bus.hub.orders import Order
 from railhil.bus.link import Link
 from railhil.bus.link.batch import BatchLink
-from railhil.bus.telegrams import Event, NotchCmd, SimTruth
+from railhil.bus.telegrams import NotchCmd, SimTruth
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import serve
 from railhil.plant_sim.node import PlantNode

@@ -9,10 +9,11 @@ import pytest
 from hil_tests.support.cli import Started, railhil
 from hil_tests.support.hub import running_hub
 from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import Event, NotchCmd, RunEvent, SimTruth, SupCmd, TrnWatch
+from railhil.bus.telegrams import NotchCmd, RunEvent, SimTruth, SupCmd, TrnWatch
 from railhil.dbc import wire_contract
 
 pytestmark = pytest.mark.faults

@@ -13,7 +13,7 @@ import pytest
 from hil_tests.support.closed_loop import SCENARIO, closed_loop
 from hil_tests.support.ipfc_steps import BASIS, STEPS
 from railhil.bench import local_run
-from railhil.bus.telegrams import Event
+from railhil.bus.codes import Event
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.controller import Controller
 from railhil.controller_node.laws.base import NOTCH_Q, LawInputs

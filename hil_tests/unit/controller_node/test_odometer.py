@@ -7,7 +7,8 @@ from dataclasses import replace
 
 import pytest
 
-from railhil.bus.telegrams import BalisePassed, CtlCause, TrnPos
+from railhil.bus.codes import CtlCause
+from railhil.bus.telegrams import BalisePassed, TrnPos
 from railhil.controller_node.balises import Balises
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.telegrams import CtlCause, NotchCmd, TrkInfo, TrnPos, TrnSpeed
+from railhil.bus.codes import CtlCause
+from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.channel import Debt, Latency
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.odometer import Odometer

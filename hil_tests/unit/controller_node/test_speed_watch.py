@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railhil.bus.telegrams import CtlCause
+from railhil.bus.codes import CtlCause
 from railhil.controller_node.speed_watch import (
     LEVELS,
     Finding,

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from railhil.bus.clock import to_time_sync
+from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.mvb import TelegramSource
 from railhil.bus.store import TrafficStore
-from railhil.bus.telegrams import BalisePassed, CtlStat, Event, RunEvent, SimTruth, TimeSync, TrkInfo, TrnPos
+from railhil.bus.telegrams import BalisePassed, CtlStat, RunEvent, SimTruth, TimeSync, TrkInfo, TrnPos
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.loop import ControlLoop

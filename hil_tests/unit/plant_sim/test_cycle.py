@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
+from railhil.bus.codes import Event
 from railhil.bus.layout import Telegram
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import CtlStat, Event, NotchCmd, SimTruth, SupCmd, TimeSync, TrnSpeed
+from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, SupCmd, TimeSync, TrnSpeed
 from railhil.dbc import Port
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.events import PlantEvent

@@ -7,8 +7,9 @@ from dataclasses import replace
 import pytest
 
 from hil_tests.support.plant_faults import SCENARIO, commanded, fault, faulty, moving, shown
+from railhil.bus.codes import WatchCause
 from railhil.bus.layout import CHECK_ERRONEOUS
-from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed, WatchCause
+from railhil.bus.telegrams import BalisePassed, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.faults.model import Draw, Fault, Trigger
 from railhil.faults.words import CLEAR, Word, words_at

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from railhil.bench import direct_run
-from railhil.bus.telegrams import NotchCmd, WatchCause
+from railhil.bus.codes import WatchCause
+from railhil.bus.telegrams import NotchCmd
 from railhil.common.errors import InputError
 from railhil.plant_sim import dynamics
 from railhil.plant_sim.command_watch import SUSPICIONS, CommandWatchLevel

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import pytest
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.plant_sim.command_watch import CommandWatchLevel
 from railhil.plant_sim.events import PlantEvent
 from railhil.plant_sim.plant import Plant

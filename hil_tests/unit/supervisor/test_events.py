@@ -20,19 +20,11 @@ from hil_tests.support.cli import railhil as command
 from hil_tests.support.disturbed import Disturbance, damaged, disturbed_run
 from hil_tests.support.paths import TEST_DATA
 from hil_tests.support.short_runs import RUN_72M_TOML
+from railhil.bus.codes import CtlCause, CtlMode, WatchCause
 from railhil.bus.frame import ERROR, EXTENDED, Frame
 from railhil.bus.layout import CHECK_CORRECT, FLAG_FALSE, FLAG_TRUE, Telegram
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import (
-    CtlCause,
-    CtlMode,
-    NotchCmd,
-    PltStat,
-    TrnPos,
-    TrnSpeed,
-    TrnWatch,
-    WatchCause,
-)
+from railhil.bus.telegrams import NotchCmd, PltStat, TrnPos, TrnSpeed, TrnWatch
 from railhil.controller_node.guard import SPEED_MAX_01MMPS
 from railhil.dbc import recorded_contract, wire_contract
 from railhil.scenarios.load import load

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import pytest
 
-from railhil.bus.telegrams import CtlMode, NotchCmd, SimTruth, TrnSpeed, TrnWatch
+from railhil.bus.codes import CtlMode
+from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
 from railhil.plant_sim.command_watch import GOOD_AFTER_SERVICE_BRAKE as TRAIN_AFTER_BRAKE
 from railhil.plant_sim.command_watch import GOOD_AFTER_TRACTION_CUT as TRAIN_AFTER_CUT
 from railhil.scenarios.load import load

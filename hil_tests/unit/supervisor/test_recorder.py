@@ -14,10 +14,10 @@ import pytest
 
 from hil_tests.support.cli import wait_for
 from hil_tests.support.short_runs import RUN_2M_TOML
+from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost, BusUnavailable
 from railhil.bus.frame import Frame
 from railhil.bus.select import BusChoice
-from railhil.bus.telegrams import Event
 from railhil.plant_sim import command as plant_program
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import RunSpec

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from railhil.bus.codes import Event
 from railhil.bus.ident import Role, make_ident
-from railhil.bus.telegrams import CtlStat, Event, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth
 from railhil.dbc import Contract, wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve

@@ -8,11 +8,12 @@ from types import SimpleNamespace
 
 import pytest
 
+from railhil.bus.codes import Event
 from railhil.bus.errors import PeerSilent
 from railhil.bus.frame import Frame
 from railhil.bus.local import LocalBus
 from railhil.bus.mvb import master_frame
-from railhil.bus.telegrams import Event, SupCmd
+from railhil.bus.telegrams import SupCmd
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.supervision import SupervisorWatch

@@ -7,8 +7,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from railhil.bus.codes import Event
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import Event, RunEvent
+from railhil.bus.telegrams import RunEvent
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
 from railhil.supervisor.events import telegrams

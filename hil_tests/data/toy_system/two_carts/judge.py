@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from railhil.bus.telegrams import Event, RunEvent
+from railhil.bus.codes import Event
+from railhil.bus.telegrams import RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
