@@ -52,13 +52,14 @@ class SentFrames:
             self._sort()
 
     def _sort(self) -> None:
+        joined, lengths = self._data, self._lengths
         for can_id, data, flags in self._waiting:
-            if flags & NO_TELEGRAM:
+            if flags and flags & NO_TELEGRAM:
                 continue
-            if can_id not in self._data:
-                self._data[can_id], self._lengths[can_id] = bytearray(), bytearray()
-            self._data[can_id] += data
-            self._lengths[can_id].append(len(data))
+            if can_id not in joined:
+                joined[can_id], lengths[can_id] = bytearray(), bytearray()
+            joined[can_id] += data
+            lengths[can_id].append(len(data))
         self._waiting = []
 
     def write(self) -> None:

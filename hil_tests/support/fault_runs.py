@@ -39,10 +39,10 @@ KILLED = (
 )
 #: Entries N2, N3, C2 and T3 in one run, which ends at standstill.
 BRAKED = (
-    "controller stop @8s for 400ms",
-    "controller restart @10s for 500ms",
-    "NOTCH_CMD.EmergencyBrake raw 2 @11500ms x1",
-    "TRN_SPEED loss @12s",
+    "controller stop @4s for 400ms",
+    "controller restart @6s for 500ms",
+    "NOTCH_CMD.EmergencyBrake raw 2 @8s x1",
+    "TRN_SPEED loss @8500ms",
 )
 
 
