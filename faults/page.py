@@ -69,8 +69,8 @@ poll: if there is none, the source sends an empty frame on the telegram's last i
 **Error counters and lines** are those of the hub's model ([hub.md](hub.md)): `railhil run` starts its hub with
 `--faults` when a fault needs it. The plant gives the orders between its own frames, so a run stays the same bytes.
 Plant and controller are disturbed, not the supervisor, and the plant itself never becomes bus-off. The hits are what
-the plant's CAN controller reports: error frames, error-passive, another trusted line. A line that nobody trusts
-(`bus.b` at the start) can be open without any effect, and such a run is INVALID.
+the plant's CAN controller reports: error frames, error-passive, another trusted line, answers that no line carries. A
+line that nobody trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
 
 **A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
 nobody ordered does not.

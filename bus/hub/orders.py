@@ -95,6 +95,9 @@ class Disturber(Protocol):
     def host(self) -> Host:
         """State of the own CAN controller and lines, as of what was received so far."""
 
+    def is_cut_off(self, node: str) -> bool:
+        """Whether no answer of another node to what was sent last can come."""
+
     def order(self, order: Order) -> None:
         """Disturb the bus from the next packet on.
 

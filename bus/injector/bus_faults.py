@@ -2,7 +2,8 @@
 
 What they do is the hub's model of CAN controllers and lines (:mod:`railhil.bus.hub.orders`). The plant gives the orders
 between its own frames, so they have their place in the total order and a run stays the same bytes. A fault counts as a
-hit what the plant's own CAN controller reports: error frames, its state, the line from which it takes frames.
+hit what the plant's own CAN controller reports: error frames, its state, the line from which it takes
+frames, answers that cannot come.
 
 Plant and controller are disturbed, the supervisor is not: it judges. For the same reason the plant never becomes
 bus-off here.
@@ -62,6 +63,8 @@ class BusFaults:
         self._host = disturber.host
         # Errors ordered for the plant's own frames since it last heard of its counter.
         self._pending = 0
+        # Whether it is noted that no answer to what was sent last can come.
+        self._is_cut_off = False
         # What has been ordered and is not taken back yet.
         self._disturbs = self._is_passive = False
         self._dead: set[tuple[str, str]] = set()
@@ -91,6 +94,7 @@ class BusFaults:
 
     def sending(self, frames: Sequence[Frame]) -> None:
         """Draw which of these frames, and of the answers to their polls, are disturbed."""
+        self._is_cut_off = False
         for one, random in self._errors:
             if not one.active:
                 continue
@@ -111,6 +115,11 @@ class BusFaults:
             if errorframe.is_bus_error(frame):
                 tec, rec = errorframe.counters_of(frame)
                 self._note([one for one, _ in self._errors], "", f"error frame, TEC {tec}, REC {rec}")
+        if self._lines and not self._is_cut_off and self._disturber.is_cut_off(_CONTROLLER):
+            self._is_cut_off = True
+            # Without the newest of them there would be another line.
+            newest = sorted((one for one, _ in self._lines if one.active), key=lambda one: -(one.begun_ns or 0))
+            self._note(newest, "answer", "cut off")
         before, host = self._host, self._disturber.host
         if host is before:
             return

@@ -10,6 +10,7 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
+from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
@@ -339,8 +340,8 @@ class Run:
         session = self.session
         # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
         complete = self.choice.needs_hub and not self.spec.is_realtime and not line
-        # A recorder may lose frames while it must not switch from one line to the other.
-        complete = complete and not any(text.startswith("bus.") for text in self.scenario.faults)
+        # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
+        complete = complete and not need_orders(map(parse, self.scenario.faults))
         senders = Senders(self.folder, self.trace.contract, complete=complete)
         if session.frames:
             self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)

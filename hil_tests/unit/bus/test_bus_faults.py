@@ -26,7 +26,11 @@ class Told:
 
     def __init__(self) -> None:
         self.host = Host()
+        self.cut_off = ""
         self.orders: list[Order] = []
+
+    def is_cut_off(self, node: str) -> bool:
+        return node == self.cut_off
 
     def order(self, order: Order) -> None:
         self.orders.append(order)
@@ -99,6 +103,19 @@ def test_a_line_is_dead_for_the_time_of_the_fault_and_a_switch_over_counts(what:
     bus.faults.heard([])
     assert bus.said() == [(1, "line A", "line B")]
     assert bus.at(2.0) == [Order("line", who, line="A", on=False) for who in clients]
+
+
+def test_without_any_line_the_newest_fault_keeps_each_answer_away() -> None:
+    bus = Bus("bus.b open @1s", "bus.a open @2s for 1s")
+    bus.at(1.0)
+    bus.at(2.0)
+    for _ in range(2):
+        bus.faults.sending([POLL])
+        bus.faults.heard([])
+        bus.hub.cut_off = "controller"
+        bus.faults.heard([])
+        bus.faults.heard([])
+    assert bus.said() == [(2, "answer", "cut off")] * 2
 
 
 def test_a_loose_contact_comes_and_goes_with_the_instants() -> None:

@@ -155,6 +155,9 @@ class Batched:
             found.append(from_message(message))
         return found
 
+    def order(self, order: object) -> None:
+        raise AssertionError(f"{order}: without notices nothing is ordered")
+
     def has_left(self, role: str) -> bool:
         return False
 
