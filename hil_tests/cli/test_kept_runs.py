@@ -175,7 +175,7 @@ def test_folder_that_is_full_after_the_run_holds_the_log_alone(monkeypatch, tmp_
     ident = make_ident(Role.PLANT, lvshun.sha256)
     for frame in TelegramSource(wire_contract().port(ident.PORT), False).frames(ident.encode()):
         log.write(log_line(0, frame))
-    result = run._result(0, log.close(), {}, "a reason", False)
+    result = run._result(0, log.close(), {}, "a reason", False, [])
     trace = Trace()
     trace.add(SimTruth.PORT, 0, SimTruth().encode())
     write_folder(tmp_path, lvshun, run.spec, run.start_up, result, trace, [])

@@ -52,7 +52,10 @@ def _pytest(tests: Sequence[str], plugin: object) -> int:
         suppress_health_check=list(hypothesis.HealthCheck),
     )  # fmt: skip
     hypothesis.settings.load_profile("mutation")
-    return int(pytest.main(["-qq", "-p", "no:cacheprovider", "-m", MARKS, *tests], plugins=[plugin]))
+    # The modules of the bench belong to a plugin of pytest, whose assertions pytest rewrites: it would import them from
+    # their files instead of a changed tree.
+    arguments = ["-qq", "-p", "no:cacheprovider", "--assert=plain", "-m", MARKS, *tests]
+    return int(pytest.main(arguments, plugins=[plugin]))
 
 
 def try_module(

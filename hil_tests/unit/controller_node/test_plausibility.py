@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from railhil.bus.codes import CtlCause
-from railhil.bus.telegrams import NotchCmd, TrkInfo, TrnPos, TrnSpeed
-from railhil.controller_node.channel import Debt, Latency
+from railhil.bus.telegrams import TrkInfo, TrnPos, TrnSpeed
 from railhil.controller_node.guard import Guard
 from railhil.controller_node.odometer import Odometer
 from railhil.controller_node.plausibility import MotionLimits
@@ -255,49 +254,6 @@ def test_sampling_begins_again_after_a_pause_and_a_clock_set_back() -> None:
 # -- the channel ------------------------------------------------------------------------------------------------------
 
 
-def delayed(latency: Latency, ticks: int, delay: int, *, begin: int = 100, drift_ppm: float = 0.0) -> list[int]:
-    """Ticks of the polls that find the telegrams stale; from ``begin`` on each telegram is late by ``delay`` ticks."""
-    stale, life, sent = [], 0, 0
-    for tick in range(ticks):
-        due = tick - (delay if tick >= begin else 0)
-        arrived = min(max(due, sent), round(due * (1 + drift_ppm / 1e6)) if drift_ppm else due)
-        while sent <= arrived:
-            latency.received(life % 16)
-            life, sent = life + 1, sent + 1
-        if tick % 2 == 0 and latency.polled():
-            stale.append(tick)
-    return stale
-
-
-@pytest.mark.parametrize(("delay_ms", "is_stale"), [(0, False), (20, False), (60, False), (90, True), (150, True)])
-def test_a_delay_is_seen_though_the_telegrams_come_one_after_another(delay_ms: int, is_stale: bool) -> None:
-    stale = delayed(Latency(SCENARIO), 1000, delay_ms // 10)
-    assert bool(stale) == is_stale
-    # To the end: a delay is not taken for normal.
-    assert not is_stale or stale[-1] == 998
-
-
-def test_a_delay_is_measured_modulo_a_turn_of_the_life_sign() -> None:
-    assert delayed(Latency(SCENARIO), 1000, 16)[-1:] != [998]
-    assert delayed(Latency(SCENARIO), 1000, 16 + 10)[-1:] == [998]
-
-
-@pytest.mark.parametrize("drift_ppm", [-100.0, 100.0])
-def test_clocks_that_drift_are_no_delay(drift_ppm: float) -> None:
-    assert delayed(Latency(SCENARIO), 19_500, 0, drift_ppm=drift_ppm) == []
-
-
-def test_jitter_and_lost_polls_are_no_delay() -> None:
-    latency = Latency(SCENARIO)
-    for tick in range(2000):
-        if tick % 3 == 0:
-            # Three at once.
-            for life in range(tick, tick + 3):
-                latency.received(life % 16)
-        if tick % 2 == 0 and not 500 < tick < 620:
-            assert not latency.polled(), tick
-
-
 def test_lost_telegrams_are_no_delay() -> None:
     """Of every number: through the guard, which refuses those that seem old."""
     for lost in range(60):
@@ -319,17 +275,6 @@ def test_stale_telegrams_cut_traction() -> None:
         ride.guard.notch(500, ride.now_ns)
     ride.go(1, law=500)
     assert ride.found == (TRACTION_CUT, CtlCause.SPEED_LATENCY)
-
-
-def test_events_against_time() -> None:
-    debt = Debt(10, 30)
-    assert [debt.add(at_ms) for at_ms in (100, 100, 100, 100, 100)] == [False, False, False, True, True]
-    # Never more than twice the limit, and paid by time.
-    assert [debt.add(100) for _ in range(5)] == [True] * 5
-    assert not debt.add(140)
-    # A clock that was set back pays nothing.
-    assert debt.add(0)
-    assert all(not debt.add(10 * count) for count in range(10, 60))
 
 
 def test_too_many_bad_telegrams_brake_though_they_come_one_by_one() -> None:
@@ -374,13 +319,3 @@ def test_late_control_periods_in_a_row() -> None:
     ride.guard.period(False)
     ride.go(5)
     assert ride.guard.level is SpeedWatchLevel.NORMAL
-
-
-def test_ports_on_other_periods() -> None:
-    timing = replace(SCENARIO.timing, port_period_ns={TrnSpeed.PORT: 50 * MS, NotchCmd.PORT: 30 * MS})
-    latency = Latency(replace(SCENARIO, timing=timing))
-    for tick in range(600):
-        if tick % 5 == 0:
-            latency.received(tick // 5 % 16)
-        if tick % 3 == 0:
-            assert not latency.polled()
