@@ -29,6 +29,7 @@ from railhil.scenarios.system import DEFAULT, System, system_named
 from railhil.supervisor.documents import read_certificate
 from railhil.supervisor.errors import NO_ROOM
 from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
@@ -40,6 +41,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
 from railhil.supervisor.sockets import private_socket
 from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.trace import Trace
 
 if TYPE_CHECKING:
     from railhil.local_run import LocalRun
@@ -174,8 +176,7 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
-        injected = fault_events((one.as_json() for one in result.faults), run.trace.end_s)
-        result.events = events_of(scenario, run.trace, injected)
+        result.events = events_in(scenario, result, run.trace)
         result.memory = memory_after(spec, folder, result)
         given = [] if choice.needs_hub else choice.arguments
         write_folder(folder, scenario, spec, start_up, result, run.trace, given)
@@ -184,6 +185,11 @@ def recorded(
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
+
+
+def events_in(scenario: AnyScenario, result: RunResult, trace: Trace) -> tuple[RecordedEvent, ...]:
+    """What happened in a run that has just ended, with its injected faults."""
+    return events_of(scenario, trace, fault_events((one.as_json() for one in result.faults), trace.end_s))
 
 
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:

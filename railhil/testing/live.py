@@ -7,9 +7,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from railhil.bench import write_fault_logs
 from railhil.bus.errors import BusError
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import Event
+from railhil.cli.bus_run import events_in
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.controller_node.telemetry_file import write_telemetry
@@ -119,7 +121,9 @@ class Live:
     def _write(self) -> None:
         run = self._run
         write_telemetry(self._controller, self.folder / TELEMETRY)
+        write_fault_logs(self._plant, self._controller)
         result = run.finish(run.log.close(), *self._incomplete)
+        result.events = events_in(self.scenario, result, run.trace)
         result.memory = memory_after(self.spec, self.folder, result)
         write_folder(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
         if self.spec.memory_file is not None and result.memory is not None:
