@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import xml.etree.ElementTree as ET
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +15,7 @@ from railhil.cli import main
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.events.injected import fault_events, faults_said
 from railhil.supervisor.report.events_panel import event_rows
+from railhil.testing.live import Live
 
 pytestmark = pytest.mark.faults
 
@@ -54,6 +56,14 @@ def test_the_folder_gives_the_same_list(outcome: railhil.Outcome, capsys: pytest
     assert opened.why == outcome.why
     main(["score", "--json", str(outcome.folder)])
     assert json.loads(capsys.readouterr().out)["why"] == outcome.why
+
+
+def test_a_run_held_by_a_test_has_them_too(outcome: railhil.Outcome, tmp_path: Path) -> None:
+    spec = RunSpec(str(outcome.folder.parent / "short.toml"), bus="local", faults=(LOSS,))
+    with Live(spec, spec.load(), tmp_path, lambda run: None) as live:
+        run = live.finish()
+    assert [event.detail for event in run.events if event.kind == "fault"] == [DETAIL]
+    assert run.events == railhil.open_run(tmp_path).events
 
 
 def entry(number: int, **keys: object) -> dict[str, object]:
