@@ -301,7 +301,7 @@ def sweep_guard_findings(module: ModuleType) -> None:
     most = SCENARIO.watch.overruns_max
     subject = module.Guard(SCENARIO)
     ride(subject, range(100))
-    for late in [*[True] * most, False, *[True] * most]:
+    for late in [False, *[True] * most, False, *[True] * most]:
         subject.period(late)
         ride(subject, range(100, 116))
         assert subject.level is normal

@@ -139,15 +139,16 @@ def test_what_was_found_by_weight() -> None:
 
 def test_changes_that_fit_their_time() -> None:
     assert (plausibility.SAMPLE_MS, plausibility.POSITION_AGE_MAX_MS) == (100, 100)
+    limits = MotionLimits(*LIMITS)
     # 0.1 mm/s in one tick: 200.03.
-    assert LIMITS.step_01mmps == 861 + 200
+    assert limits.step_01mmps == 861 + 200
     for elapsed_ns, largest in (
         (-5 * MS, 1061), (0, 1061), (10 * MS, 1061), (10 * MS + 50_000, 1062), (1000 * MS, 20_864),
         (100_000 * MS, 861 + 2_000_300), (100_050 * MS, 861 + 2_000_300), (10**9 * MS, 861 + 2_000_300),
     ):  # fmt: skip
         for sign in (1, -1):
-            assert LIMITS.fits(sign * largest, elapsed_ns)
-            assert not LIMITS.fits(sign * (largest + 1), elapsed_ns)
+            assert limits.fits(sign * largest, elapsed_ns)
+            assert not limits.fits(sign * (largest + 1), elapsed_ns)
 
 
 @pytest.mark.parametrize("strong", [False, True])
