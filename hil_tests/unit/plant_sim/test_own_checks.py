@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.plant_sim import train_checks as checks_of_train
 from railhil.plant_sim.dynamics import Motion
 from railhil.plant_sim.force_tables import train_constants

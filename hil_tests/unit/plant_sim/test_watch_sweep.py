@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import product
 
-from railhil.bus.telegrams import WatchCause
+from railhil.bus.codes import WatchCause
 from railhil.plant_sim import command_watch
 from railhil.plant_sim.command_watch import (
     INITIAL,
