@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 import zlib
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,7 +25,8 @@ _LEVEL = 1
 
 
 class SentFrames:
-    """Data of every frame that a node has sent, by CAN identifier; all frames of an identifier have the same length.
+    """Data of every frame that a node has sent, by CAN identifier. All frames of an identifier have the same length,
+    except under a fault (truncated ones, no answer); those are counted by their content.
 
     :param path: the file for :meth:`write`.
     :param node: the node, for messages.
@@ -36,6 +38,7 @@ class SentFrames:
         self._waiting: list[Frame] = []
         self._data: dict[int, bytearray] = {}
         self._length: dict[int, int] = {}
+        self._irregular: dict[int, Counter[str]] = {}
         #: What the node has received (:mod:`railhil.bus.reception`); None: it does not say.
         self.received: dict[str, Any] | None = None
 
@@ -49,7 +52,10 @@ class SentFrames:
         for can_id, data, _ in self._waiting:
             if can_id not in self._data:
                 self._data[can_id], self._length[can_id] = bytearray(), len(data)
-            self._data[can_id] += data
+            if len(data) == self._length[can_id]:
+                self._data[can_id] += data
+            else:
+                self._irregular.setdefault(can_id, Counter())[data.hex()] += 1
         self._waiting = []
 
     def write(self) -> None:
@@ -58,7 +64,7 @@ class SentFrames:
         finish_undisturbed()
         self._sort()
         frames = {str(can_id): [self._length[can_id], data.hex()] for can_id, data in self._data.items()}
-        document = {"frames": frames, "received": self.received}
+        document = {"frames": frames, "irregular": self._irregular, "received": self.received}
         try:
             with whole_file(self._path) as draft:
                 draft.write_bytes(zlib.compress(json.dumps(document).encode(), _LEVEL))
@@ -69,9 +75,11 @@ class SentFrames:
 
 
 class Told(NamedTuple):
-    """A node's file: length and data of the frames that it has sent, in order, by CAN identifier; what it received."""
+    """A node's file: length and data of the frames that it has sent, in order, by CAN identifier; how often it has sent
+    which frames of another length; what it received."""
 
     frames: dict[int, tuple[int, bytes]]
+    irregular: dict[int, Counter[bytes]]
     received: dict[str, Any] | None
 
 
@@ -82,4 +90,8 @@ def read_sent(path: Path) -> Told | None:
     except (OSError, ValueError, zlib.error):
         return None
     frames = {int(can_id): (length, bytes.fromhex(data)) for can_id, (length, data) in document["frames"].items()}
-    return Told(frames, document["received"])
+    irregular = {
+        int(can_id): Counter({bytes.fromhex(data): count for data, count in counts.items()})
+        for can_id, counts in document["irregular"].items()
+    }
+    return Told(frames, irregular, document["received"])

@@ -116,6 +116,7 @@ class Senders:
         self._complete = complete
         self._folder = folder
         self._streams: dict[int, _Stream] = {}
+        self._irregular: dict[int, Counter[bytes]] = {}
         # Frames of nodes that have said nothing, and of nobody.
         self._answers: Counter[int] = Counter()
         lists = {node: read_sent(sent_file(folder, node)) for node in WITNESSES}
@@ -127,6 +128,7 @@ class Senders:
             sent = lists.get(node)
             if sent is not None:
                 self._streams[can_id] = _Stream(*sent.frames.get(can_id, (0, b"")))
+                self._irregular[can_id] = Counter(sent.irregular.get(can_id))
         if "plant" in self._witnesses:
             self._streams[contract.poll_id] = self._polls = _without_scan(self._streams[contract.poll_id])
 
@@ -140,7 +142,9 @@ class Senders:
                 answers[can_id] += 1
             elif not flags & _NO_TELEGRAM:
                 end = stream.position + stream.length
-                if not stream.rest and data and stream.sent[stream.position : end] == data:
+                if len(data) != stream.length and self._irregular[can_id][data] > 0:
+                    self._irregular[can_id][data] -= 1
+                elif not stream.rest and data and stream.sent[stream.position : end] == data:
                     stream.position = end
                 else:
                     stream.rest.append((time_ns, data))

@@ -150,3 +150,13 @@ def test_a_list_that_cannot_be_written_is_said(tmp_path: Path, capsys: pytest.Ca
     own.note([POLL])
     own.write()
     assert capsys.readouterr().err == "plant: list of sent frames is lost: no such file or directory\n"
+
+
+def test_frames_of_another_length_are_known_by_their_content(tmp_path: Path) -> None:
+    """Under a fault: no answer, and truncated telegrams."""
+    address = TrnSpeed.port().address
+    own = [Frame(address, data) for data in (bytes(8), b"", b"\x01\x02", bytes(8), b"")]
+    sent = [("plant", frame) for frame in own]
+    assert compared(tmp_path, sent, own, witnesses=("plant",)).said == []
+    found = compared(tmp_path, sent, [*own, Frame(address, b"")], witnesses=("plant",))
+    assert found.said == ["1 frame on TRN_SPEED that the plant did not send, first at 0.05 s"]
