@@ -80,8 +80,8 @@ with what was expected and what came.
 
 **The catalogue** (`railhil/supervisor/reactions/catalogue.toml`) has the faults with the reaction that each must lead
 to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
-reaction with its bound; exit code 1 if one is not as it must be. With `--pairs N` it makes N runs with two random faults
-each and checks the rules that hold in every run.
+reaction with its bound; exit code 1 if one is not as it must be. With `--pairs N` it makes N runs with two random
+faults each and checks the rules that hold in every run.
 
 Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
 `--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder.
