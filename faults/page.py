@@ -23,6 +23,8 @@ Written by `python -m railhil.faults.page` from the tables that check the faults
 railhil run --fault "TRN_SPEED loss 30% @20s for 5s"               # may be given several times
 railhil run --bus local --fault "controller kill @1200m"
 railhil faults --list                                              # this page's words on the console
+railhil faults yizhuang_05 --only T2,N1                            # entries of the catalogue; without --only all
+railhil faults yizhuang_05 --pairs 100                             # random pairs of faults
 ```
 
 A fault is one line: `WHERE WHAT [values] @WHEN [for HOWLONG | xCOUNT | until EVENT] [seed N]`, the same on the
@@ -73,7 +75,13 @@ the plant's CAN controller reports: error frames, error-passive, another trusted
 line that nobody trusts (`bus.b` at the start) can be open without any effect, and such a run is INVALID.
 
 **A fault that never began, or changed nothing, makes the run INVALID**; the reason names it. A fault `@manual` that
-nobody ordered does not.
+nobody ordered does not. **What a fault expects** (`expect`) is judged: if the run does not show it, the verdict is FAIL
+with what was expected and what came.
+
+**The catalogue** (`railhil/supervisor/reactions/catalogue.toml`) has the faults with the reaction that each must lead
+to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
+reaction with its bound; exit code 1 if one is not as it must be. With `--pairs N` it makes N runs with two random
+faults each and checks the rules that hold in every run.
 
 Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
 `--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder.

@@ -55,3 +55,9 @@ def python(site: Path, program: str, *words: str) -> list[Any]:
         done = run_module("program_of_a_test", words, environment=environment)
     assert done.returncode == 0, done.stderr
     return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def certificate(folder: Path) -> dict[str, object]:
+    """The certificate of a run folder."""
+    found: dict[str, object] = json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
+    return found
