@@ -10,14 +10,15 @@ import pytest
 
 from hil_tests.mutation.in_memory import survivors
 from hil_tests.mutation.operators import mutants
-from hil_tests.support.gate_sweeps import SWEEPS
+from hil_tests.support.gate_sweeps import GATE_SWEEPS
+from hil_tests.support.guard_sweeps import GUARD_SWEEPS
 from hil_tests.support.store_sweeps import PORTS, STORE_SWEEPS
 from railhil.bus import lifesign, store
 from railhil.bus.telegrams import TrkInfo, TrnPos
 from railhil.controller_node import guard
 from railhil.plant_sim import gate
 
-ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
+ALL_SWEEPS = {**STORE_SWEEPS, **GATE_SWEEPS, **GUARD_SWEEPS}
 #: Equivalent mutants, which no test can detect, by module: (source line, change) and why.
 EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
     lifesign: {
