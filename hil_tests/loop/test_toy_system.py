@@ -44,13 +44,10 @@ run = bench.run()
 with bench.start() as live:
     begun_s = live.wait_until("UNIT1_STAT", Unit1Pos=lambda metres: metres > 1, timeout_s=20)
     live.expect("UNIT2_CMD", within_s=0.1)
-    try:
-        live.wait_until(speed=1, timeout_s=1)
-    except ValueError as error:
-        print(json.dumps(str(error)))
+    passed_s = live.wait_until(position=1.5, timeout_s=20)
     whole = live.finish()
 same = whole.frames_sha256 == run.frames_sha256
-print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, same]))
+print(json.dumps([run.verdict, run.disturbed, run.spec.law.controller, begun_s, passed_s, same]))
 """
 
 
@@ -92,11 +89,10 @@ def test_it_is_repeated_and_both_nodes_are_replayed(site: Path, recorded: Path) 
 
 
 def test_a_users_test_holds_its_clock(site: Path, tmp_path: Path) -> None:
-    """Without a law the usual one of the system; conditions are those of its own ports."""
-    refused, (verdict, disturbed, law, begun_s, same) = python(site, _LIVE, str(SCENARIO), str(tmp_path))
+    """Without a law the usual one of the system; conditions are those of its own ports and its truth."""
+    ((verdict, disturbed, law, begun_s, passed_s, same),) = python(site, _LIVE, str(SCENARIO), str(tmp_path))
     assert (verdict, disturbed, law, same) == ("PASS", {}, "apart", True)
-    assert begun_s > 0.5
-    assert refused.startswith("speed: system two_carts does not say where it is sent")
+    assert 0.5 < begun_s < passed_s
 
 
 def test_run_leaves_a_folder_that_says_all_of_the_system(recorded: Path) -> None:

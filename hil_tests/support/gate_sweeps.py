@@ -1,10 +1,11 @@
-"""Dense sweeps of the safety gate against independently written models.
+"""Dense sweeps of the train's command gate.
 
 Each ``sweep_*`` takes the module under test, so that the mutation test can run the same checks on changed source.
 """
 
 from __future__ import annotations
 
+<<<<<<< HEAD
 import random
 from dataclasses import replace
 from types import ModuleType, SimpleNamespace
@@ -28,13 +29,14 @@ from railhil.controller_node.speed_watch import (
     command,
     observe,
 )
+=======
+from types import ModuleType
+from typing import Any
+
+from railhil.bus.codes import WatchCause
+from railhil.bus.telegrams import NotchCmd
+>>>>>>> y2_tidy
 from railhil.plant_sim import gate
-from railhil.scenarios.load import load
-
-SCENARIO = load("lvshun_tieshan")
-MS = 1_000_000
-
-# -- the train's gate -------------------------------------------------------------------------------------------------
 
 
 def sweep_gate(module: ModuleType) -> None:
@@ -135,6 +137,7 @@ def _sweep_bad(module: ModuleType) -> None:
         assert subject.suspicion is (WatchCause.BAD_COMMANDS if gap <= 7 else WatchCause.NONE), gap
 
 
+<<<<<<< HEAD
 # -- the controller's guard -------------------------------------------------------------------------------------------
 
 
@@ -461,3 +464,6 @@ SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
         sweep_guard_random,
     ),
 }
+=======
+GATE_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {gate: (sweep_gate,)}
+>>>>>>> y2_tidy

@@ -1,0 +1,309 @@
+"""Dense sweeps of the controller's guard against an independently written model.
+
+As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under test.
+"""
+
+from __future__ import annotations
+
+import random
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+from railhil.bus.codes import CtlCause
+from railhil.bus.telegrams import TrkInfo, TrnSpeed
+from railhil.controller_node import guard
+from railhil.controller_node.ecan import BitCounter
+from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.speed_watch import (
+    LEVELS,
+    Finding,
+    Ladder,
+    Reception,
+    Seen,
+    SpeedWatchLevel,
+    SpeedWatchState,
+    command,
+    observe,
+)
+from railhil.scenarios.load import load
+
+SCENARIO = load("lvshun_tieshan")
+MS = 1_000_000
+
+
+class PlainGuard:
+    """The guard as a history: which telegrams were accepted, and when.
+
+    Without the checks of the motion, which need more than random speeds.
+    """
+
+    def __init__(self) -> None:
+        self.ladder = Ladder.of(SCENARIO)
+        self.state = SpeedWatchState()
+        self.fresh: list[int] = []
+        self.good: list[tuple[int, int]] = []
+        self.limits: list[int] = []
+        self.sent: list[int] = [0]
+        self.counters: dict[str, int] = {}
+        self.sample = (0, 0)
+        self.bad_ms: list[int] = []
+        self.old_ms: list[int] = []
+        self.is_old = False
+
+    @staticmethod
+    def owes(instants_ms: list[int], cost_ms: int, limit_ms: int) -> bool:
+        """Whether events were too many, each with a cost that time pays back."""
+        debt_ms, at_ms = 0, 0
+        for instant_ms in instants_ms:
+            debt_ms = min(max(debt_ms - (instant_ms - at_ms), 0) + cost_ms, 2 * limit_ms)
+            at_ms = instant_ms
+        return debt_ms > limit_ms
+
+    def look(self, telegram: Reception, now_ns: int, finding: Finding | None = None) -> None:
+        at_ns, speed = self.good[-1] if self.good else (0, -1)
+        margin = round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+        too_fast = bool(self.good and self.limits) and speed > self.limits[-1] * 40 + margin
+        age_ms = (now_ns - at_ns) // MS
+        self.state = observe(self.ladder, self.state, Seen(age_ms, telegram, speed == 0, too_fast, finding))
+
+    def count(self, cause: str) -> None:
+        self.counters[cause] = self.counters.get(cause, 0) + 1
+
+    def speed(self, speed: int, check: int, life: int, now_ns: int) -> None:
+        step = (life - self.fresh[-1]) % 16 if self.fresh else 1
+        if step == 0 or step >= 8:
+            self.count("out_of_order" if step else "duplicate")
+            counts = step and not self.is_old
+            self.old_ms += [now_ns // MS] if counts else []
+            self.is_old = self.is_old or step > 0
+            found = counts and self.owes(self.old_ms, 20, 80)
+            return self.look(Reception.NONE, now_ns, LEVELS[CtlCause.TWO_SOURCES] if found else None)
+        self.fresh.append(life)
+        self.is_old = False
+        if step > 1:
+            self.count("gap")
+        if check != 1 or speed < 0 or speed > 1_500_000:
+            return self.refuse("out_of_range" if check == 1 else "check_variable", Reception.BAD, now_ns)
+        if self.good:
+            # 2 m/s2 for at least one tick, 0.05 m/s, and resolution and 12 sigma of noise, each 0.01 km/h.
+            at_ns, before = self.sample
+            if abs(speed - before) > 500 + 361 + 20_000 * max(now_ns - at_ns, 10 * MS) // 10**9:
+                return self.refuse("speed_jump", Reception.IMPLAUSIBLE, now_ns)
+        if not self.good or now_ns - self.sample[0] >= 100 * MS:
+            self.sample = now_ns, speed
+        self.good.append((now_ns, speed))
+        return self.look(Reception.GOOD, now_ns)
+
+    def refuse(self, cause: str, telegram: Reception, now_ns: int) -> None:
+        self.count(cause)
+        self.bad_ms.append(now_ns // MS)
+        found = self.owes(self.bad_ms, 333, 10_000)
+        self.look(telegram, now_ns, LEVELS[CtlCause.CHANNEL_MONITOR] if found else None)
+
+    def notch(self, law_code: int, now_ns: int) -> tuple[int, bool]:
+        self.look(Reception.NONE, now_ns)
+        elapsed_ms = (now_ns - self.sent[-1]) // MS
+        self.sent.append(now_ns)
+        self.state, code, emergency = command(self.ladder, self.state, law_code, elapsed_ms)
+        return code, emergency
+
+
+def sweep_guard_random(module: ModuleType) -> None:
+    """Seeded traffic with every fault at once, against the plain guard after every step."""
+    for seed in range(30):
+        draw = random.Random(seed)
+        subject, model = module.Guard(SCENARIO), PlainGuard()
+        now_ns, life = 0, 0
+        speeds = [0, 0, 1, 100_000, 150_000, 1_499_999, 1_500_000, 1_500_001, -1]
+        for _ in range(300):
+            now_ns += draw.choice([0, 10, 10, 10, 10, 16, 21, 65, 257, 1001]) * MS if draw.random() < 0.4 else 10 * MS
+            kind = draw.random()
+            if kind < 0.75:
+                life += draw.choice([1] * 14 + [0, 2, 7, 8, 15])
+                check = draw.choice([1] * 12 + [0, 2, 3])
+                speed = draw.choice(speeds) if draw.random() < 0.2 else 90_000
+                subject.speed(TrnSpeed(speed, check=check, life=life % 16), now_ns)
+                model.speed(speed, check, life % 16, now_ns)
+            elif kind < 0.78:
+                limit = draw.choice([1402, 1403, 2000, 3400, 60_000])
+                check = draw.randrange(4)
+                subject.limit(TrkInfo(speed_limit_4mmps=limit, limit_check=check))
+                if check == 1:
+                    model.limits.append(limit)
+            else:
+                law = draw.choice([1792, 500, 0, -500, -1792])
+                assert subject.notch(law, now_ns) == model.notch(law, now_ns)
+            assert (subject.level, subject.cause) == (model.state.level, model.state.cause)
+            assert subject.counters == model.counters
+            assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
+
+
+def sweep_guard_boundaries(module: ModuleType) -> None:
+    """Speed range, overspeed and age at their exact limits."""
+    assert module.SPEED_MAX_01MMPS == 1_500_000
+    for speed in (-1, 0, 1, 1_499_999, 1_500_000, 1_500_001):
+        subject = module.Guard(SCENARIO)
+        subject.speed(TrnSpeed(speed), 0)
+        assert subject.speed_01mmps == (speed if 0 <= speed <= 1_500_000 else None)
+        assert subject.level is (SpeedWatchLevel.NORMAL if 0 <= speed <= 1_500_000 else SpeedWatchLevel.HOLD)
+    limit = 5000
+    edge = limit * 40 + round(SCENARIO.watch.overspeed_margin_mps * 10_000)
+    for speed in range(edge - 3, edge + 4):
+        subject = module.Guard(SCENARIO)
+        subject.limit(TrkInfo(speed_limit_4mmps=limit))
+        subject.speed(TrnSpeed(speed), 0)
+        assert (subject.level is SpeedWatchLevel.EMERGENCY) == (speed > edge)
+    for age_ms in range(1100):
+        for extra_ns in (0, MS - 1):
+            subject = module.Guard(SCENARIO)
+            subject.speed(TrnSpeed(100_000), 7 * MS)
+            subject.notch(500, (7 + age_ms) * MS + extra_ns)
+            expected = sum(age_ms > edge_ms for edge_ms in (20, 64, 256, 1000))
+            assert subject.level == expected
+    # Before the first telegram the age and the ramp count from time 0, in whole milliseconds.
+    for age_ms in (20, 21, *range(300, 304)):
+        level = (SpeedWatchLevel.NORMAL, SpeedWatchLevel.HOLD, SpeedWatchLevel.SERVICE_BRAKE)[
+            (age_ms > 20) + (age_ms > 256)
+        ]
+        subject = module.Guard(SCENARIO)
+        code = -command_ramp(age_ms) if level is SpeedWatchLevel.SERVICE_BRAKE else 0
+        assert subject.notch(0, (age_ms + 1) * MS - 1) == (code, False)
+        assert subject.level is level
+    # A limit that arrives after the speed of the same tick applies in that tick.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(edge + 1), 0)
+    subject.limit(TrkInfo(speed_limit_4mmps=limit))
+    assert subject.notch(500, 0)[1]
+    # An hour without a telegram at standstill is not an emergency, and time 0 is an ordinary time.
+    subject = module.Guard(SCENARIO)
+    subject.speed(TrnSpeed(0), 0)
+    assert subject.notch(500, 3_600_000 * MS) == (-command_ramp(3_600_000), False)
+    assert subject.level is SpeedWatchLevel.SERVICE_BRAKE
+
+
+def sweep_guard_findings(module: ModuleType) -> None:
+    """What the other checks find comes into the watch, and leaves it again: overruns, latency, a stuck reading."""
+    cut, normal = SpeedWatchLevel.TRACTION_CUT, SpeedWatchLevel.NORMAL
+
+    def ride(subject: Any, ticks: range, *, noise: int = 1, polls: int = 1, law: int = 0) -> None:
+        for tick in ticks:
+            subject.speed(TrnSpeed(100_000 + noise * (tick % 2), life=tick % 16), 10 * tick * MS)
+            for _ in range(polls if tick % 2 == 0 else 0):
+                subject.notch(law, 10 * tick * MS)
+
+    most = SCENARIO.watch.overruns_max
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    for late in [*[True] * most, False, *[True] * most]:
+        subject.period(late)
+        ride(subject, range(100, 116))
+        assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(116, 132))
+    assert (subject.level, subject.cause) == (cut, CtlCause.OVERRUNS)
+    subject.period(False)
+    ride(subject, range(132, 137))
+    assert subject.level is normal
+    subject.period(True)
+    ride(subject, range(137, 147))
+    assert subject.level is normal
+
+    subject = module.Guard(SCENARIO)
+    ride(subject, range(100))
+    ride(subject, range(100, 110), polls=2)
+    assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_LATENCY)
+    for life in range(110, 120):
+        subject.speed(TrnSpeed(100_000 + life % 2, life=life % 16), 1100 * MS)
+    ride(subject, range(120, 136))
+    assert subject.level is normal
+
+    # Full traction: 0.46 m/s2 at least, so that 0.1056 m/s are due after three samples.
+    for start in (1000, 1003):
+        subject = module.Guard(SCENARIO)
+        ride(subject, range(start), law=1792)
+        assert subject.level is normal
+        ride(subject, range(start, start + 19), noise=0, law=1792)
+        assert subject.level is normal
+        ride(subject, range(start + 19, start + 41), noise=0, law=1792)
+        assert (subject.level, subject.cause) == (cut, CtlCause.SPEED_IMPLAUSIBLE)
+        ride(subject, range(start + 41, start + 60), law=0)
+        assert subject.level is normal
+
+
+def sweep_guard_order(module: ModuleType) -> None:
+    """Old telegrams between good ones are a second sender; repeated ones, and old ones in a row, are not."""
+    for shift, olds, level in ((5, 1, 3), (0, 1, 0), (5, 3, 0)):
+        subject, now_ns = module.Guard(SCENARIO), 0
+        for life in range(30):
+            subject.speed(TrnSpeed(100_000, life=life % 16), now_ns)
+            for _ in range(olds):
+                subject.speed(TrnSpeed(100_000, life=(life - shift) % 16), now_ns)
+            now_ns += 10 * MS if olds == 1 else 20 * MS
+            assert subject.level in (0, level)
+        assert subject.level == level
+    # Late control periods count from the first.
+    subject = module.Guard(SCENARIO)
+    for _ in range(SCENARIO.watch.overruns_max + 1):
+        subject.period(True)
+    subject.speed(TrnSpeed(100_000), 0)
+    assert subject.level is SpeedWatchLevel.TRACTION_CUT
+
+
+def sweep_guard_samples(module: ModuleType) -> None:
+    """When the motion is sampled, and with what."""
+    odometer = SimpleNamespace(fitted=(5000, 0), speed=lambda *given: None, lost=lambda now_ns: CtlCause.NONE)
+    subject, seen = module.Guard(SCENARIO, None, odometer), []
+    subject._motion.sample = lambda *given: seen.append(given)
+
+    def at(now_ns: int, speed: int, age_ns: int) -> tuple[Any, ...]:
+        """What a telegram's sample is given; nothing for no sample."""
+        odometer.fitted = (5000, now_ns - age_ns)
+        subject.speed(TrnSpeed(speed, life=(subject._life._last + 1) % 16), now_ns)
+        found = seen[-1] if seen else ()
+        seen.clear()
+        return found
+
+    at_ns = 1000 * MS
+    assert at(at_ns, 100_000, 0) == (at_ns, 100_000, 0, None, 0, 5000)
+    subject.limit(TrkInfo(grade_001permil=77, grade_check=2))
+    assert at(at_ns, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS - 1, 100_000, 0) == ()
+    assert at(at_ns + 100 * MS, 100_000, 100 * MS) == (at_ns + 100 * MS, 100_000, 0, None, 0, 15_000)
+    subject.limit(TrkInfo(grade_001permil=-88))
+    # Set back by the smallest step.
+    assert at(at_ns + 100 * MS - 1, 100_001, 101 * MS)[3:] == (-88, at_ns + 100 * MS - 1, None)
+    assert at(at_ns + 300 * MS, 100_001, 99 * MS)[3:] == (-88, at_ns + 100 * MS - 1, 5000 + 9900)
+    assert at(at_ns + 500 * MS, 100_001, MS)[5] == 5100
+    assert at(at_ns + 700 * MS, 100_001, -MS)[5] is None
+
+
+def sweep_guard_position(module: ModuleType) -> None:
+    """A required position that does not arrive brakes the train; every good speed enters the dead reckoning."""
+    for needed in (False, True):
+        counter, odometer = BitCounter(500_000), Odometer(SCENARIO, needed=needed)
+        subject = module.Guard(SCENARIO, counter, odometer)
+        for tick in range(120):
+            now_ns = 10 * tick * MS
+            # Each telegram was received one tick before it is read.
+            subject.speed(TrnSpeed(50_000 + 100 * tick, life=tick % 16), now_ns, counter.at(max(now_ns - 10 * MS, 0)))
+            assert subject.level is (SpeedWatchLevel.SERVICE_BRAKE if needed and tick > 100 else SpeedWatchLevel.NORMAL)
+        # From 0 to 1.18 s the mean speed, then the last speed for one tick; 0.1 mm.
+        assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
+
+
+def command_ramp(elapsed_ms: int) -> int:
+    """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
+    ladder = Ladder.of(SCENARIO)
+    return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
+
+
+GUARD_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
+    guard: (
+        sweep_guard_boundaries,
+        sweep_guard_findings,
+        sweep_guard_order,
+        sweep_guard_samples,
+        sweep_guard_position,
+        sweep_guard_random,
+    ),
+}
