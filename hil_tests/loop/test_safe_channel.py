@@ -133,7 +133,9 @@ def test_a_speed_that_the_channel_does_not_confirm_stops_the_train(
     bounds_s = {CtlMode.TRACTION_CUT: 0.07, CtlMode.SERVICE_BRAKE: 0.27, CtlMode.EMERGENCY: 1.02}
     for mode, bound_s in bounds_s.items():
         entered = modes >= mode
-        assert 0 < times_s[entered][0] - ATTACK_TICK / 100 <= bound_s + TOLERATED_S + 1e-9, mode
+        # A forged speed that the train could have is taken once more before the next ones are refused as jumps.
+        later_s = 0.3 if mode is CtlMode.EMERGENCY and change is forged else 0.0
+        assert 0 < times_s[entered][0] - ATTACK_TICK / 100 <= bound_s + TOLERATED_S + later_s + 1e-9, mode
         # What is replayed or forged also contradicts what the train can do, and is then refused: either may be first.
         cause = run.trace.raw(NotchCmd.PORT, "CtlCause")[entered][0]
         assert cause in (CtlCause.SAFETY_CODE, CtlCause.SPEED_IMPLAUSIBLE, CtlCause.SPEED_AGE)

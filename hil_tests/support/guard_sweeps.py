@@ -1,4 +1,4 @@
-"""Dense sweeps of the controller's guard against an independently written model.
+"""Dense sweeps of the controller's guard against independently written models.
 
 As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under test.
 """
@@ -6,14 +6,16 @@ As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under tes
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from railhil.bus.codes import CtlCause
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import TrkInfo, TrnSpeed
-from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
 from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.safe_speed import SafeSpeed
 from railhil.controller_node.speed_watch import (
     LEVELS,
     Finding,
@@ -136,6 +138,7 @@ def sweep_guard_random(module: ModuleType) -> None:
             assert (subject.level, subject.cause) == (model.state.level, model.state.cause)
             assert subject.counters == model.counters
             assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
+            assert subject.accepted == len(model.good)
 
 
 def sweep_guard_boundaries(module: ModuleType) -> None:
@@ -194,7 +197,11 @@ def sweep_guard_findings(module: ModuleType) -> None:
     most = SCENARIO.watch.overruns_max
     subject = module.Guard(SCENARIO)
     ride(subject, range(100))
-    for late in [*[True] * most, False, *[True] * most]:
+    fresh = module.Guard(SCENARIO)
+    for _ in range(most):
+        fresh.period(True)
+    assert fresh._finding is None
+    for late in [False, *[True] * most, False, *[True] * most]:
         subject.period(late)
         ride(subject, range(100, 116))
         assert subject.level is normal
@@ -263,6 +270,8 @@ def sweep_guard_samples(module: ModuleType) -> None:
         seen.clear()
         return found
 
+    # The first speed, whenever it comes.
+    assert at(150 * MS, 100_000, 0)[:2] == (150 * MS, 100_000)
     at_ns = 1000 * MS
     assert at(at_ns, 100_000, 0) == (at_ns, 100_000, 0, None, 0, 5000)
     subject.limit(TrkInfo(grade_001permil=77, grade_check=2))
@@ -291,19 +300,61 @@ def sweep_guard_position(module: ModuleType) -> None:
         assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
 
 
+def sweep_guard_safe(module: ModuleType) -> None:
+    """The older of the two ages counts, and is named; a safe telegram is compared with the speed of its instant."""
+    scenario = replace(SCENARIO, safety=replace(SCENARIO.safety, sdt=True))
+    assert module.Guard(SCENARIO).safe is None
+    assert isinstance(module.Guard(scenario).safe, SafeSpeed)
+    seen: list[tuple[Any, ...]] = []
+    unconfirmed_ns = 0
+
+    def prepared() -> Any:
+        subject = module.Guard(scenario)
+        subject.safe = SimpleNamespace(take=lambda *given: seen.append(given), age_ns=lambda now_ns: unconfirmed_ns)
+        return subject
+
+    subject, telegram = prepared(), SpeedSdt()
+    subject.confirm(telegram, 0, 3)
+    subject.speed(TrnSpeed(100_000), 10 * MS)
+    subject.confirm(telegram, 10 * MS, 4)
+    subject.speed(TrnSpeed(100_000, check=0, life=1), 20 * MS)
+    subject.confirm(telegram, 20 * MS, 5)
+    speeds = (None, 100_000, None)
+    assert seen == [(telegram, 10 * place * MS, 3 + place, speed) for place, speed in enumerate(speeds)]
+    edges_ms = (20, 64, 256, 1000)
+    ages_ns = [0, *(edge_ms * MS + extra_ns for edge_ms in edges_ms for extra_ns in (0, MS - 1, MS))]
+    for own_ns in (0, *(age_ms * MS for edge_ms in edges_ms for age_ms in (edge_ms, edge_ms + 1))):
+        for safe_ns in ages_ns:
+            unconfirmed_ns, subject = 0, prepared()
+            subject.speed(TrnSpeed(100_000), 0)
+            unconfirmed_ns = safe_ns
+            subject.look(own_ns)
+            level = sum(max(own_ns, safe_ns) // MS > edge_ms for edge_ms in edges_ms)
+            cause = CtlCause.SAFETY_CODE if safe_ns > own_ns else CtlCause.SPEED_AGE
+            assert (subject.level, subject.cause) == (level, cause if level else CtlCause.NONE)
+            # The cause is that with which the level was entered.
+            unconfirmed_ns = safe_ns + 1 if level else 0
+            subject.look(own_ns)
+            assert subject.cause is (cause if level else CtlCause.NONE)
+    # Another cause of a new level is named as it is.
+    unconfirmed_ns, subject = 21 * MS, prepared()
+    subject.limit(TrkInfo(speed_limit_4mmps=1))
+    subject.speed(TrnSpeed(100_000), 0)
+    assert subject.cause is CtlCause.OVERSPEED
+
+
 def command_ramp(elapsed_ms: int) -> int:
     """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
     ladder = Ladder.of(SCENARIO)
     return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
 
 
-GUARD_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
-    guard: (
-        sweep_guard_boundaries,
-        sweep_guard_findings,
-        sweep_guard_order,
-        sweep_guard_samples,
-        sweep_guard_position,
-        sweep_guard_random,
-    ),
-}
+GUARD_SWEEPS = (
+    sweep_guard_boundaries,
+    sweep_guard_findings,
+    sweep_guard_order,
+    sweep_guard_samples,
+    sweep_guard_position,
+    sweep_guard_safe,
+    sweep_guard_random,
+)
