@@ -45,7 +45,18 @@ EQUIVALENT: dict[ModuleType, dict[tuple[str, str], str]] = {
         ("self._sample_01mmps = 0", "self._sample_01mmps = 0 -> pass"): "read only after the first sample",
         ("self._sample_01mmps = 0", "0 -> 1"): "read only after the first sample",
         ("self._sample_01mmps = 0", "0 -> -1"): "read only after the first sample",
+        ("self._speed_ns = -1", "1 -> 0"): "read only after the first speed",
+        ("self._speed_ns = -1", "1 -> 2"): "read only after the first speed",
+        # Without a safe channel.
+        **{
+            ("unconfirmed_ns = 0 if self.safe is None else self.safe.age_ns(now_ns)", change): "the watch sees whole ms"
+            for change in ("0 -> 1", "0 -> -1")
+        },
         # The quick comparison; the exact one decides at its edge.
+        (
+            "if not -self._step_01mmps <= change <= self._step_01mmps and not self._motion_limits.fits(",
+            "-self._step_01mmps -> self._step_01mmps",
+        ): "the exact comparison says the same",
         **{
             (
                 "if not -self._step_01mmps <= change <= self._step_01mmps and not self._motion_limits.fits(",

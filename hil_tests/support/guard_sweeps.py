@@ -6,14 +6,19 @@ As in :mod:`hil_tests.support.gate_sweeps` each sweep takes the module under tes
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
+import pytest
+
 from railhil.bus.codes import CtlCause
+from railhil.bus.safe_telegrams import SpeedSdt
 from railhil.bus.telegrams import TrkInfo, TrnSpeed
 from railhil.controller_node import guard
 from railhil.controller_node.ecan import BitCounter
 from railhil.controller_node.odometer import Odometer
+from railhil.controller_node.safe_speed import SafeSpeed
 from railhil.controller_node.speed_watch import (
     LEVELS,
     Finding,
@@ -136,6 +141,7 @@ def sweep_guard_random(module: ModuleType) -> None:
             assert (subject.level, subject.cause) == (model.state.level, model.state.cause)
             assert subject.counters == model.counters
             assert subject.speed_01mmps == (model.good[-1][1] if model.good else None)
+            assert subject.accepted == len(model.good)
 
 
 def sweep_guard_boundaries(module: ModuleType) -> None:
@@ -275,6 +281,12 @@ def sweep_guard_samples(module: ModuleType) -> None:
     assert at(at_ns + 300 * MS, 100_001, 99 * MS)[3:] == (-88, at_ns + 100 * MS - 1, 5000 + 9900)
     assert at(at_ns + 500 * MS, 100_001, MS)[5] == 5100
     assert at(at_ns + 700 * MS, 100_001, -MS)[5] is None
+    # The first speed is a sample, whenever it comes.
+    for first_ms in (0, 99, 100, 150, 200):
+        subject = module.Guard(SCENARIO)
+        subject.speed(TrnSpeed(100_000), first_ms * MS)
+        subject.speed(TrnSpeed(100_000, life=1), (first_ms + 10) * MS)
+        assert subject.accepted == 2
 
 
 def sweep_guard_position(module: ModuleType) -> None:
@@ -291,6 +303,54 @@ def sweep_guard_position(module: ModuleType) -> None:
         assert odometer.reckoned(1_190 * MS)[0] == 50_100 * 118 // 100 + 59 * 118 + 619
 
 
+def sweep_guard_safe(module: ModuleType) -> None:
+    """The watch takes the older of the speed's age and the time without confirmation by the safe channel."""
+    safe = replace(SCENARIO, safety=replace(SCENARIO.safety, sdt=True))
+    assert [type(module.Guard(scenario).safe) for scenario in (SCENARIO, safe)] == [type(None), SafeSpeed]
+    with pytest.raises(AssertionError):
+        module.Guard(SCENARIO).confirm(SpeedSdt(), 0, 0)
+    taken: list[tuple[Any, ...]] = []
+
+    def guard_at(unconfirmed_ns: int) -> Any:
+        """With a speed accepted at 0."""
+        subject = module.Guard(safe)
+        subject.safe = SimpleNamespace(take=lambda *given: taken.append(given), age_ns=lambda now_ns: unconfirmed_ns)
+        subject.confirm(telegram, 0, 5)
+        subject.speed(TrnSpeed(100_000), 0)
+        return subject
+
+    telegram = SpeedSdt()
+    subject = guard_at(0)
+    subject.confirm(telegram, 0, 6)
+    subject.confirm(telegram, 1, 7)
+    assert taken == [(telegram, 0, 5, None), (telegram, 0, 6, 100_000), (telegram, 1, 7, None)]
+    for unconfirmed_ms in range(1100):
+        for extra_ns in (0, MS - 1):
+            plain = module.Guard(SCENARIO)
+            plain.speed(TrnSpeed(100_000), 0)
+            plain.look(unconfirmed_ms * MS + extra_ns)
+            subject = guard_at(unconfirmed_ms * MS + extra_ns)
+            subject.look(0)
+            assert subject.level is plain.level
+            assert subject.cause is (CtlCause.SAFETY_CODE if plain.level else CtlCause.NONE)
+    age_ns = 70 * MS
+    for more_ns, cause in ((-1, CtlCause.SPEED_AGE), (0, CtlCause.SPEED_AGE), (1, CtlCause.SAFETY_CODE)):
+        subject = guard_at(age_ns + more_ns)
+        # The channel is confirmed when the speed arrives.
+        subject._state = SpeedWatchState()
+        subject.look(age_ns)
+        assert (subject.level, subject.cause) == (SpeedWatchLevel.TRACTION_CUT, cause)
+    # The same level keeps its cause, and other causes stay.
+    subject = guard_at(0)
+    subject.look(age_ns)
+    subject.safe.age_ns = lambda now_ns: age_ns + 2
+    subject.look(age_ns + 1)
+    assert (subject.level, subject.cause) == (SpeedWatchLevel.TRACTION_CUT, CtlCause.SPEED_AGE)
+    subject = guard_at(1)
+    subject.speed(TrnSpeed(100_000, check=2, life=1), 0)
+    assert (subject.level, subject.cause) == (SpeedWatchLevel.HOLD, CtlCause.BAD_TELEGRAMS)
+
+
 def command_ramp(elapsed_ms: int) -> int:
     """Service brake after ``elapsed_ms`` of its ramp from notch 0, as a positive code."""
     ladder = Ladder.of(SCENARIO)
@@ -304,6 +364,7 @@ GUARD_SWEEPS: dict[ModuleType, tuple[Any, ...]] = {
         sweep_guard_order,
         sweep_guard_samples,
         sweep_guard_position,
+        sweep_guard_safe,
         sweep_guard_random,
     ),
 }
