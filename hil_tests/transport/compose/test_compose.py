@@ -19,7 +19,7 @@ from railhil.supervisor.framelog import sha256_of
 
 pytestmark = [pytest.mark.needs_docker, pytest.mark.timeout(900)]
 
-_NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "railhil", "docker")
+_NEEDED = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "faults", "railhil", "docker")
 _FILES = ("Dockerfile", ".dockerignore", "docker-compose.yml", "docker-compose.hardware.yml", "pyproject.toml",
           "README.md", "LICENSE")  # fmt: skip
 _SEED = 3
