@@ -38,7 +38,8 @@ from railhil.supervisor.trace import Trace
 from railhil.supervisor.training_seeds import seed_was_trained
 
 _CODE = (
-    "common", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "bench.py", "local_run.py"
+    "common", "faults", "dbc", "bus", "scenarios", "plant_sim", "controller_node", "supervisor", "bench.py",
+    "local_run.py",
 )  # fmt: skip
 
 #: Free disk space required to begin a run: for the output of the nodes and the beginning of the log. A run of 3 min

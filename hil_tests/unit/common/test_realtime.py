@@ -242,6 +242,7 @@ def wall_clock_uses(path: Path) -> set[str]:
 def test_no_process_of_a_run_looks_at_the_wall_clock() -> None:
     packages = (
         "common",
+        "faults",
         "dbc",
         "bus",
         "scenarios",

@@ -12,7 +12,18 @@ from hil_tests.support.paths import ROOT
 from railhil.bus import ident, safe_telegrams, telegrams
 from railhil.bus.layout import Telegram
 
-PACKAGES = ("dbc", "bus", "scenarios", "plant_sim", "controller_node", "common", "railhil", "hil_tests", "benchmarks")
+PACKAGES = (
+    "dbc",
+    "bus",
+    "scenarios",
+    "plant_sim",
+    "controller_node",
+    "common",
+    "faults",
+    "railhil",
+    "hil_tests",
+    "benchmarks",
+)
 MODULES = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
 #: Written by a program; read where it is called.
 WRITTEN = ("bus/codecs.py",)
