@@ -150,7 +150,9 @@ class Session:
             if can_id in self._clock_ids:
                 truth_clock = self._truth_clock
                 if truth_clock.clock(frame) if truth_clock is not None else self._responder.opens_tick(frame):
-                    self._arrived()
+                    # As in _arrived; a call for each tick is felt.
+                    self.wall_ticks.append(self._time.tick)
+                    self.wall_ns.append(time.monotonic_ns())
             elif can_id == self._status_id:
                 return []
             elif can_id in self._own_ids:
