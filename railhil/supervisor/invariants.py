@@ -142,7 +142,7 @@ def _left_early(
 
     :param level: at each instant; -1: not known. The good telegrams are numbered in their order: ``first`` is the
         first one that can count for a level entered at an instant, ``past`` the first that is too late for one left.
-    :param stands: whether the train stands at each instant.
+    :param stands: whether the train stands at each instant; where it has stood at this level, any may be left.
     """
     for index in np.flatnonzero(np.diff(level) < 0) + 1:
         left, entered = int(level[index - 1]), index - 1
@@ -157,7 +157,8 @@ def _left_early(
             # It may have been entered earlier.
             continue
         count = int(past[index] - first[entered])
-        if count < GOOD_NEEDED[left] and not (left == _SERVICE_BRAKE and stands[index]):
+        # At a standstill SERVICE BRAKE is left at once, and a level may be left through it between two reports.
+        if count < GOOD_NEEDED[left] and not stands[entered : index + 1].any():
             yield (
                 f"invariant 4: {who} left {LEVELS[left]} at {time_s[index]:.2f} s after {count} good telegrams, "
                 f"needed {GOOD_NEEDED[left]}"
@@ -182,6 +183,6 @@ def _left_early_by_train(trace: Trace) -> Iterator[str]:
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
     at = np.searchsorted(_good(trace, NotchCmd.PORT, "NotchChk", "NotchLife"), told_s, side="left")
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
-    index = np.clip(np.searchsorted(truth_s, told_s) - 1, 0, max(len(truth_s) - 1, 0))
+    index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
     stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
     yield from _left_early("the train", told_s, _level_at(trace, told_s), at, at, stands)
