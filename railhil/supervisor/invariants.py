@@ -11,18 +11,19 @@ use neither watch: they read levels, speeds and forces from the record, and coun
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import numpy.typing as npt
 
 from railhil.bus.codes import CtlMode
-from railhil.bus.layout import CHECK_CORRECT
-from railhil.bus.lifesign import MAX_STEP
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
 from railhil.faults.language import parse
 from railhil.scenarios.model import Scenario
+from railhil.supervisor.ato_events import received
 from railhil.supervisor.counters import unreconciled
+from railhil.supervisor.events.declared import Received
+from railhil.supervisor.events.telegrams import judged
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -49,10 +50,11 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = list(unreconciled(scenario, trace))
+    items = {item.port: item for item in received(scenario)}
     if not _is_forged(scenario):
-        found += [*_commanded_traction(trace), *_left_early_by_controller(trace)]
+        found += [*_commanded_traction(trace), *_left_early_by_controller(trace, items)]
     if has_watch and trace.count(TrnWatch.PORT):
-        found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace)]
+        found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace, items)]
     return found
 
 
@@ -125,13 +127,11 @@ def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
         )
 
 
-def _good(trace: Trace, port: str, check: str, life: str, also: BoolArray | None = None) -> FloatArray:
-    """Instants of the good telegrams of a port: correct check variable, and a life sign that moves on."""
-    steps = np.diff(trace.raw(port, life), prepend=-1) & 0xF
-    if len(steps):
-        steps[0] = 1
-    good = (trace.raw(port, check) == CHECK_CORRECT) & (steps >= 1) & (steps <= MAX_STEP)
-    times_s: FloatArray = trace.times_s(port)[good if also is None else good & also]
+def _good(trace: Trace, item: Received) -> FloatArray:
+    """Instants of the telegrams of a port that its receiver takes."""
+    taken = np.ones(trace.count(item.port), dtype=bool)
+    taken[[number for number, _ in judged(trace, item)]] = False
+    times_s: FloatArray = trace.times_s(item.port)[taken]
     return times_s
 
 
@@ -166,11 +166,11 @@ def _left_early(
             return
 
 
-def _left_early_by_controller(trace: Trace) -> Iterator[str]:
+def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll."""
     time_s = trace.times_s(NotchCmd.PORT)
     speed = trace.raw(TrnSpeed.PORT, "TrainSpeed")
-    good_s = _good(trace, TrnSpeed.PORT, "SpeedChk", "SpeedLife", speed >= 0)
+    good_s = _good(trace, items[TrnSpeed.PORT])
     past = np.searchsorted(good_s, time_s, side="right")
     first = np.concatenate([[0], past[:-1]])
     newest = np.searchsorted(trace.times_s(TrnSpeed.PORT), time_s, side="right") - 1
@@ -178,10 +178,10 @@ def _left_early_by_controller(trace: Trace) -> Iterator[str]:
     yield from _left_early("the controller", time_s, _controller_levels(trace), first, past, stands)
 
 
-def _left_early_by_train(trace: Trace) -> Iterator[str]:
+def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     """The level is told one tick after it was entered, and commands follow it in the tick."""
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
-    at = np.searchsorted(_good(trace, NotchCmd.PORT, "NotchChk", "NotchLife"), told_s, side="left")
+    at = np.searchsorted(_good(trace, items[NotchCmd.PORT]), told_s, side="left")
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
     stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
