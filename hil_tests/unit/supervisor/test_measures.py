@@ -62,8 +62,8 @@ def test_limit_under_the_train_is_the_lowest_it_stands_on(
         return next((speed for begin, speed in reversed(limits) if place >= begin), limits[0][1])
 
     found = measures.limits_under_train(limits, np.array(fronts_m, dtype=float) + 0.5, float(length_m))
-    # The rear half a metre further inside, where the limit of its first half metre holds.
-    under = [min(at(front + 0.5 - k / 2) for k in range(2 * length_m)) for front in fronts_m]
+    # The middle of each half metre under the train; limits begin at whole metres.
+    under = [min(at(front + 0.25 - k / 2) for k in range(2 * length_m)) for front in fronts_m]
     assert found.tolist() == under
 
 
