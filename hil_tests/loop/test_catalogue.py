@@ -35,6 +35,10 @@ def test_the_table_is_printed_and_kept(tmp_path: Path) -> None:
     assert "speed_age" in done.out
     assert "1 runs, 0 not as they must be" in done.out
     assert (tmp_path / "runs" / "T2a" / "frames.log").is_file()
+    # The time is that of the level which is demanded, not of the strongest one.
+    lost = railhil("faults", SCENARIO, "--only", "N1", "--jobs", "1", "--quiet")
+    # The cell is broken over lines.
+    assert "(up to" in lost.out
     (first,) = railhil("faults", SCENARIO, "--only", "T2a", "--json").json
     assert first["reaction"] == "HOLD"
     assert 0 <= first["after_ms"] <= first["within_ms"] == 40

@@ -136,6 +136,14 @@ def _millis(seconds: float | None, since_s: float | None) -> str:
     return "-" if seconds is None or since_s is None else f"{(seconds - since_s) * 1e3:.0f}"
 
 
+def _reaction(row: Row) -> str:
+    """The level that the time beside it is about, with the strongest one where that is another."""
+    wanted = row.entry.reaction
+    if wanted is None or row.reaction_s is None or wanted == row.reaction:
+        return row.reaction
+    return f"{wanted} (up to {row.reaction})"
+
+
 def _print_rows(console: Output, rows: Sequence[Row]) -> None:
     """The table of reactions; the times are in ms from the first effect."""
     shown = table(tight=True)
@@ -154,10 +162,10 @@ def _print_rows(console: Output, rows: Sequence[Row]) -> None:
             "-" if row.effective_s is None else f"{row.effective_s:.2f}",
             row.detected_by or "-",
             _millis(row.detected_s, row.effective_s),
-            row.reaction,
+            _reaction(row),
             _millis(row.reaction_s, row.effective_s),
             "-" if entry.within_ms is None else str(entry.within_ms),
-            "-" if row.margin_ms is None else f"{row.margin_ms:.0f}",
+            "-" if row.margin_ms is None else str(round(row.margin_ms)),
             "; ".join(row.failures) or "ok",
         )
     console.print(shown)
