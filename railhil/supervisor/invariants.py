@@ -46,7 +46,8 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     that keeps them.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
-    a fault has put into NOTCH_CMD is not the controller's, and is not checked.
+    a fault has put into NOTCH_CMD is not the controller's, and is not checked. A traction drive with a fault does not
+    obey the train's watch: its traction is checked from EMERGENCY on, where the main breaker opens.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = list(unreconciled(scenario, trace))
@@ -54,7 +55,8 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     if not _is_forged(scenario):
         found += [*_commanded_traction(trace), *_left_early_by_controller(trace, items)]
     if has_watch and trace.count(TrnWatch.PORT):
-        found += [*_applied_traction(trace), *_overspeed(scenario, trace), *_left_early_by_train(trace, items)]
+        found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
+        found += _left_early_by_train(trace, items)
     return found
 
 
@@ -62,6 +64,13 @@ def _is_forged(scenario: Scenario) -> bool:
     """Whether a fault of the run changes the commands on the bus."""
     places = (parse(text).place for text in scenario.faults)
     return any(place.level == "command" or place.name == NotchCmd.PORT for place in places)
+
+
+def _cut_from(scenario: Scenario) -> int:
+    """The level at which no traction can be applied in this run."""
+    places = (parse(text).place for text in scenario.faults)
+    drive_faulty = any(place.level == "actuator" and place.name == "traction" for place in places)
+    return _EMERGENCY if drive_faulty else _TRACTION_CUT
 
 
 def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
@@ -93,11 +102,11 @@ def _commanded_traction(trace: Trace) -> Iterator[str]:
         )
 
 
-def _applied_traction(trace: Trace) -> Iterator[str]:
+def _applied_traction(scenario: Scenario, trace: Trace) -> Iterator[str]:
     time_s, force_n = trace.times_s(SimTruth.PORT), trace.values(SimTruth.PORT, "TractionForce")
     # The level before as well: when the port that opens the ticks is lost, a later tick can have the same instant.
     level = np.minimum(_level_at(trace, time_s), _level_at(trace, np.nextafter(time_s, -np.inf)))
-    wrong = np.flatnonzero((level >= _TRACTION_CUT) & (force_n > _FORCE_MIN_N))
+    wrong = np.flatnonzero((level >= _cut_from(scenario)) & (force_n > _FORCE_MIN_N))
     if len(wrong):
         first = wrong[0]
         yield (

@@ -81,6 +81,14 @@ def test_traction_at_a_level_that_cuts_it(level: int) -> None:
     assert "at 0.50 s" in said
 
 
+@pytest.mark.parametrize(("level", "rule_holds"), [(2, True), (3, True), (4, False)])
+def test_a_drive_that_is_stuck_on_is_cut_by_the_main_breaker(level: int, rule_holds: bool) -> None:
+    stuck = replace(SCENARIO, faults=("traction full @0.1s",))
+    story = Story(train_level=lambda tick: level if tick >= 30 else 0, traction_20n=lambda tick: 500)
+    assert (broken(stuck, story.trace()) == []) is rule_holds
+    assert found(story) != []
+
+
 def test_a_level_of_the_same_instant_may_be_of_a_later_tick() -> None:
     """When the port that opens the ticks is lost, the record has the instants of the polls."""
     later = Story(train_level=lambda tick: 4 if tick >= 30 else 0, traction_20n=lambda tick: 500 if tick <= 30 else 0)
