@@ -40,7 +40,7 @@ def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_
 
 
 def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
-    """On a shipped scenario, with one entry that demands less than the strongest level, and one that has no run here."""
+    """On a shipped scenario; one entry demands less than the strongest level, two have no run here."""
     done = railhil("faults", SHIPPED, "--only", "T2a,N1,T15,B7", "--jobs", "2", "--out", tmp_path / "runs", "--quiet")
     assert done.exit_code == 0, done.err
     assert "speed_age" in done.out
