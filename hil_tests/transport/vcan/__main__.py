@@ -1,4 +1,4 @@
-"""The tests on kernel SocketCAN, where there is one: ``python -m hil_tests.transport.vcan [--long] [OPTION OF PYTEST ...]``
+"""The tests on kernel SocketCAN, where there is one: ``python -m hil_tests.transport.vcan [--long] [OPTION ...]``
 
 Where that is a virtual machine's, the published run would take as long as all the others together: there its beginning
 is enough, and ``--long`` makes all of it.
@@ -34,7 +34,7 @@ def _has_kernel() -> bool:
 
 
 def main(options: Sequence[str]) -> int:
-    """Collect here, so that all is compiled, then run the tests with more options of pytest; returns the exit code."""
+    """Collect here, so that all is compiled, then run the tests with more options of pytest (or ``--long``); returns the exit code."""
     os.chdir(ROOT)
     words = [sys.executable, "-m", "pytest", "-q", *(word for name in _UNUSED for word in ("-p", f"no:{name}"))]
     words += [*_TESTS, *(option for option in options if option != "--long")]
