@@ -34,7 +34,7 @@ def _has_kernel() -> bool:
 
 
 def main(options: Sequence[str]) -> int:
-    """Collect here, so that all is compiled, then run the tests with more options of pytest (or ``--long``); returns the exit code."""
+    """Collect here, so that all is compiled, then run the tests with the options; returns the exit code."""
     os.chdir(ROOT)
     words = [sys.executable, "-m", "pytest", "-q", *(word for name in _UNUSED for word in ("-p", f"no:{name}"))]
     words += [*_TESTS, *(option for option in options if option != "--long")]
