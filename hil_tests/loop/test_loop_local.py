@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.figures import QUICK_TOML
 from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import BenchRun, direct_run, local_run
 from railhil.bus.codes import Event
@@ -94,7 +95,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arit
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
     path = tmp_path / "timing.toml"
-    path.write_text(f"{RUN_72M_TOML}[timing]\n{timing}\n")
+    path.write_text(f"{QUICK_TOML}[timing]\n{timing}\n")
     scenario = load(str(path))
     through_telegrams = local_run(scenario, tmp_path, RunSpec(law=LawSpec(indexing=indexing), seed=1))
     direct = direct_run(scenario, RunSpec(law=LawSpec(indexing=indexing), seed=1))
