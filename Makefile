@@ -15,9 +15,12 @@ PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts
 HERE         = not needs_socketcan and not needs_docker
 # A file at a time, so that what a module's tests share is made once. One worker more than there are cores: many tests wait.
-SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile
+# hil_tests/conftest.py puts the long ones first.
+SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-loadscope-reorder
+# Files of tests that keep real time: collecting all the others takes as long as some of these tests.
+REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint lint-types lint-imports bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -39,7 +42,7 @@ test-fast: $(VENV)/.installed-dev
 # All that needs no machine. What keeps real time runs alone, after the rest.
 test-here: $(VENV)/.installed-dev
 	@$(PART) --tool compilers --tool browser "tests side by side" $(SIDE_BY_SIDE) -m "$(HERE) and not wall_clock"
-	@$(PART) "tests in real time, alone" $(BIN)/pytest -q -m "$(HERE) and wall_clock"
+	@$(PART) "tests in real time, alone" $(BIN)/pytest -q -m "$(HERE) and wall_clock" $(REAL_TIME)
 
 # On kernel SocketCAN: the host's, else that of a throw-away virtual machine (root on Debian).
 test-vcan: $(VENV)/.installed-dev
@@ -63,7 +66,12 @@ test-wheel: $(VENV)/.installed-dev
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	@$(MAKE) --no-print-directory -j$$(nproc) -Otarget lint-types lint-imports
+
+lint-types: $(VENV)/.installed-dev
 	$(BIN)/mypy
+
+lint-imports: $(VENV)/.installed-dev
 	$(BIN)/lint-imports
 
 # Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import signal
 import sys
 import tempfile
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,6 +21,9 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import RunSpec
 
+#: A slow test takes as long as so many others.
+_SLOW_WEIGHT = 20
+
 
 def pytest_configure(config: pytest.Config) -> None:
     """Processes started by tests must ignore the user's python-can configuration, and must start quickly."""
@@ -29,8 +34,25 @@ def pytest_configure(config: pytest.Config) -> None:
     sys.dont_write_bytecode = False
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Skip by capability, naming it."""
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """Thousands of tests stay for the whole session: the collector of garbage need not look at them again and again."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Skip by capability, naming it; begin with the files that take long where several workers share the files."""
+    if hasattr(config, "workerinput"):
+        weights = Counter[Path]()
+        for item in items:
+            weights[item.path] += 1 if item.get_closest_marker("slow") is None else _SLOW_WEIGHT
+        items.sort(key=lambda item: -weights[item.path])
     missing: dict[str, str] = {}
     if not vcan_available():
         missing["needs_socketcan"] = "MISSING CAPABILITY kernel SocketCAN with vcan0 (make test brings it up as root)"

@@ -39,7 +39,7 @@ def interruptible() -> None:
 @pytest.mark.loop
 @pytest.mark.parametrize(
     ("number", "whole_group"),
-    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, True), (signal.SIGHUP, False)],
+    [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGHUP, False)],
 )
 def test_stopped_run_keeps_its_log_and_is_invalid(tmp_path, socket_folder, monkeypatch, number, whole_group):
     """Ctrl-C and a terminal that is gone reach every process of it at once, SIGTERM only the one it is sent to."""
@@ -109,16 +109,22 @@ def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
 
 @pytest.mark.loop
 def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
-    """The progress bar and the verdict find no terminal any more."""
+    """The progress bar and the verdict find no terminal any more; SIGHUP reaches every process of the run."""
     folder = tmp_path / "run"
     child, terminal = pty.fork()
     if child == 0:
-        os.execv(sys.executable, command("run", "--pace", "realtime", "--rate", "20", "--out", folder))
+        words = ("--pace", "realtime", "--rate", "20", "--no-report", "--out", folder)
+        os.execv(sys.executable, command("run", *words))
     wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
     os.close(terminal)
     _, status = os.waitpid(child, 0)
     assert os.waitstatus_to_exitcode(status) == 129
-    assert "stopped by SIGHUP" in json.loads((folder / "certificate.json").read_text())["line"]
+    with pytest.raises(ProcessLookupError):
+        os.killpg(child, 0)
+    score, certificate = (json.loads((folder / name).read_text()) for name in ("score.json", "certificate.json"))
+    assert score["verdict"] == certificate["verdict"] == "INVALID"
+    assert "stopped by SIGHUP" in certificate["line"]
+    assert json.loads((folder / "telemetry.json").read_text())["steps"] > 0
 
 
 def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:

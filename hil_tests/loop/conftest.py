@@ -14,7 +14,7 @@ from railhil.scenarios.model import Scenario
 @pytest.fixture(scope="module")
 def short() -> Scenario:
     """A short run between two stations."""
-    return load("yizhuang_04_jiugong_yizhuang_qiao")
+    return load("yizhuang_05")
 
 
 @pytest.fixture

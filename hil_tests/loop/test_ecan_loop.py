@@ -8,6 +8,7 @@ from itertools import product
 import pytest
 
 from hil_tests.support.cli import railhil
+from hil_tests.support.short_runs import RUN_72M_TOML
 from railhil.bench import local_run
 from railhil.bus.codes import CtlMode, Event
 from railhil.bus.frame import FD, Frame
@@ -18,6 +19,7 @@ from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, TimeSync, TrkInfo
 from railhil.common.errors import InputError
 from railhil.controller_node import node as node_module
 from railhil.controller_node.node import ControllerNode
+from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 MS = 1_000_000
@@ -162,21 +164,32 @@ def test_poll_that_opens_the_tick_lets_the_task_run(lvshun):
 
 
 @pytest.fixture(scope="module")
-def at_50_ms(lvshun, tmp_path_factory):
-    return local_run(lvshun, tmp_path_factory.mktemp("task"), RunSpec(law=LawSpec(task_period_ms=50), seed=1))
+def brief_file(tmp_path_factory):
+    """72 m in 24 s."""
+    path = tmp_path_factory.mktemp("brief") / "short.toml"
+    path.write_text(RUN_72M_TOML)
+    return path
 
 
-@pytest.mark.slow
-def test_mailboxes_read_at_once_change_no_byte_of_the_record(nominal, lvshun, tmp_path, monkeypatch):
+@pytest.fixture(scope="module")
+def at_50_ms(brief_file, tmp_path_factory):
+    run = RunSpec(law=LawSpec(task_period_ms=50), seed=1)
+    return local_run(load(brief_file), tmp_path_factory.mktemp("task"), run)
+
+
+def test_mailboxes_read_at_once_change_no_byte_of_the_record(brief_file, tmp_path, monkeypatch):
     """Against the same node with its mailboxes taken out."""
+    brief = load(brief_file)
+    (tmp_path / "with").mkdir()
+    expected = local_run(brief, tmp_path / "with", RunSpec(seed=1)).frames_sha256
 
     def bare(*arguments, module, **options) -> Responder:
         return Responder(*arguments, **options)
 
     monkeypatch.setattr(node_module, "Responder", bare)
-    without = local_run(lvshun, tmp_path, RunSpec(seed=1))
+    without = local_run(brief, tmp_path, RunSpec(seed=1))
     assert "no_mailbox" not in without.counters["controller"]
-    assert without.frames_sha256 == nominal.frames_sha256
+    assert without.frames_sha256 == expected
 
 
 @pytest.mark.faults
@@ -206,9 +219,9 @@ def test_task_of_400_ms_is_braked_by_the_ladder(lvshun, tmp_path):
 @pytest.mark.faults
 @pytest.mark.slow
 @pytest.mark.loop
-def test_processes_give_the_record_of_the_loop_without_sockets(at_50_ms, tmp_path):
+def test_processes_give_the_record_of_the_loop_without_sockets(at_50_ms, brief_file, tmp_path):
     words = ("--task-period-ms", "50", "--quiet", "--no-report", "--out", tmp_path / "run")
-    done = railhil("run", "--seed", "1", *words)
+    done = railhil("run", brief_file, "--seed", "1", *words)
     assert done.exit_code in (0, 1), done.err
     found = json.loads((tmp_path / "run" / "certificate.json").read_text(encoding="utf-8"))
     assert found["frames_sha256"] == at_50_ms.frames_sha256

@@ -49,7 +49,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("name", "law", "indexing", "arguments"),
     [
         ("lvshun_tieshan", "ipfc", "time", ("--seed", "0")),
-        ("lvshun_tieshan_worn_wheels", "ipfc_plus", "time", ("--seed", "1003", "--perturbed")),
+        ("yizhuang_05", "ipfc_plus", "time", ("--seed", "1003", "--perturbed")),
         ("yizhuang_02_xiaocun_xiaohongmen", "ipfc", "distance", ("--seed", "7", "--perturbed")),
     ],
 )

@@ -4,15 +4,31 @@ from __future__ import annotations
 
 import pytest
 
+from benchmarks.figures import QUICK_TOML
 from hil_tests.support.short_runs import RUN_72M_TOML
-from railhil.bench import direct_run, local_run
+from railhil.bench import BenchRun, direct_run, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
 from railhil.bus.telegrams import CtlStat, NotchCmd, SimTruth, TrnSpeed
 from railhil.controller_node.node import MAILBOXES, ControllerNode
 from railhil.dbc import wire_contract
 from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+
+
+@pytest.fixture(scope="module")
+def brief(tmp_path_factory: pytest.TempPathFactory) -> Scenario:
+    """72 m in 24 s."""
+    path = tmp_path_factory.mktemp("brief") / "short.toml"
+    path.write_text(RUN_72M_TOML)
+    return load(path)
+
+
+@pytest.fixture(scope="module")
+def brief_run(brief: Scenario, tmp_path_factory: pytest.TempPathFactory) -> BenchRun:
+    """It without sockets, seed 1; read-only."""
+    return local_run(brief, tmp_path_factory.mktemp("run"), RunSpec(seed=1))
 
 
 def test_nominal_run_is_healthy_and_complete(nominal):
@@ -31,32 +47,31 @@ def test_nominal_scores_are_those_of_the_paper_s_law_on_this_plant(nominal):
     assert found.extras["overspeed_mps"] == 0
 
 
-@pytest.mark.slow
-def test_same_seed_same_bytes_other_seed_other_bytes(nominal, lvshun, tmp_path):
+def test_same_seed_same_bytes_other_seed_other_bytes(brief, brief_run, tmp_path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
-    assert local_run(lvshun, tmp_path / "a", RunSpec(seed=1)).frames_sha256 == nominal.frames_sha256
-    other = local_run(lvshun, tmp_path / "b", RunSpec(seed=2))
-    assert other.frames_sha256 != nominal.frames_sha256
+    assert local_run(brief, tmp_path / "a", RunSpec(seed=1)).frames_sha256 == brief_run.frames_sha256
+    other = local_run(brief, tmp_path / "b", RunSpec(seed=2))
+    assert other.frames_sha256 != brief_run.frames_sha256
     # Not only the handshake differs: the sensor noise does.
-    assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(nominal.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
+    assert list(other.trace.raw(TrnSpeed.PORT, "TrainSpeed")) != list(brief_run.trace.raw(TrnSpeed.PORT, "TrainSpeed"))
 
 
-def test_can_fd_form_gives_the_same_run(nominal, lvshun, tmp_path):
-    fd = local_run(lvshun, tmp_path, RunSpec(seed=1), fd=True)
-    assert fd.notches == nominal.notches
-    assert fd.score == nominal.score
-    assert fd.frames_sha256 != nominal.frames_sha256
+def test_can_fd_form_gives_the_same_run(brief, brief_run, tmp_path):
+    fd = local_run(brief, tmp_path, RunSpec(seed=1), fd=True)
+    assert fd.notches == brief_run.notches
+    assert fd.score == brief_run.score
+    assert fd.frames_sha256 != brief_run.frames_sha256
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("arithmetic", ["iq", "float64"])
 @pytest.mark.parametrize(("seed", "drawn"), [(1, False), (5, True)])
-def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic, seed, drawn):
+def test_direct_coupling_is_the_same_loop(nominal, lvshun, brief, tmp_path, arithmetic, seed, drawn):
+    """The published run, and shorter ones."""
     is_nominal = (seed, drawn, arithmetic) == (1, False, "iq")
     run = RunSpec(law=LawSpec(arithmetic=arithmetic), seed=seed, perturbed=drawn)
-    through_telegrams = nominal if is_nominal else local_run(lvshun, tmp_path, run)
-    direct = direct_run(lvshun, run)
+    through_telegrams = nominal if is_nominal else local_run(brief, tmp_path, run)
+    direct = direct_run(lvshun if is_nominal else brief, run)
     assert direct.notches == through_telegrams.notches
     assert direct.score == through_telegrams.score
 
@@ -80,7 +95,7 @@ def test_direct_coupling_is_the_same_loop(nominal, lvshun, tmp_path, arithmetic,
 @pytest.mark.parametrize("indexing", ["time", "distance"])
 def test_direct_coupling_is_the_same_loop_at_any_period(tmp_path, timing, indexing):
     path = tmp_path / "timing.toml"
-    path.write_text(f"{RUN_72M_TOML}[timing]\n{timing}\n")
+    path.write_text(f"{QUICK_TOML}[timing]\n{timing}\n")
     scenario = load(str(path))
     through_telegrams = local_run(scenario, tmp_path, RunSpec(law=LawSpec(indexing=indexing), seed=1))
     direct = direct_run(scenario, RunSpec(law=LawSpec(indexing=indexing), seed=1))
@@ -100,13 +115,13 @@ def test_controller_has_no_mailbox_for_the_truth(lvshun):
         assert node.counters == {"no_mailbox": count}
 
 
-def test_scrambled_truth_changes_nothing_for_the_controller(nominal, lvshun, tmp_path):
+def test_scrambled_truth_changes_nothing_for_the_controller(brief, brief_run, tmp_path):
     truth_ids = set(SimTruth.port().can_ids)
 
     def wire(frame: Frame) -> list[Frame]:
         return [frame._replace(data=b"\xa5" * 8)] if frame.can_id in truth_ids else [frame]
 
-    assert local_run(lvshun, tmp_path, RunSpec(seed=1), wire=wire).notches == nominal.notches
+    assert local_run(brief, tmp_path, RunSpec(seed=1), wire=wire).notches == brief_run.notches
 
 
 def test_control_status_follows_the_law(nominal):

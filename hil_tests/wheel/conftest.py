@@ -27,8 +27,9 @@ class Built:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    folder = Path(__file__).parent
     for item in items:
-        if Path(__file__).parent in item.path.parents:
+        if item.path.parent == folder:
             item.add_marker(pytest.mark.slow)
             # Libraries for other interpreters are downloaded once.
             item.add_marker(pytest.mark.timeout(900))

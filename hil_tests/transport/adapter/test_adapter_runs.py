@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +12,7 @@ import pytest
 
 from hil_tests.support.adapter_rig import Rig, Timetable
 from hil_tests.support.cli import command, railhil
+from hil_tests.support.warm import run_module
 from hil_tests.transport.vcan.bench import counters_of, run_on
 from railhil.bench import local_run
 from railhil.bus.codes import Event
@@ -23,7 +24,7 @@ from railhil.supervisor.framelog import read_log
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.trace import Trace, trace_of
 
-pytestmark = [pytest.mark.loop, pytest.mark.wall_clock, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.loop, pytest.mark.timeout(300)]
 
 _SEED = 1
 #: A move of 17 s and 48 m: up to 17 km/h, coast, brake.
@@ -124,6 +125,7 @@ def silence_s(trace: Trace, order_s: float) -> tuple[float, float]:
 # -- lockstep -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_controller_behind_an_adapter_gives_the_same_bytes(rig, move, move_file, tmp_path):
     (tmp_path / "run").mkdir()
     (tmp_path / "local").mkdir()
@@ -139,6 +141,7 @@ def test_a_controller_behind_an_adapter_gives_the_same_bytes(rig, move, move_fil
     assert status["transmitted"] > 1000
 
 
+@pytest.mark.slow
 def test_fd_frames_pass_the_adapter(socket_folder, move, move_file, tmp_path):
     """All by hand, the telegrams as CAN FD frames, on an adapter that can, and that answers nothing."""
     with Rig(socket_folder, "--fd", "--no-answers") as rig:
@@ -164,6 +167,7 @@ def test_fd_frames_pass_the_adapter(socket_folder, move, move_file, tmp_path):
 
 
 @pytest.mark.faults
+@pytest.mark.wall_clock
 def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp_path):
     result, trace, said = realtime(socket_folder, move, move_file, tmp_path / "run", {8.0: "unplug 2"})
     begin_s, length_s = silence_s(trace, 8.0)
@@ -192,6 +196,7 @@ def test_unplugged_for_two_seconds_in_motion(socket_folder, move, move_file, tmp
 
 
 @pytest.mark.faults
+@pytest.mark.wall_clock
 def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_path):
     """Unplugged, bus-off and stuck for 0.3 s each: service brake at most, and the train still stops where it should."""
     orders = {3.0: "unplug 0.3", 6.5: "busoff 0.3", 9.5: "stall 0.3", 11.0: "garble 60"}
@@ -219,6 +224,7 @@ def test_short_disturbances_are_ridden_out(socket_folder, move, move_file, tmp_p
 
 
 @pytest.mark.faults
+@pytest.mark.wall_clock
 def test_one_that_stays_unplugged_ends_the_controller(rig, move, tmp_path):
     """The train stops by itself, the record is whole; the controller gives up with one line and exit code 3."""
     folder = tmp_path / "run"
@@ -247,12 +253,6 @@ def test_program_says_in_one_line_what_it_cannot_do(tmp_path):
         (("--link", str(tmp_path / "tty"), *bus), "no hub at"),
         (("--link", str(tmp_path / "tty"), "--queue", "0", *bus), "--queue"),
     ):
-        done = subprocess.run(
-            [sys.executable, "-m", "railhil.machines.adapter", *options],
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
+        done = run_module("railhil.machines.adapter", options, environment=os.environ)
         assert (done.returncode, len(done.stderr.strip().splitlines())) == (2, 1), done.stderr
         assert text in done.stderr

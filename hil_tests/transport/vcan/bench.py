@@ -6,6 +6,7 @@ import the nodes once; a fork has them already. Everything else is as with ``rai
 
 from __future__ import annotations
 
+import contextlib
 import json
 import multiprocessing
 import os
@@ -16,6 +17,7 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
 
+from railhil.bench import plant_beside
 from railhil.bus.administrator import REPLY_NS
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import Link, Timeouts, open_link
@@ -25,14 +27,18 @@ from railhil.common.exit_codes import guarded
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import cycle
 from railhil.controller_node.faulty import controller_of, write_fault_log
+from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.serve import run_controller
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.run import Run
+from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
 
+#: Simulation time of the beginning of a run.
+_BEGINNING_S = 40.0
 #: A node that has not ended this long after the record is killed.
 _NODE_END_S = 20.0
 
@@ -124,6 +130,31 @@ def run_on(
         os.close(controller_alive)
         for node in nodes:
             node.kill()
+
+
+class _Enough(Exception):
+    """The run has lasted as long as it is looked at."""
+
+
+def beginning(config: Mapping[str, Any], scenario: Scenario, folder: Path) -> tuple[list[str], list[str]]:
+    """The first 40 s of the record of a run on a bus, seed 0, and of the same run in this process; neither goes on."""
+
+    def enough(now_s: float) -> None:
+        if now_s > _BEGINNING_S + 1:
+            raise _Enough
+
+    expected: list[str] = []
+    session = Session(scenario, expected.append, RunSpec(), on_progress=enough)
+    with contextlib.suppress(_Enough):
+        plant_beside(scenario, RunSpec(), ControllerNode(scenario, LawSpec()), session).run()
+    with contextlib.suppress(_Enough):
+        run_on(config, scenario, folder, seed=0, on_progress=enough)
+    recorded = (folder / "frames.log").read_text().splitlines(keepends=True)
+    return _before_its_end(recorded), _before_its_end(expected)
+
+
+def _before_its_end(lines: Sequence[str]) -> list[str]:
+    return [line for line in lines if float(line[1 : line.index(")")]) < _BEGINNING_S]
 
 
 def counters_of(folder: Path, role: str) -> dict[str, int]:

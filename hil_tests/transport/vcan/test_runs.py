@@ -9,7 +9,7 @@ import struct
 import pytest
 
 from hil_tests.support.published import PUBLISHED_SHA256
-from hil_tests.transport.vcan.bench import counters_of, run_on, socketcan
+from hil_tests.transport.vcan.bench import beginning, counters_of, run_on, socketcan
 from railhil import cli
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
@@ -25,11 +25,18 @@ _CAN_FRAME = struct.Struct("=IB3x8s")
 
 
 def test_published_run_gives_the_bytes_of_every_other_transport(lvshun, folder):
-    """195 s, 98 000 frames. It stops 0.219 m short, where the scenario allows 0.3 m."""
+    """195 s, 98 000 frames. It stops 0.219 m short, where the scenario allows 0.3 m. Left out in a virtual machine."""
     result, exit_codes = run_on(socketcan(), lvshun, folder, seed=0)
     assert (result.exit_code, exit_codes) == (PASS, [0, 0])
     assert [disturbed(result.counters), *(disturbed(counters_of(folder, role)) for role in NODES)] == [{}, {}, {}]
     assert result.frames_sha256 == PUBLISHED_SHA256
+
+
+def test_published_run_begins_with_the_bytes_of_every_other_transport(lvshun, folder):
+    """A fifth of it."""
+    recorded, expected = beginning(socketcan(), lvshun, folder)
+    assert len(recorded) > 20_000
+    assert recorded == expected
 
 
 def test_vcan_is_taken_when_nothing_is_said():

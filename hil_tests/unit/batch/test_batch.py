@@ -36,7 +36,7 @@ from railhil.scenarios.run_spec import LawSpec, RunSpec
 SCENARIOS = (
     "lvshun_tieshan",
     "lvshun_tieshan_worn_wheels",
-    "yizhuang_01_songjiazhuang_xiaocun",
+    "yizhuang_02_xiaocun_xiaohongmen",
     "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan",
 )
 #: Arithmetic, indexing and the seeds that are run with them: each scenario meets eight seeds.

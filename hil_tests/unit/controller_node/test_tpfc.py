@@ -4,12 +4,12 @@ closed loop."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.signal import cont2discrete, tf2ss
 
 from railhil.bench import coupled_run, direct_run
 from railhil.common.errors import InputError
@@ -35,9 +35,6 @@ PERIOD_S = 0.5
 #: exp(-Ts / (2 Ts)).
 ALPHA = np.exp(-0.5)
 
-# Eq. (2) in km/h per notch, by scipy's own zero-order hold, in scipy's own choice of states.
-A, B, C, _, _ = cont2discrete(tf2ss([0.07128 * 3.6], [1.0, 0.4356, 0.0324]), PERIOD_S)
-
 SECONDS = np.arange(10) * PERIOD_S
 STEP = np.ones((1, 10))
 STEP_RAMP = np.vstack([np.ones(10), SECONDS])
@@ -49,8 +46,19 @@ WAVELETS = np.vstack(
 )
 
 
+@cache
+def model() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A, B and C of eq. (2) in km/h per notch, by scipy's own zero-order hold, in scipy's own choice of states."""
+    # Every process that collects the tests would load it.
+    from scipy.signal import cont2discrete, tf2ss
+
+    a, b, c, _, _ = cont2discrete(tf2ss([0.07128 * 3.6], [1.0, 0.4356, 0.0324]), PERIOD_S)
+    return a, b, c
+
+
 def pulse(i: int) -> float:
     """Output of the model i periods after a unit notch for one period."""
+    A, B, C = model()
     return (C @ np.linalg.matrix_power(A, i - 1) @ B).item()
 
 
@@ -83,6 +91,7 @@ def test_gains_are_the_least_squares_solution(found: Any, basis: np.ndarray) -> 
 
 def transcribed(basis: np.ndarray, steps: list[tuple[float, np.ndarray]], sent: list[float]) -> Iterator[float]:
     """Notches by eqs. (10) to (19), at speeds and set-points (now and ten ahead); ``sent``: what the train is told."""
+    A, B, C = model()
     state, errors = np.zeros((2, 1)), [steps[0][0]] * 8
     i = np.arange(1, 11)
     past = np.arange(-7, 0)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import subprocess
 import sys
+from functools import cache
 from typing import ClassVar
 
 import cantools
@@ -25,8 +26,12 @@ from railhil.dbc.text import dbc_text
 from railhil.supervisor.trace import Trace
 
 FOLDER = ROOT / "dbc"
-DATABASE = cantools.database.load_file(FOLDER / "railhil.dbc")
 CLASSES = telegram_classes(railhil.bus.telegrams, railhil.bus.safe_telegrams, railhil.bus.ident)
+
+
+@cache
+def database() -> cantools.database.Database:
+    return cantools.database.load_file(FOLDER / "railhil.dbc")
 
 
 def telegrams() -> st.SearchStrategy[Telegram]:
@@ -108,7 +113,7 @@ def test_cantools_decodes_every_frame_and_agrees(telegram, fd):
     port = type(telegram).port()
     raw: dict[str, int] = {}
     for frame in TelegramSource(port, fd).frames(telegram.encode()):
-        message = DATABASE.get_message_by_frame_id(frame.can_id)
+        message = database().get_message_by_frame_id(frame.can_id)
         raw |= message.decode(frame.data, decode_choices=False, scaling=False)
     trace = Trace()
     trace.add(port.name, 0, telegram.encode())
@@ -126,7 +131,7 @@ def test_value_that_does_not_fit_is_refused():
 @pytest.mark.parametrize("port", wire_contract().ports, ids=lambda port: port.name)
 def test_messages_carry_cycle_time_units_and_comments(port):
     for can_id in (*port.can_ids, port.fd_id):
-        message = DATABASE.get_message_by_frame_id(can_id)
+        message = database().get_message_by_frame_id(can_id)
         assert (message.cycle_time or 0) == port.period_ns // 1_000_000
         assert message.comment
     for item in port.signals:
@@ -134,7 +139,7 @@ def test_messages_carry_cycle_time_units_and_comments(port):
         found = [
             signal
             for name in names
-            for signal in DATABASE.get_message_by_name(name).signals
+            for signal in database().get_message_by_name(name).signals
             if signal.name == item.name
         ]
         assert len(found) == 1

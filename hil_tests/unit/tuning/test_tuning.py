@@ -83,17 +83,16 @@ def alone(scenario: Scenario, law: str, values: dict[str, float], seeds: tuple[i
 @pytest.mark.parametrize("law", LAWS)
 def test_candidates_judged_together_are_judged_as_alone(law: str) -> None:
     """Bit for bit, and also where a parameter decides how many operations the law has."""
-    trials = Trials(SCENARIO, LawSpec(law, "float64"), SEEDS)
-    assert trials.of_defaults() == objective(
-        trials.scale, run_batch(Case(SCENARIO, LawSpec(law, "float64")), SEEDS).scores
-    )
+    near = load("yizhuang_05")
+    trials = Trials(near, LawSpec(law, "float64"), SEEDS)
+    assert trials.of_defaults() == objective(trials.scale, run_batch(Case(near, LawSpec(law, "float64")), SEEDS).scores)
     candidates = points(law, 5)
     for values, judged in zip(candidates, trials.of(candidates), strict=True):
         if judged is None:
             with pytest.raises(InputError, match="ValueError: "):
-                alone(SCENARIO, law, values, SEEDS)
+                alone(near, law, values, SEEDS)
         else:
-            assert judged == objective(trials.scale, alone(SCENARIO, law, values, SEEDS))
+            assert judged == objective(trials.scale, alone(near, law, values, SEEDS))
 
 
 def test_constants_of_each_train() -> None:
