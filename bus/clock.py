@@ -54,13 +54,17 @@ class BusClock:
     The polls matter when only the clock port fails: without them the node's time would stop, and so would the ageing of
     the last speed. Before the first clock frame or TIME_SYNC ``tick`` is 0 and ``running`` is False.
 
+    A node that comes late, as after a restart, counts from 0 until TIME_SYNC tells the time of the run (``is_set``).
+    That leap is no time that has passed: ages are differences of ``own_ns``, which it leaves out.
+
     :param counters: where refused TIME_SYNC are counted by cause: ``time_check`` (check variable not correct),
         ``time_duplicate``, ``time_out_of_order`` (life sign), ``time_backward``, ``time_ahead``.
     """
 
     __slots__ = (
-        "_ahead", "_expected", "_frame_tick", "_known_tick", "_life", "_poll_tick", "_polls", "_sync_life",
-        "_ticks_per_frame", "base_tick_ns", "counters", "now_ns", "rate", "running", "tick",
+        "_ahead", "_began_tick", "_expected", "_frame_tick", "_known_tick", "_life", "_near_ticks", "_poll_tick",
+        "_polls", "_sync_life", "_ticks_per_frame", "base_tick_ns", "counters", "is_set", "now_ns", "own_ns", "rate",
+        "running", "tick",
     )  # fmt: skip
 
     def __init__(
@@ -70,6 +74,8 @@ class BusClock:
         self.counters: Counter[str] = Counter() if counters is None else counters
         self.base_tick_ns = base_tick_ns
         self._ticks_per_frame = ticks_per_frame or max(1, port.period_ns // base_tick_ns)
+        # So many ticks life signs can bridge.
+        self._near_ticks = MAX_STEP * self._ticks_per_frame
         # Life sign of the last clock frame (-1: not known) and its tick, which falls behind ``tick`` when polls advance
         # the clock.
         self._life = -1
@@ -87,6 +93,12 @@ class BusClock:
         self.tick = 0
         #: Simulation time of the current tick in ns; read ten times per tick, hence not a property.
         self.now_ns = 0
+        # The tick at which a node that came late began to count.
+        self._began_tick = 0
+        #: The same from the beginning of this node's count, for ages.
+        self.own_ns = 0
+        #: Whether a TIME_SYNC has been taken: the time is that of the run.
+        self.is_set = False
         self.running = False
         #: Pace from TIME_SYNC in simulated seconds per wall second, see :func:`rate_to_10th`; 0: lockstep, or not
         #: known.
@@ -129,6 +141,7 @@ class BusClock:
     def _set(self, tick: int) -> None:
         self.tick = tick
         self.now_ns = tick * self.base_tick_ns
+        self.own_ns = (tick - self._began_tick) * self.base_tick_ns
 
     def polled(self, period_ticks: int) -> None:
         """Take a poll that is sent at every multiple of ``period_ticks``.
@@ -180,10 +193,13 @@ class BusClock:
             return False
         self._sync_life.accept(telegram.life)
         self._known_tick = -1
+        if not self.is_set and tick - self.tick > self._near_ticks:
+            self._began_tick = tick - self.tick
+        self.is_set = True
         self.rate = telegram.rate_10th / 10
         if tick == self.tick and self.running:
             return True
-        known = self._life >= 0 and self._polls > 0 and abs(tick - self.tick) <= MAX_STEP * self._ticks_per_frame
+        known = self._life >= 0 and self._polls > 0 and abs(tick - self.tick) <= self._near_ticks
         self.running = True
         self._set(tick)
         if known:
@@ -208,7 +224,7 @@ class BusClock:
         before, self._ahead = self._ahead, None
         if off < 0:
             return "" if 0 <= self._known_tick < tick else "time_backward", tick
-        near = MAX_STEP * self._ticks_per_frame
+        near = self._near_ticks
         if off > near and not (
             before is not None and telegram.life == (before[0] + 1) % _LIFE_MODULUS and abs(off - before[1]) <= near
         ):

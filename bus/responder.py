@@ -31,8 +31,8 @@ T_co = TypeVar("T_co", bound=Telegram, covariant=True)
 class Reading(NamedTuple, Generic[T_co]):
     """A telegram as passed to its handler.
 
-    ``received_ns``: simulation time of its arrival, in the past if a task has read it late. ``stamp``: the same from
-    the CAN module's counter, in bit times; None without a module.
+    ``received_ns``: the clock's ``own_ns`` at its arrival, in the past if a task has read it late. ``stamp``: the same
+    from the CAN module's counter, in bit times; None without a module.
     """
 
     telegram: T_co
@@ -132,7 +132,7 @@ class Responder:
             checked = self.store.check(frame)
             if not checked.cause:
                 self.clock.feed(data)
-        now_ns, stamp = self.clock.now_ns, None
+        now_ns, stamp = self.clock.own_ns, None
         module = self._module
         if module is not None:
             if module.has_task:
@@ -151,7 +151,7 @@ class Responder:
         return not self.store.check(frame).cause and self.clock.feed(frame.data)
 
     def _read_due(self, module: CanModule) -> None:
-        for frame, checked, received_ns, stamp in module.read_due(self.clock.now_ns):
+        for frame, checked, received_ns, stamp in module.read_due(self.clock.own_ns):
             self._deliver(frame, checked, received_ns, stamp)
 
     def _deliver(self, frame: Frame, checked: FrameCheck | None, received_ns: int, stamp: int | None) -> None:

@@ -88,6 +88,8 @@ class Guard:
         self._disorder = Debt(DISORDER_MS, DISORDER_MAX_MS)
         self._overruns_max = scenario.watch.overruns_max
         self._late = 0
+        #: Whether the train moves and the time of the run is not known yet.
+        self.waits = False
         # What the checks find now, by check, and the strongest of it.
         self._findings: dict[str, Finding] = {}
         self._finding: Finding | None = None
@@ -115,6 +117,12 @@ class Guard:
             return
         self._late = self._late + 1 if is_late else 0
         self._find("overruns", CtlCause.OVERRUNS if self._late > self._overruns_max else CtlCause.NONE)
+
+    def wait(self, waits: bool) -> None:
+        """The law cannot run yet, although the train moves: it brakes until the time of the run is known."""
+        if waits is not self.waits:
+            self.waits = waits
+            self._find("time", CtlCause.CLOCK if waits else CtlCause.NONE)
 
     def speed(self, telegram: TrnSpeed, now_ns: int, stamp: int | None = None) -> None:
         """Take a TRN_SPEED telegram that passed the traffic store.
@@ -161,8 +169,8 @@ class Guard:
             self._sample(speed, now_ns)
         self._observe(Reception.GOOD, now_ns, age_ns)
 
-    def confirm(self, telegram: SpeedSdt, now_ns: int, tick: int) -> None:
-        """Take a SPEED_SDT telegram that passed the traffic store; ``tick``: of the clock."""
+    def confirm(self, telegram: SpeedSdt, now_ns: int, tick: int | None) -> None:
+        """Take a SPEED_SDT telegram that passed the traffic store; ``tick``: of the clock, None: not known yet."""
         assert self.safe is not None
         self.safe.take(telegram, now_ns, tick, self.speed_01mmps if self._speed_ns == now_ns else None)
 

@@ -201,24 +201,25 @@ class ControllerNode:
         """The interface was down for ``wall_ns`` and now delivers frames again: the watch must see how old the speed
         is."""
         self._clock.silence(wall_ns)
-        self.guard.look(self._clock.now_ns)
+        self.guard.look(self._clock.own_ns)
 
     def was_stopped(self, sim_ns: int) -> None:
         """It was stopped for ``sim_ns`` of simulation time: the watch must see how old the speed is."""
         self._clock.elapsed(sim_ns)
-        self.guard.look(self._clock.now_ns)
+        self.guard.look(self._clock.own_ns)
 
     def _speed(self, reading: Reading[TrnSpeed]) -> None:
-        self.guard.speed(reading.telegram, self._clock.now_ns, reading.stamp)
+        self.guard.speed(reading.telegram, self._clock.own_ns, reading.stamp)
 
     def _safe_speed(self, reading: Reading[SpeedSdt]) -> None:
-        self.guard.confirm(reading.telegram, self._clock.now_ns, self._clock.tick)
+        clock = self._clock
+        self.guard.confirm(reading.telegram, clock.own_ns, clock.tick if clock.is_set else None)
 
     def _position(self, reading: Reading[TrnPos]) -> None:
         self._odometer.position(reading.telegram, reading.received_ns)
 
     def _balise(self, reading: Reading[BalisePassed]) -> None:
-        self._balises.take(reading.telegram, *self._odometer.reckoned(self._clock.now_ns))
+        self._balises.take(reading.telegram, *self._odometer.reckoned(self._clock.own_ns))
 
     def _track(self, reading: Reading[TrkInfo]) -> None:
         self.guard.limit(reading.telegram)
@@ -229,30 +230,35 @@ class ControllerNode:
             self.ended = Event(code)
 
     def _control(self) -> None:
-        """Run the law when a control period has begun since the last step."""
-        now_ns = self._clock.now_ns
-        k = now_ns // self._control_ns
-        if not self._clock.running or k == self._last_k:
+        """Run the law when a control period has begun since the last step; it needs the time of the run."""
+        clock = self._clock
+        k = clock.now_ns // self._control_ns
+        if not clock.is_set or k == self._last_k:
             return
         speed_01mmps = self.guard.speed_01mmps
         if speed_01mmps is None:
             return
+        if self._output is None:
+            self.guard.wait(False)
         is_late = k > self._last_k + 1 and self._last_k >= 0
         self._overruns += is_late
         self.guard.period(is_late)
-        self._output = self.controller.step(k, speed_01mmps, self._odometer.at(now_ns), self._balises.last)
+        self._output = self.controller.step(k, speed_01mmps, self._odometer.at(clock.own_ns), self._balises.last)
         self._last_k = k
         self._steps += 1
 
     def _notch(self) -> Telegram:
         self._control()
         self._notch_life = (self._notch_life + 1) & 0xF
-        if self._output is None:
+        output, guard = self._output, self.guard
+        if output is None and guard.speed_01mmps:
+            guard.wait(True)
+        if output is None and not guard.waits:
             self._notch_cmd = NotchCmd(0, CtlMode.INITIALISING, emergency=flag(False), life=self._notch_life)
             return self._notch_cmd
-        code, emergency = self.guard.notch(self._output.notch_code, self._clock.now_ns)
-        self.controller.sent(code)
-        guard = self.guard
+        code, emergency = guard.notch(output.notch_code if output else 0, self._clock.own_ns)
+        if output:
+            self.controller.sent(code)
         mode = _MODES[guard.level]
         self._notch_cmd = NotchCmd(code, mode, guard.cause, emergency=flag(emergency), life=self._notch_life)
         return self._notch_cmd

@@ -47,10 +47,10 @@ class SafeSpeed:
         """See the class."""
         return {f"safe_{cause}": count for cause, count in self._counters.items()}
 
-    def take(self, telegram: SpeedSdt, now_ns: int, tick: int, speed_01mmps: int | None) -> None:
+    def take(self, telegram: SpeedSdt, now_ns: int, tick: int | None, speed_01mmps: int | None) -> None:
         """Take a SPEED_SDT telegram that passed the traffic store.
 
-        :param tick: of the controller's clock.
+        :param tick: of the controller's clock; None: it is not known yet, and the telegram's time is not checked.
         :param speed_01mmps: accepted from TRN_SPEED at this instant; None: none was.
         """
         missed = (now_ns - self._cycle_ns) // self._period_ns - 1
@@ -59,7 +59,7 @@ class SafeSpeed:
             self._sink.judge(None)
         if self._sink.judge(telegram.encode()) is not Validity.FRESH:
             return
-        off = (safe_tick(telegram) - tick) % _TICK_MODULUS
+        off = 0 if tick is None else (safe_tick(telegram) - tick) % _TICK_MODULUS
         if min(off, _TICK_MODULUS - off) > self._late_ticks:
             self._counters["time"] += 1
         elif speed_01mmps is not None and speed_01mmps != telegram.speed_01mmps:

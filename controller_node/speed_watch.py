@@ -86,6 +86,7 @@ LEVELS = {
                 CtlCause.POSITION_LOST,
                 CtlCause.POSITION_IMPLAUSIBLE,
                 CtlCause.CHANNEL_MONITOR,
+                CtlCause.CLOCK,
                 CtlCause.TWO_SOURCES,
                 CtlCause.BRAKE_NOT_ANSWERING,
             ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from railhil.faults.language import fault_text
 from railhil.faults.model import Fault, Place, Trigger, Value
@@ -15,22 +16,42 @@ LEFT_OUT = frozenset({("train", "nan"), ("clock", "pause"), ("node", "kill"), ("
 _OTHER_NODES = ("plant", "supervisor")
 #: Shortest and longest time of a fault, in s.
 DURATIONS_S = (0.01, 10.0)
+#: Shortest time of a fault where something happens only now and then: TIME_SYNC is sent each 1.28 s, a force acts
+#: while it is commanded, and a wheel slips while it drives or brakes. In s.
+_RARE_S = {"clock": 1.5, "actuator": 1.0, "train": 1.0}
+#: Place that acts only at single points of the line: its faults stay.
+_LASTING = "balise"
+#: The first fault begins in this share of the timetable, and the second this long after it on average, in s: where the
+#: first one stops the train, it still finds a run to act on.
+_BEGIN_SHARE, _APART_S = 0.8, 1.0
 _DIGITS = 3
 #: Ports with the names of their signals.
 Ports = Mapping[str, Sequence[str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """When a run without faults sends a port: first and last instant, and the longest time between two, in s."""
+
+    first_s: float
+    last_s: float
+    apart_s: float
 
 
 def _rounded(value: float) -> float:
     return float(f"{value:.{_DIGITS}g}")
 
 
-def _value(chance: random.Random, parameter: Parameter, ports: Ports) -> Value:
-    """A value of the size that a field engineer would try, within the range of the parameter."""
+def _value(chance: random.Random, word: Word, parameter: Parameter, ports: Sequence[str]) -> Value:
+    """A value of the size that a field engineer would try, within the parameter's range and with an effect."""
     unit = parameter.unit
     if unit == NAME:
         return chance.choice(list(ports))
-    if unit == SHARE:
-        drawn = chance.random()
+    if word.part in ("counter", "checksum"):
+        # Whole numbers of some bits.
+        drawn = float(chance.randint(1, 6))
+    elif unit == SHARE:
+        drawn = 10.0 ** chance.uniform(-1.0, 0.0)
     elif unit == TIME:
         drawn = 10.0 ** chance.uniform(-2.0, 0.5)
     elif unit == COUNT:
@@ -39,10 +60,12 @@ def _value(chance: random.Random, parameter: Parameter, ports: Ports) -> Value:
         drawn = chance.uniform(-50.0, 50.0)
     elif unit == PPM:
         drawn = chance.uniform(-1000.0, 1000.0)
-    elif parameter.name in ("factor", "share"):
-        drawn = 2.0 ** chance.uniform(-1.0, 1.0)
+    elif parameter.name == "coefficient":
+        drawn = 10.0 ** chance.uniform(-3.0, -1.0)
+    elif parameter.name == "factor":
+        drawn = 2.0 ** chance.uniform(-1.0, 1.0 if parameter.high > 1.0 else 0.0)
     else:
-        drawn = chance.uniform(-10.0, 10.0)
+        drawn = chance.uniform(0.0 if parameter.low >= 0.0 else -10.0, 10.0)
     return _rounded(min(max(drawn, parameter.low), parameter.high))
 
 
@@ -51,47 +74,61 @@ def words_drawn() -> tuple[Word, ...]:
     return tuple(word for word in WORDS if word.name != CLEAR and (word.level, word.name) not in LEFT_OUT)
 
 
-def random_fault(chance: random.Random, horizon_s: float, ports: Ports, words: Sequence[Word]) -> Fault:
-    """One fault that begins before ``horizon_s``; it may meet others on its target.
+def random_fault(
+    chance: random.Random, begin_s: float, ports: Ports, sent: Mapping[str, Sent], words: Sequence[Word]
+) -> Fault:
+    """One fault that begins at about ``begin_s``; it may meet others on its target.
 
     :param ports: telegrams on which it may act.
+    :param sent: those of them that a run without faults sends; a fault begins while its telegram is sent, and lasts
+        until one is.
     :param words: those of :func:`words_drawn`.
     """
     level = chance.choice(sorted({word.level for word in words}))
     word = chance.choice([word for word in words if word.level == level])
-    name, part = "", ""
+    name, part, low_s = "", "", _RARE_S.get(level, DURATIONS_S[0])
+    names = [port for port in ports if port in sent]
     if level == "telegram":
-        name = chance.choice(list(ports))
+        name = chance.choice(names)
         part = {"whole": "", "signal": chance.choice(list(ports[name]))}.get(word.part, word.part)
+        begin_s = max(min(begin_s, sent[name].last_s - sent[name].apart_s), sent[name].first_s)
+        low_s = max(low_s, sent[name].apart_s)
     elif level != "bus":
         name = chance.choice([one for one in word.names or tuple(PLACES[level]) if one not in _OTHER_NODES])
     elif word.part == "line":
         part = chance.choice(("a", "b"))
     values = {
-        one.name: _value(chance, one, ports) for one in word.parameters if one.usual is None or chance.random() < 0.5
+        one.name: _value(chance, word, one, names)
+        for one in word.parameters
+        if one.usual is None or chance.random() < 0.5
     }
-    trigger = Trigger("time", round(chance.uniform(0.0, horizon_s), 2))
-    low_s, high_s = DURATIONS_S
     duration_s = count = None
-    if word.lasts:
+    if word.lasts and name != _LASTING:
         kind = chance.random()
         if kind < 0.6:
-            duration_s = round(low_s * (high_s / low_s) ** chance.random(), 2)
+            duration_s = round(low_s * (DURATIONS_S[1] / low_s) ** chance.random(), 2)
         elif kind < 0.9 and level == "telegram":
             count = chance.randint(1, 50)
+    trigger = Trigger("time", round(begin_s, 2))
     return Fault(Place(level, name, part), word.name, trigger, values, duration_s=duration_s, count=count, combine=True)
 
 
-def random_pair(seed: int, horizon_s: float, ports: Ports, is_possible: Callable[[str], bool]) -> tuple[str, str]:
+def random_pair(
+    seed: int, horizon_s: float, ports: Ports, sent: Mapping[str, Sent], is_possible: Callable[[str], bool]
+) -> tuple[str, str]:
     """Two random faults in the fault language, the same for the same seed; they are combined if they meet.
 
+    :param horizon_s: duration of the timetable.
+    :param ports, sent: as in :func:`random_fault`.
     :param is_possible: whether the run can inject a fault; others are drawn again.
     """
     chance = random.Random(seed)
     words = words_drawn()
+    begin_s = chance.uniform(0.0, _BEGIN_SHARE * horizon_s)
     found: list[str] = []
     while len(found) < 2:
-        text = fault_text(random_fault(chance, horizon_s, ports, words))
+        text = fault_text(random_fault(chance, begin_s, ports, sent, words))
         if is_possible(text):
             found.append(text)
+            begin_s += chance.expovariate(1.0 / _APART_S)
     return found[0], found[1]

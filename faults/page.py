@@ -81,7 +81,10 @@ with what was expected and what came.
 **The catalogue** (`railhil/supervisor/reactions/catalogue.toml`) has the faults with the reaction that each must lead
 to and its time. `railhil faults` runs them, one run each, and prints when each was noticed, by which cause, and the
 reaction with its bound; exit code 1 if one is not as it must be. With `--pairs N` it makes N runs with two random
-faults each and checks the rules that hold in every run.
+faults each and checks the rules that hold in every run. The faults of a pair begin about a second apart, those of
+telegrams while the run sends them, so that most runs have a verdict; the rules are checked in the others, too. For many
+pairs a short journey is enough (`hil_tests/data/pairs.toml`). A signal (Ctrl-C, `timeout`) ends all processes of the
+command at once; it prints what was found so far.
 
 Nodes that are started by hand (`railhil node`, `railhil run --attach`) are given the same faults and the same
 `--seed`, also the controller, and write their logs with `--fault-log FOLDER`, the run folder.

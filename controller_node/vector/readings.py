@@ -53,11 +53,11 @@ class Readings:
         source = self._sources[port]
         if source.acceptance.accept(reading.telegram):
             # If this is a TIME_SYNC, it has already set the clock.
-            source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
+            source.data, source.taken_ns = self._store.raw(port), self._clock.own_ns
 
     def fresh(self) -> bool:
         """Whether every reading has an accepted telegram, none of them older than ``age_max_ms``."""
-        oldest_ns = self._clock.now_ns - self._interface.age_max_ms * 1_000_000
+        oldest_ns = self._clock.own_ns - self._interface.age_max_ms * 1_000_000
         return all(source.data and source.taken_ns >= oldest_ns for source in self._sources.values())
 
     def raws(self) -> list[int]:

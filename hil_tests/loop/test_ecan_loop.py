@@ -47,6 +47,8 @@ class Feeder:
             if speed:
                 # A measured speed is never the same for long: the sensor's noise.
                 self.feed(*frames_of(TrnSpeed(50_000 + self.ticks * self.ticks % 11 % 3, life=self.ticks % 16)))
+            if self.ticks == 0:
+                self.feed(*frames_of(TimeSync()))
             self.ticks += 1
         for telegram in telegrams:
             self.feed(*frames_of(telegram))
@@ -143,7 +145,7 @@ def test_same_tick_is_one_instant_for_the_assembly(lvshun):
 
 def test_time_and_end_of_the_run_do_not_wait_for_the_task(lvshun):
     feeder = Feeder(lvshun, 10_000)
-    for life in range(2):
+    for life in (1, 2):
         feeder.tick(TimeSync(seconds_s=7, life=life))
     assert feeder.node.responder.clock.now_ns == 7_000 * MS
     feeder.tick(RunEvent(Event.ENDED_COMPLETE, 0, 0), speed=False)

@@ -17,19 +17,22 @@ from hil_tests.support.foreign import (
     without_telemetry,
 )
 from hil_tests.support.replay import TIME_ATTACKS, Choice, TimeAttack
-from railhil.bus.codes import Event
+from railhil.bus.codes import CtlCause, CtlMode, Event
 from railhil.bus.frame import Frame
 from railhil.bus.ident import CtlIdent, Role
+from railhil.bus.local import LocalBus
 from railhil.bus.mvb import F_DEVICE_STATUS, TelegramSource, check_sequence, master_frame
-from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TrnPos, TrnSpeed
+from railhil.bus.telegrams import BalisePassed, CtlStat, NotchCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.controller_node.node import ControllerNode
 from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.canonical import scenario_sha256
 from railhil.scenarios.load import load
 from railhil.scenarios.model import Safety, Scenario, TargetCurve, WatchLimits
-from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.target import Target
+from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.needs_compiler
 
@@ -220,6 +223,8 @@ def driven(exported, speeds: Sequence[int | None], unpolled: Container[int] = ()
     levels, status = [], b""
     for tick, speed in enumerate(speeds):
         frames = [] if speed is None else source.frames(TrnSpeed(speed, life=tick & 0xF).encode())
+        if tick == 0:
+            frames += TelegramSource(TimeSync.port()).frames(TimeSync().encode())
         for frame in [*frames, *(polls if tick % 2 == 0 and tick not in unpolled else [])]:
             expected = node.handle(frame)
             assert without_telemetry(c.handle(frame)) == without_telemetry(expected), tick
@@ -282,6 +287,69 @@ def test_silence_of_all_ports_is_bridged_by_polls_and_time_sync(exported) -> Non
     quiet = {can_id: range(200, 300) for can_id in ids}
     run = faulty_run(exported, "ipfc", Faulty(1, 0.0, quiet))
     assert max(run.levels) == SpeedWatchLevel.EMERGENCY
+
+
+# -- a controller that comes late ---------------------------------------------------------------------------------
+
+
+def late_run(scenario: Scenario, c: CNode, law: str, at_s: float) -> list[NotchCmd]:
+    """Answers of a controller that takes over at an instant of a run, its clock at 0; those of the C are equal."""
+    spec = RunSpec(law=LawSpec(law))
+    session = Session(scenario, lambda line: None, spec)
+    first, late = ControllerNode(scenario, spec.law), ControllerNode(scenario, spec.law)
+    ticks, told = 0, []
+
+    def node(frame: Frame) -> list[Frame]:
+        nonlocal ticks
+        ticks += frame.can_id == TrnSpeed.port().address
+        if ticks * scenario.timing.base_tick_ns < at_s * 1e9:
+            return first.handle(frame)
+        answer = late.handle(frame)
+        assert without_telemetry(c.handle(frame)) == without_telemetry(answer), f"{frame} in tick {ticks}"
+        if answer and answer[0].can_id == NotchCmd.port().address:
+            told.append(NotchCmd.decode(answer[0].data[:4]))
+        return answer
+
+    PlantNode(scenario, spec, LocalBus([node, session.handle])).run()
+    counters = {cause: count for cause, count in late.counters.items() if cause in c.counters}
+    assert counters == c.counters
+    assert c.counters["time_ahead"] == 1
+    return told
+
+
+@pytest.mark.parametrize(
+    ("law", "safe", "at_s"),
+    [("ipfc", False, 3.0), ("ipfc", False, 3.39), ("ipfc_plus", False, 3.0), ("ipfc", True, 3.0)],
+)
+def test_a_controller_that_restarts_in_motion_brakes_until_it_knows_the_time(
+    exported, law: str, safe: bool, at_s: float
+) -> None:
+    scenario = dataclasses.replace(short(), safety=Safety(sdt=safe))
+    scenario = dataclasses.replace(scenario, sha256=scenario_sha256(scenario))
+    told = late_run(scenario, CNode(exported(scenario, law), law), law, at_s)
+    modes = [telegram.mode for telegram in told]
+    begun = modes.index(CtlMode.RUNNING)
+    # Two periods of TIME_SYNC at most, and ten good speeds.
+    assert set(modes[:begun]) == {CtlMode.SERVICE_BRAKE}
+    assert {telegram.cause for telegram in told[:begun]} == {CtlCause.CLOCK}
+    assert 1.28 < begun * 0.02 < 2.56 + 0.14
+    assert max(telegram.notch_256th for telegram in told[:begun]) <= 0
+    assert min(telegram.notch_256th for telegram in told[:begun]) < -256
+    assert set(modes[begun:]) == {CtlMode.RUNNING}
+
+
+def test_a_controller_that_restarts_at_a_standstill_waits_for_the_time(exported) -> None:
+    """Without the time its law would depart again."""
+    scenario = short()
+    c, node = CNode(exported(scenario), "ipfc"), ControllerNode(scenario, LawSpec("ipfc"))
+    poll = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
+    for tick in range(10_000, 10_060):
+        (frame,) = TelegramSource(TrnSpeed.port()).frames(TrnSpeed(0, life=tick & 0xF).encode())
+        assert c.handle(frame) == node.handle(frame) == []
+        (answer,) = node.handle(poll)
+        assert c.handle(poll) == [answer]
+        told = NotchCmd.decode(answer.data[:4])
+        assert (told.mode, told.notch_256th) == (CtlMode.INITIALISING, 0)
 
 
 # -- the safe channel -------------------------------------------------------------------------------------------------

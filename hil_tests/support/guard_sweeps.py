@@ -256,6 +256,20 @@ def sweep_guard_order(module: ModuleType) -> None:
     assert subject.level is SpeedWatchLevel.TRACTION_CUT
 
 
+def sweep_guard_wait(module: ModuleType) -> None:
+    """A moving train without the time brakes; ten good telegrams in a row after it is known end that."""
+    subject = module.Guard(SCENARIO)
+    assert subject.waits is False
+    subject.wait(False)
+    for tick in range(40):
+        if tick in (10, 20):
+            subject.wait(tick == 10)
+        assert subject.waits is (10 <= tick < 20)
+        subject.speed(TrnSpeed(100_000 + tick % 2, life=tick % 16), 10 * tick * MS)
+        assert subject.level == (SpeedWatchLevel.SERVICE_BRAKE if 10 <= tick < 29 else SpeedWatchLevel.NORMAL)
+        assert tick != 10 or subject.cause is CtlCause.CLOCK
+
+
 def sweep_guard_samples(module: ModuleType) -> None:
     """When the motion is sampled, and with what."""
     odometer = SimpleNamespace(fitted=(5000, 0), speed=lambda *given: None, lost=lambda now_ns: CtlCause.NONE)
@@ -353,6 +367,7 @@ GUARD_SWEEPS = (
     sweep_guard_boundaries,
     sweep_guard_findings,
     sweep_guard_order,
+    sweep_guard_wait,
     sweep_guard_samples,
     sweep_guard_position,
     sweep_guard_safe,

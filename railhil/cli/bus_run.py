@@ -148,10 +148,13 @@ def recorded(
     made: bool,
     console: Output,
     quiet: bool,
+    *,
+    keep: bool = True,
 ) -> tuple[Run | LocalRun, RunResult]:
     """Run one law and write its folder; a signal that arrives while results are written waits until they are complete.
 
     :param made: whether the folder was made for the run; it is then removed if the run never began.
+    :param keep: whether the folder is kept; else only what the result needs is written.
     :returns: the run, whose ``spec`` has the memory that it began with, and its result.
     :raises NeverBegan: no frame came, or the run was refused; the folder is left as it was.
     :raises RecordFailed: folder or memory cannot be written.
@@ -176,10 +179,22 @@ def recorded(
         if refused or result.frames == 0:
             discard_folder(folder, made)
             raise NeverBegan(result.line or "no frame came", result.exit_code)
-        write_results(folder, scenario, spec, start_up, result, run.trace, [] if choice.needs_hub else choice.arguments)
+        complete(scenario, result, run.trace)
+        if keep:
+            arguments = [] if choice.needs_hub else choice.arguments
+            write_results(folder, scenario, spec, start_up, result, run.trace, arguments)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number
     return run, result
+
+
+def complete(scenario: AnyScenario, result: RunResult, trace: Trace) -> None:
+    """Complete a result with its events, and with what its faults expected of them."""
+    injected = [one.as_json() for one in result.faults]
+    result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
+    expected = with_expectations(result.score, injected, result.events)
+    if result.trusted and expected is not result.score:
+        result.score, result.exit_code, result.line = expected, FAIL, "; ".join(expected.failures)
 
 
 def write_results(
@@ -191,15 +206,11 @@ def write_results(
     trace: Trace,
     bus_arguments: list[str],
 ) -> None:
-    """Complete a result with its events and the law's memory, and write folder and memory.
+    """Complete a result with the law's memory, and write folder and memory.
 
+    :param result: of :func:`complete`.
     :raises RecordFailed: they cannot be written.
     """
-    injected = [one.as_json() for one in result.faults]
-    result.events = events_of(scenario, trace, fault_events(injected, trace.end_s))
-    expected = with_expectations(result.score, injected, result.events)
-    if result.trusted and expected is not result.score:
-        result.score, result.exit_code, result.line = expected, FAIL, "; ".join(expected.failures)
     result.memory = memory_after(spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if spec.memory_file is not None and result.memory is not None:

@@ -4,39 +4,30 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, TypeVar
 
-from railhil.cli.bus_run import NeverBegan, add_arguments, chosen_bus, law_names, recorded, run_spec, run_system
+from railhil.cli.bus_run import NeverBegan, add_arguments, law_names, run_spec, run_system
+from railhil.cli.fault_pairs import pairs, run_into
 from railhil.cli.fault_words import print_words
+from railhil.cli.pool import each, stop_code, stopped_by
 from railhil.common.command_line import whole_number
 from railhil.common.errors import InputError
-from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, add_json_argument, print_json, table
-from railhil.faults.capability import why_not
-from railhil.faults.drawn import random_pair
-from railhil.faults.language import parse
-from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
 from railhil.supervisor.reactions.catalogue import Entry, catalogue
 from railhil.supervisor.reactions.evaluate import Row, evaluated
 from railhil.supervisor.reactions.facts import seen_in
-from railhil.supervisor.reactions.pairs import PairRun, judged_pair
 from railhil.supervisor.start_up import StartUp
 
-T = TypeVar("T")
-R = TypeVar("R")
 _PAIRS_MAX = 1_000_000
 _COLUMNS = ("id", "fault", "begun s", "effective s", "detected by", "ms", "reaction", "ms", "bound", "margin", "")
 _NUMBERS = ("begun s", "effective s", "ms", "bound", "margin")
-_QUIET = Output(stderr=True)
 
 
 def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -73,15 +64,6 @@ def _entries(only: str) -> list[Entry]:
     return found
 
 
-def _made(namespace: argparse.Namespace, how: StartUp, spec: RunSpec, folder: Path) -> tuple[Any, Any, Any]:
-    """Scenario, run and result of a run into a folder."""
-    scenario = spec.load()
-    with chosen_bus(namespace, spec) as choice:
-        folder.mkdir(parents=True, exist_ok=True)
-        run, result = recorded(scenario, spec, how, choice, folder, False, _QUIET, True)
-    return scenario, run, result
-
-
 def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
     """One entry as a run, with its folder in ``out``."""
     if entry.seen_in:
@@ -90,46 +72,12 @@ def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: P
     spec = replace(base, law=law, faults=entry.faults)
     folder = out / entry.id
     try:
-        scenario, run, result = _made(namespace, how, spec, folder)
+        scenario, run, result = run_into(folder, namespace, how, spec)
     except InputError as error:
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:
         return Row(entry, verdict="none", failures=[str(error)])
     return evaluated(entry, seen_in(scenario, result, run.trace))
-
-
-def _pair_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, number: int) -> PairRun:
-    """One random pair as a run; its folder is not kept: it can be made again from its faults."""
-    scenario = base.load()
-    system = system_named(scenario.system)
-
-    def is_possible(text: str) -> bool:
-        try:
-            found = fault_texts([text], system, lambda row: Path("drawn"))
-        except InputError:
-            return False
-        return not why_not(parse(found[0]), transport, base.pace)
-
-    transport = "local" if base.is_local else "hub"
-    pair = random_pair(number, scenario.planned_s, disturbed_signals(system), is_possible)
-    spec = replace(base, faults=pair, seed=number)
-    with TemporaryDirectory(prefix="railhil-faults-") as folder:
-        try:
-            _, run, result = _made(namespace, how, spec, Path(folder))
-        except InputError as error:
-            return PairRun(number, pair, "refused", [error.allowed])
-        except NeverBegan as error:
-            return PairRun(number, pair, "none", [str(error)])
-        return judged_pair(number, pair, seen_in(scenario, result, run.trace), result)
-
-
-def _each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[R]:
-    """Results in the order of the items."""
-    if jobs == 1 or len(items) == 1:
-        yield from map(work, items)
-        return
-    with ProcessPoolExecutor(min(jobs, len(items))) as pool:
-        yield from pool.map(work, items, chunksize=max(1, min(8, len(items) // jobs // 4)))
 
 
 def _millis(seconds: float | None, since_s: float | None) -> str:
@@ -187,36 +135,23 @@ def work(namespace: argparse.Namespace) -> int:
     jobs = namespace.jobs if base.is_local else 1
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
-        return _pairs(namespace, how, base, jobs, console)
-    with ExitStack() as held:
-        out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
-        entries = _entries(namespace.only)
-        rows = list(_each(partial(entry_run, namespace, how, base, out), entries, jobs))
+        return pairs(namespace, how, base, system, jobs, console)
+    entries = _entries(namespace.only)
+    rows: list[Row] = []
+    stopped = 0
+    try:
+        with ExitStack() as held:
+            out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
+            rows.extend(held.enter_context(each(partial(entry_run, namespace, how, base, out), entries, jobs)))
+    except (KeyboardInterrupt, SystemExit) as error:
+        stopped = stop_code(error)
     if namespace.json:
         print_json([row.as_json() for row in rows])
     else:
         _print_rows(console, rows)
     wrong = [row.entry.id for row in rows if row.failures]
     made = sum(row.made for row in rows)
+    if stopped:
+        console.say(f"{stopped_by(stopped, len(rows), len(entries))} entries")
     console.say(f"{made} runs, {len(wrong)} not as they must be{': ' + ', '.join(wrong) if wrong else ''}")
-    return FAIL if wrong else PASS
-
-
-def _pairs(namespace: argparse.Namespace, how: StartUp, base: RunSpec, jobs: int, console: Output) -> int:
-    """Random pairs: number n is always the same pair."""
-    numbers = range(base.seed, base.seed + namespace.pairs)
-    counts: dict[str, int] = {}
-    broken: list[PairRun] = []
-    for run in _each(partial(_pair_run, namespace, how, base), numbers, jobs):
-        counts[run.verdict] = counts.get(run.verdict, 0) + 1
-        if run.failures:
-            broken.append(run)
-            console.say(f"pair {run.number}: {'; '.join(run.failures)}")
-            console.say(f"  railhil run {base.scenario} --seed {run.number} {run.words}")
-    if namespace.json:
-        print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
-    console.say(
-        f"{len(numbers)} pairs: {', '.join(f'{count} {verdict}' for verdict, count in sorted(counts.items()))}; "
-        f"{len(broken)} break a rule"
-    )
-    return FAIL if broken else INVALID if counts.get("none") else PASS
+    return stopped or (FAIL if wrong else PASS)

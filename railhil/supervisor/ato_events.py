@@ -38,7 +38,11 @@ def controller_cause(scenario: Scenario, level: str, cause: str) -> str:
         return f"TRN_SPEED older than {_age_ms(scenario, level)} ms"
     if cause == "overspeed":
         return _overspeed(scenario)
-    words = {"bad_telegrams": "bad TRN_SPEED telegrams", "position_lost": "position lost"}
+    words = {
+        "bad_telegrams": "bad TRN_SPEED telegrams",
+        "position_lost": "position lost",
+        "clock": "time of the run not known",
+    }
     return words.get(cause, cause.replace("_", " "))
 
 

@@ -13,7 +13,7 @@ from railhil.bus.codes import Event
 from railhil.bus.errors import BusError
 from railhil.bus.frame import Frame
 from railhil.bus.select import LOCAL
-from railhil.cli.bus_run import write_results
+from railhil.cli.bus_run import complete, write_results
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID, PASS
 from railhil.faults.language import fault_text, parse
@@ -138,6 +138,7 @@ class Live:
         run = self._run
         run.write_logs(self._plant, self._controller)
         result = run.finish(run.log.close(), *self._incomplete)
+        complete(self.scenario, result, run.trace)
         write_results(self.folder, self.scenario, self.spec, StartUp(), result, run.trace, [])
         self.result = Run(outcome_of(self.folder, self.scenario, run, result))
         self._on_end(self.result)

@@ -16,6 +16,11 @@ int64_t railhil_now_ns(const railhil_clock_t *clock)
     return clock->tick * RAILHIL_BASE_TICK_NS;
 }
 
+int64_t railhil_own_ns(const railhil_clock_t *clock)
+{
+    return (clock->tick - clock->began) * RAILHIL_BASE_TICK_NS;
+}
+
 static void open_tick(railhil_clock_t *clock, int64_t tick, int life)
 {
     clock->running = 1;
@@ -116,6 +121,10 @@ int railhil_time_sync(railhil_clock_t *clock, const unsigned char *process, uint
         return 0;
     }
     clock->sync_life = process[7] & 0xF;
+    if (!clock->is_set && off > RAILHIL_LIFE_STEP_MAX * RAILHIL_CLOCK_TICKS) {
+        clock->began = off;
+    }
+    clock->is_set = 1;
     if (off == 0 && clock->running) {
         return 1;
     }

@@ -28,7 +28,9 @@ typedef struct {
     int sync_life;  /* of the last TIME_SYNC taken, -1 before the first */
     int ahead_life; /* of a TIME_SYNC refused as too far ahead, -1: none; the next one may confirm it */
     int64_t ahead_ticks;
+    int64_t began; /* tick at which a node that came late began to count */
     int running;
+    int is_set; /* a TIME_SYNC has been taken: the time is that of the run */
 } railhil_clock_t;
 
 static inline int64_t railhil_lesser(int64_t a, int64_t b)
@@ -55,6 +57,10 @@ void railhil_clock_init(railhil_clock_t *clock);
 
 /* Simulation time of the current tick. */
 int64_t railhil_now_ns(const railhil_clock_t *clock);
+
+/* The same from the beginning of this node's count, for ages: the leap of a node that comes late to the time of the run
+ * is no time that has passed. */
+int64_t railhil_own_ns(const railhil_clock_t *clock);
 
 /* Take a frame of the clock port, before it is handled as a telegram; a poll that comes every period_ticks; a
  * TIME_SYNC: returns 1 if it is taken. A repeated or forged TIME_SYNC must not stop the ageing of the last speed: it is

@@ -121,7 +121,7 @@ unsigned railhil_receive(railhil_control_t *control, uint32_t can_id, unsigned l
         if (i == RAILHIL_CLOCK_PORT) {
             railhil_clock_frame(&control->clock, length, data);
         }
-        outcome = railhil_take(port, &control->sinks[i], part, length, data, railhil_now_ns(&control->clock),
+        outcome = railhil_take(port, &control->sinks[i], part, length, data, railhil_own_ns(&control->clock),
                                ASSEMBLY_NS);
         control->counts[outcome]++;
         if (outcome == RAILHIL_COMPLETE) {

@@ -278,8 +278,29 @@ def test_joining_late_takes_the_time_that_two_time_syncs_agree_on() -> None:
         clock.feed(TELEGRAMS[tick % 16])
         if tick % 128 == 0:
             clock.synchronise(to_time_sync(tick, TICK_NS, life=tick // 128))
+        assert clock.is_set is (tick >= 1152)
         if tick >= 1152:
             assert clock.tick == tick
+        # Nothing that was heard before the leap is older for it.
+        assert clock.own_ns == (tick - 1000) * TICK_NS
+
+
+def test_a_leap_of_a_clock_that_knew_the_time_is_time_that_has_passed() -> None:
+    """The whole bus was silent."""
+    clock = started(40)
+    assert clock.synchronise(to_time_sync(40, TICK_NS, life=0))
+    for tick in (1024, 1025):
+        clock.feed(TELEGRAMS[tick % 16])
+    assert not clock.synchronise(to_time_sync(1024, TICK_NS, life=1))
+    assert clock.synchronise(to_time_sync(1025, TICK_NS, life=2))
+    assert clock.now_ns == clock.own_ns == 1025 * TICK_NS
+
+
+@pytest.mark.parametrize("lost", [1, 6, 7])
+def test_frames_lost_before_the_first_time_sync_are_time_that_has_passed(lost: int) -> None:
+    clock = started(40)
+    assert clock.synchronise(to_time_sync(40 + lost, TICK_NS, life=0))
+    assert clock.now_ns == clock.own_ns == (40 + lost) * TICK_NS
 
 
 # -- pacing -----------------------------------------------------------------------------------------------------------

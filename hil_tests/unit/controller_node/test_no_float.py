@@ -208,7 +208,7 @@ def test_no_float_in_the_node(run: Any) -> None:
     for (k, speed, position), code in zip(run.given, run.codes, strict=True):
         now_ns = k * period_ns
         telegram = TrnPos(NoFloat(position // 10), life=k & 0xF)  # type: ignore[arg-type]
-        node._clock = SimpleNamespace(now_ns=now_ns, running=True)
+        node._clock = SimpleNamespace(now_ns=now_ns, own_ns=now_ns, is_set=True)
         node.guard.speed(TrnSpeed(NoFloat(speed), life=k & 0xF), now_ns)  # type: ignore[arg-type]
         node._position(Reading(telegram, now_ns, None))
         notch = node._notch().notch_256th

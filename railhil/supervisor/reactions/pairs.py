@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 from typing import Any
 
-from railhil.supervisor.reactions.evaluate import Seen
+from railhil.faults.drawn import Sent
+from railhil.supervisor.reactions.facts import VERDICTS
 from railhil.supervisor.result import RunResult
+from railhil.supervisor.trace import Trace
 
 #: Verdicts with which a run may end.
 _ENDS = ("PASS", "FAIL", "INVALID", "TOOL ERROR")
@@ -35,11 +38,23 @@ class PairRun:
         return asdict(self)
 
 
-def judged_pair(number: int, faults: Sequence[str], seen: Seen, result: RunResult) -> PairRun:
+def sent_ports(trace: Trace, ports: Iterable[str]) -> dict[str, Sent]:
+    """When a run sent each of the ports; those that it never sent are left out."""
+    found = {}
+    for port in ports:
+        times_s = trace.times_s(port)
+        if len(times_s):
+            apart_s = max((float(after - before) for before, after in pairwise(times_s)), default=0.0)
+            found[port] = Sent(float(times_s[0]), float(times_s[-1]), apart_s)
+    return found
+
+
+def judged_pair(number: int, faults: Sequence[str], result: RunResult) -> PairRun:
     """The rules of every run, as far as one run shows them."""
+    verdict = VERDICTS.get(result.exit_code, f"exit code {result.exit_code}")
     failures = [text for text in result.score.failures if text.startswith(_RULE)]
-    if seen.verdict not in _ENDS:
-        failures.append(f"the run ended with {seen.verdict}")
-    if seen.verdict == "TOOL ERROR":
-        failures.append(f"tool error: {seen.line}")
-    return PairRun(number, faults, seen.verdict, failures)
+    if verdict not in _ENDS:
+        failures.append(f"the run ended with {verdict}")
+    if verdict == "TOOL ERROR":
+        failures.append(f"tool error: {result.line}")
+    return PairRun(number, faults, verdict, failures)

@@ -93,7 +93,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
     for (i = 0; i < RAILHIL_READING_COUNT; i++) {
         if (railhil_readings[i].port == port) {
             law->raws[i] = taken(process, &railhil_readings[i]);
-            law->taken_ns[i] = railhil_now_ns(clock);
+            law->taken_ns[i] = railhil_own_ns(clock);
             law->known[i] = 1;
         }
     }
@@ -102,8 +102,8 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
 /* Runs the law if a control period has begun since its last step; returns 1 if its commands may be sent. */
 static int step(railhil_law_t *law, const railhil_clock_t *clock)
 {
-    const int64_t now_ns = railhil_now_ns(clock);
-    const int64_t period = now_ns / @PREFIX@_PERIOD_NS;
+    const int64_t now_ns = railhil_own_ns(clock);
+    const int64_t period = railhil_now_ns(clock) / @PREFIX@_PERIOD_NS;
     int i;
     for (i = 0; i < RAILHIL_READING_COUNT; i++) {
         if (!law->known[i] || now_ns - law->taken_ns[i] > RAILHIL_AGE_MAX_NS) {

@@ -41,6 +41,7 @@ enum {
     RAILHIL_CAUSE_WEAK_BRAKE = 10,
     RAILHIL_CAUSE_RUNAWAY = 11,
     RAILHIL_CAUSE_OVERRUNS = 12,
+    RAILHIL_CAUSE_CLOCK = 13,
     RAILHIL_CAUSE_SAFETY_CODE = 14,
     RAILHIL_CAUSE_TWO_SOURCES = 16
 };
@@ -67,6 +68,7 @@ typedef struct {
     int life;
     int late; /* late control periods in a row */
     int stale; /* the telegrams are delayed */
+    int waits; /* the train moves, and the time of the run is not known yet: the law cannot run */
 } railhil_watch_t;
 
 typedef struct {

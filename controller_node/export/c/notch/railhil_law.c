@@ -43,24 +43,24 @@ void railhil_law_init(railhil_law_t *law)
     law->safe_emergency = FLAG_FALSE;
 }
 
-/* Runs the law if a control period has begun since its last step. */
+/* Runs the law if a control period has begun since its last step; it needs the time of the run. */
 static void step(railhil_law_t *law, const railhil_clock_t *clock)
 {
-    const int64_t now_ns = railhil_now_ns(clock);
-    const int64_t period = now_ns / @PREFIX@_PERIOD_NS;
+    const int64_t period = railhil_now_ns(clock) / @PREFIX@_PERIOD_NS;
     const int32_t k = period < INT32_MAX ? (int32_t)period : INT32_MAX;
     const int32_t speed_01mmps = law->guard.watch.speed_01mmps;
     const int32_t *balise = law->guard.balise.last;
     int32_t position_01mm;
     int late;
     (void)balise; /* not every law uses it */
-    if (!clock->running || period == law->period || !law->guard.watch.speed_known) {
+    if (!clock->is_set || period == law->period || !law->guard.watch.speed_known) {
         return;
     }
+    law->guard.watch.waits = 0;
     late = law->period >= 0 && period > law->period + 1;
     law->overruns += (uint32_t)late;
     railhil_period(&law->guard, late);
-    position_01mm = railhil_position_01mm(&law->guard.odometer, now_ns);
+    position_01mm = railhil_position_01mm(&law->guard.odometer, railhil_own_ns(clock));
     @LAW@_inputs(k, speed_01mmps, position_01mm@BALISE@, &law->in, &law->events);
     if (law->steps == 0) {
         @LAW@_start(&law->in, &law->state);
@@ -73,23 +73,28 @@ static void step(railhil_law_t *law, const railhil_clock_t *clock)
 
 static void answer_notch(railhil_law_t *law, const railhil_clock_t *clock, unsigned char *process)
 {
+    const railhil_watch_t *watch = &law->guard.watch;
     unsigned emergency = FLAG_FALSE;
     step(law, clock);
+    if (law->steps == 0 && watch->speed_known && watch->speed_01mmps != 0) {
+        law->guard.watch.waits = 1;
+    }
     law->notch_life = (law->notch_life + 1u) & 0xFu;
     process[2] = MODE_INITIALISING << 5;
-    if (law->steps != 0) {
-        const int32_t code = railhil_watched_notch(&law->guard, railhil_now_ns(clock), law->out.notch);
-        if (code != law->told_code) {
+    if (law->steps != 0 || watch->waits) {
+        const int32_t law_code = law->steps != 0 ? law->out.notch : 0;
+        const int32_t code = railhil_watched_notch(&law->guard, railhil_own_ns(clock), law_code);
+        if (law->steps != 0 && code != law->told_code) {
             law->told_code = code;
             @LAW@_sent(&law->state, code);
         }
         railhil_put16(process, (uint32_t)code);
-        process[2] = (unsigned char)(((MODE_RUNNING + law->guard.watch.level) << 5) | law->guard.watch.cause);
-        emergency = law->guard.watch.level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
+        process[2] = (unsigned char)(((MODE_RUNNING + watch->level) << 5) | watch->cause);
+        emergency = watch->level == RAILHIL_EMERGENCY ? FLAG_TRUE : FLAG_FALSE;
     }
     process[3] = (unsigned char)((RAILHIL_CHECK_CORRECT << 6) | (emergency << 4) | law->notch_life);
     law->safe_emergency = emergency;
-    law->safe_code = law->steps != 0 ? law->guard.watch.code : 0;
+    law->safe_code = watch->code;
 }
 
 #if RAILHIL_SAFE
@@ -142,7 +147,7 @@ void railhil_law_take(railhil_law_t *law, const railhil_clock_t *clock, int port
                       uint32_t *counts)
 {
     railhil_guard_t *guard = &law->guard;
-    const int64_t now_ns = railhil_now_ns(clock);
+    const int64_t now_ns = railhil_own_ns(clock);
     switch (port) {
     case RAILHIL_TRN_SPEED:
         railhil_speed(guard, now_ns, process, counts);

@@ -153,7 +153,7 @@ static inline int railhil_safe_judge(railhil_safe_t *safe, const unsigned char *
 static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_t *clock, const unsigned char *process,
                                       int speed_known, int32_t speed_01mmps, uint32_t *counts)
 {
-    const int64_t now_ns = railhil_now_ns(clock);
+    const int64_t now_ns = railhil_own_ns(clock);
     int64_t missed = railhil_floored(now_ns - safe->cycle_ns, RAILHIL_SAFE_PERIOD_NS) - 1;
     const uint32_t raw = (railhil_get16(process) << 8) | process[2];
     const int32_t told_01mmps = (int32_t)(raw ^ UINT32_C(0x800000)) - INT32_C(0x800000);
@@ -166,7 +166,7 @@ static inline void railhil_safe_speed(railhil_safe_t *safe, const railhil_clock_
     if (railhil_safe_judge(safe, process, counts) != RAILHIL_SAFE_FRESH) {
         return;
     }
-    if (off > RAILHIL_SAFE_LATE_TICKS && UINT32_C(0x1000000) - off > RAILHIL_SAFE_LATE_TICKS) {
+    if (clock->is_set && off > RAILHIL_SAFE_LATE_TICKS && UINT32_C(0x1000000) - off > RAILHIL_SAFE_LATE_TICKS) {
         counts[RAILHIL_SAFE_TIME]++;
     } else if (speed_known && speed_01mmps != told_01mmps) {
         counts[RAILHIL_SAFE_DIFFERS]++;

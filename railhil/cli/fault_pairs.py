@@ -1,0 +1,125 @@
+"""``railhil faults --pairs N``: runs with two random faults each."""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from railhil.cli.bus_run import NeverBegan, chosen_bus, recorded
+from railhil.cli.pool import each, stop_code, stopped_by
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, INVALID, PASS
+from railhil.common.output import Output, print_json
+from railhil.faults.capability import why_not
+from railhil.faults.drawn import Sent, random_pair
+from railhil.faults.language import parse
+from railhil.local_run import LocalRun
+from railhil.scenarios.fault_list import disturbed_signals, fault_texts
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import System, system_named
+from railhil.supervisor.reactions.pairs import PairRun, judged_pair, sent_ports
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.run import Run
+from railhil.supervisor.start_up import StartUp
+
+_QUIET = Output(stderr=True)
+
+
+def run_into(
+    folder: Path, namespace: argparse.Namespace, how: StartUp, spec: RunSpec, *, keep: bool = True
+) -> tuple[AnyScenario, Run | LocalRun, RunResult]:
+    """Scenario, run and result of a run into a folder.
+
+    :param keep: whether the folder is to be complete; else it only has what the result needs.
+    :raises InputError: the run cannot inject one of its faults.
+    :raises NeverBegan: no frame came.
+    :raises SystemExit: a signal has ended the run.
+    """
+    scenario = spec.load()
+    with chosen_bus(namespace, spec) as choice:
+        folder.mkdir(parents=True, exist_ok=True)
+        run, result = recorded(scenario, spec, how, choice, folder, False, _QUIET, True, keep=keep)
+    if run.stopped_exit_code:
+        raise SystemExit(run.stopped_exit_code)
+    return scenario, run, result
+
+
+def calm_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path) -> tuple[float, dict[str, Sent]]:
+    """Duration of the timetable in s, and what the run without faults sends, and when.
+
+    :raises InputError, NeverBegan: as :func:`run_into`.
+    """
+    with TemporaryDirectory(dir=out) as folder:
+        scenario, run, _ = run_into(Path(folder), namespace, how, replace(base, faults=()), keep=False)
+    return scenario.planned_s, sent_ports(run.trace, disturbed_signals(system_named(scenario.system)))
+
+
+def pair_run(
+    namespace: argparse.Namespace,
+    how: StartUp,
+    base: RunSpec,
+    system: System,
+    calm: tuple[float, Mapping[str, Sent]],
+    out: Path,
+    number: int,
+) -> PairRun:
+    """One random pair as a run; its folder is not kept: it can be made again from its faults.
+
+    :param calm: of :func:`calm_run`.
+    """
+
+    def is_possible(text: str) -> bool:
+        try:
+            found = fault_texts([text], system, lambda row: Path("drawn"))
+        except InputError:
+            return False
+        return not why_not(parse(found[0]), transport, base.pace)
+
+    transport = "local" if base.is_local else "hub"
+    pair = random_pair(number, calm[0], disturbed_signals(system), calm[1], is_possible)
+    spec = replace(base, faults=pair, seed=number)
+    with TemporaryDirectory(dir=out) as folder:
+        try:
+            _, _, result = run_into(Path(folder), namespace, how, spec, keep=False)
+        except InputError as error:
+            return PairRun(number, pair, "refused", [error.allowed])
+        except NeverBegan as error:
+            return PairRun(number, pair, "none", [str(error)])
+    return judged_pair(number, pair, result)
+
+
+def pairs(
+    namespace: argparse.Namespace, how: StartUp, base: RunSpec, system: System, jobs: int, console: Output
+) -> int:
+    """Random pairs: number n is always the same pair. Stopped by a signal, it says how far it came."""
+    numbers = range(base.seed, base.seed + namespace.pairs)
+    counts: Counter[str] = Counter()
+    broken: list[PairRun] = []
+    stopped = 0
+    try:
+        with TemporaryDirectory(prefix="railhil-faults-") as out:
+            calm = calm_run(namespace, how, base, Path(out))
+            work = partial(pair_run, namespace, how, base, system, calm, Path(out))
+            with each(work, numbers, jobs) as runs:
+                for run in runs:
+                    counts[run.verdict] += 1
+                    if run.failures:
+                        broken.append(run)
+                        console.say(f"pair {run.number}: {'; '.join(run.failures)}")
+                        law = f" --controller {namespace.controller}" if namespace.controller else ""
+                        console.say(f"  railhil run {base.scenario} --seed {run.number}{law} {run.words}")
+                        console.file.flush()
+    except (KeyboardInterrupt, SystemExit) as error:
+        stopped = stop_code(error)
+    if namespace.json:
+        print_json({"verdicts": counts, "broken": [run.as_json() for run in broken]})
+    found = ", ".join(f"{count} {verdict}" for verdict, count in sorted(counts.items())) or "none made"
+    made = stopped_by(stopped, counts.total(), len(numbers)) if stopped else str(len(numbers))
+    console.say(f"{made} pairs: {found}; {len(broken)} break a rule")
+    return stopped or (FAIL if broken else INVALID if counts["none"] else PASS)

@@ -1,0 +1,83 @@
+"""Work on several processors whose processes end with the command, however it ends."""
+
+from __future__ import annotations
+
+import ctypes
+import multiprocessing
+import signal
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import TypeVar
+
+from railhil.common.exit_codes import ending_signals, finish_undisturbed
+
+T = TypeVar("T")
+R = TypeVar("R")
+#: prctl(2): a signal for the process when the thread that has started it ends.
+_PR_SET_PDEATHSIG = 1
+
+
+@contextmanager
+def _held_back() -> Iterator[None]:
+    """Signals wait: what one of them raises in the hooks around a fork is lost."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _be_worker() -> None:
+    """Leave the end to the command: Ctrl-C and ``timeout`` reach the whole group, and a worker that ended by itself
+    would be a defect to the pool. If the command is killed, nobody else ends its workers."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
+    prctl = getattr(ctypes.CDLL(None), "prctl", None)
+    if prctl is not None:
+        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+
+
+def stop_code(error: KeyboardInterrupt | SystemExit) -> int:
+    """Exit code of a command that was stopped by a signal: 128 and its number."""
+    if isinstance(error, SystemExit) and isinstance(error.code, int):
+        return error.code
+    return 128 + signal.SIGINT
+
+
+def stopped_by(code: int, done: int, of: int) -> str:
+    """Says which signal has stopped a command, and after how much of its work."""
+    return f"stopped by {signal.Signals(code - 128).name} after {done} of {of}"
+
+
+@contextmanager
+def each(work: Callable[[T], R], items: Sequence[T], jobs: int) -> Iterator[Iterator[R]]:
+    """Results in the order of the items. If the block is left with an exception, the processes are ended at once.
+
+    :param jobs: how many processes; 1: this one.
+    """
+    try:
+        if jobs == 1 or len(items) == 1:
+            yield map(work, items)
+        else:
+            with _processes(min(jobs, len(items))) as pool:
+                with _held_back():
+                    results = pool.map(work, items)
+                yield results
+    except (KeyboardInterrupt, SystemExit):
+        # `timeout` signals twice; what is left to do is quick.
+        finish_undisturbed()
+        raise
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    others = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(count, initializer=_be_worker)
+    try:
+        yield pool
+    except BaseException:
+        for process in set(multiprocessing.active_children()) - others:
+            process.kill()
+        raise
+    finally:
+        pool.shutdown(cancel_futures=True)
