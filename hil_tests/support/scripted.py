@@ -6,7 +6,10 @@ from collections.abc import Iterable
 
 
 class Scripted:
-    """:class:`railhil.faults.model.Random` with given numbers; ``ranges`` are those asked for by ``integers``."""
+    """:class:`railhil.faults.model.Random` with given numbers, then 0.5.
+
+    ``ranges``: those asked for by ``integers``.
+    """
 
     def __init__(self, numbers: Iterable[float] = ()) -> None:
         self._numbers = list(numbers)
@@ -19,7 +22,7 @@ class Scripted:
 
     def random(self) -> float:
         """The next number."""
-        return self._numbers.pop(0)
+        return self._numbers.pop(0) if self._numbers else 0.5
 
     def integers(self, low: int, high: int, /) -> int:
         """The next number, whatever the range."""
