@@ -143,6 +143,9 @@ class FaultyController:
             if one.active and one.hits == 0:
                 activities.note(one, "running", "ended")
                 self._is_new = True
+        if self.is_gone:
+            # What ends later finds no controller that could hear again.
+            return
         deaf = [one for one in (*self._stops, *self._restarts, *self._silences) if one.active]
         if deaf and self._deaf_since_ns is None:
             self._deaf_since_ns = activities.now_ns

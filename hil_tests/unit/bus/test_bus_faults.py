@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
-from railhil.bus.frame import Frame
+from hil_tests.support.scripted import Scripted
+from railhil.bus.frame import REMOTE, Frame
 from railhil.bus.hub.orders import Host, Order
 from railhil.bus.injector.bus_faults import BusFaults, need_orders
 from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.link import errorframe
 from railhil.bus.mvb import master_frame
 from railhil.bus.schedule import Schedule
-from railhil.bus.telegrams import NotchCmd
+from railhil.bus.telegrams import NotchCmd, SupCmd
 from railhil.dbc import wire_contract
 from railhil.faults.language import parse
-from railhil.faults.model import Injection
+from railhil.faults.model import Injection, Random
 
 POLL = master_frame(NotchCmd.port().f_code, NotchCmd.port().address)
 OTHER = Frame(0x100, bytes(8))
@@ -43,9 +46,9 @@ class Told:
 class Bus:
     """The bus faults of a run, instant by instant."""
 
-    def __init__(self, *texts: str) -> None:
+    def __init__(self, *texts: str, samples: Callable[[int], Random] = np.random.default_rng) -> None:
         faults = tuple(map(parse, texts))
-        injection = Injection(faults, np.random.default_rng)
+        injection = Injection(faults, samples)
         contract = wire_contract()
         schedule = Schedule.from_contract(10_000_000, {}, contract)
         self.node = NodeFaults(injection, contract, schedule, "plant")
@@ -162,3 +165,59 @@ def test_the_plant_is_never_taken_off_the_bus_and_a_controller_comes_back_after_
     bus.faults.heard([errorframe.bus_error(108, 0, sending=True)])
     assert bus.hub.take() == []
     assert len(bus.said()) == 1, "after its end it hits nothing"
+
+
+@pytest.mark.parametrize(("tec", "count"), [(0, 31), (103, 19), (104, 18), (247, 1), (248, 0)])
+def test_so_many_errors_as_leave_the_plant_on_the_bus(tec: int, count: int) -> None:
+    bus = Bus("bus error_frames 100% @0s")
+    bus.hub.host = Host(tec=tec)
+    if tec:
+        bus.faults.heard([])
+    bus.at(0.0)
+    bus.faults.sending([OTHER])
+    assert bus.hub.take() == ([Order("errors", "plant", count=count)] if count else [])
+
+
+def test_only_answers_of_the_controller_are_disturbed() -> None:
+    """To polls that ask for one: not those of the supervisor, nor frames that are no polls."""
+    bus = Bus("bus error_frames 100% @0s")
+    bus.hub.host = Host(tec=255)
+    bus.faults.heard([])
+    bus.at(0.0)
+    supervisor = master_frame(SupCmd.port().f_code, SupCmd.port().address)
+    others = [supervisor, POLL._replace(can_id=0x100), POLL._replace(flags=REMOTE), POLL._replace(data=bytes(3))]
+    bus.faults.sending(others)
+    assert bus.hub.take() == []
+    bus.faults.sending([POLL])
+    assert [order.who for order in bus.hub.take()] == ["controller"]
+
+
+def test_errors_and_contacts_at_the_edge_of_their_share() -> None:
+    bus = Bus("bus error_frames 50% @0s", samples=lambda _: Scripted((0.499, 0.0, 0.5, 0.5)))
+    bus.at(0.0)
+    bus.faults.sending([OTHER])
+    assert bus.hub.take() == [Order("errors", "plant", count=2)]
+    bus.faults.sending([OTHER])
+    assert bus.hub.take() == []
+    loose = Bus("bus.a loose 30% @0s", samples=lambda _: Scripted((0.299, 0.3)))
+    assert [order.on for order in loose.at(0.0)] == [True]
+    assert [order.on for order in loose.at(0.1)] == [False]
+
+
+def test_the_controller_comes_back_after_the_last_fault_and_not_before() -> None:
+    bus = Bus("bus error_frames 1% @0s for 1s", "bus error_frames 1% @0s for 2s")
+    assert bus.at(0.0) == bus.at(1.0) == []
+    assert bus.at(2.0) == [Order("restart", "controller")]
+
+
+def test_one_fault_that_needs_the_hub_is_enough() -> None:
+    assert need_orders(map(parse, ("bus off @0s", "bus passive @0s")))
+    assert not need_orders([])
+
+
+def test_a_cut_off_counts_before_anything_is_sent() -> None:
+    bus = Bus("bus.a open @0s")
+    bus.at(0.0)
+    bus.hub.cut_off = "controller"
+    bus.faults.heard([])
+    assert bus.said() == [(1, "answer", "cut off")]

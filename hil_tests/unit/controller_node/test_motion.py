@@ -123,6 +123,74 @@ def compared_with_the_model(draw: random.Random) -> set[str]:
     return seen
 
 
+#: Forces are at once there and, in 0.1 mm/s2, as many as the notch's code; nothing resists.
+SIMPLE = LIMITS._replace(
+    decay_q16=65_536, notch_01mmps2=256, davis_a=0, davis_b_q20=0, davis_c_q40=0, brake_share_permil=500,
+)  # fmt: skip
+
+
+def two_samples(
+    code: int,
+    change: int = 0,
+    limits: MotionLimits = SIMPLE,
+    speed: int = 60_000,
+    step_ms: int = 100,
+    held: bool = False,
+) -> Motion:
+    """The first two samples of a motion."""
+    motion = Motion(limits)
+    motion.sample(50 * MS, speed, code, 0, 50 * MS, None)
+    now_ns = (50 + step_ms) * MS
+    motion.sample(now_ns, speed + change, code, 0, 50 * MS if held else now_ns, None)
+    return motion
+
+
+def test_the_first_sample_finds_nothing() -> None:
+    motion = Motion(SIMPLE)
+    assert found(motion) == (CtlCause.NONE, False)
+    # Soon after the start, and far from a speed of 0.
+    motion.sample(100 * MS, 60_000, 0, 0, 0, None)
+    assert not motion.is_suspicious
+
+
+def test_a_change_that_is_due_at_its_edges() -> None:
+    """100 ms: a tenth of the acceleration."""
+    for sign in (1, -1):
+        for accel, limit, stuck in ((1000, 99, True), (1000, 100, False), (999, 0, False)):
+            assert two_samples(sign * accel, 0, SIMPLE._replace(stuck_01mmps=limit), held=True).is_stuck == stuck
+    # Nothing is due at standstill, whatever was before.
+    motion = two_samples(1000, 0, SIMPLE._replace(stuck_01mmps=99), held=True)
+    motion.sample(250 * MS, 0, 1000, 0, 50 * MS, None)
+    assert not motion.is_stuck
+
+
+def test_runaway_at_its_edge() -> None:
+    for step_ms in (1, 100, 1000):
+        assert not two_samples(0, 300, step_ms=step_ms).is_runaway
+        assert two_samples(0, 301, step_ms=step_ms).is_runaway
+    # The model begins without any force.
+    held_force = SIMPLE._replace(decay_q16=0, notch_01mmps2=65_536)
+    assert [two_samples(0, change, held_force, step_ms=1000).is_runaway for change in (300, 301)] == [False, True]
+
+
+def test_a_weak_brake_at_its_edge() -> None:
+    """A demand of 3001 (301 in 100 ms, rounded down), of which 1500 may be missing, and 1500 beside it."""
+    assert two_samples(-3001, 3001 - 301).weak_ms == 100
+    assert two_samples(-3001, 3000 - 301).weak_ms == 0
+    assert two_samples(-3000, 9999).weak_ms == 0
+
+
+def test_speed_and_odometer_at_the_edge() -> None:
+    """1 m/s for 5 s, of which 3 % may be missing, and 9 mm beside it."""
+    for way_01mm, off_scale in ((51_639, False), (51_640, True), (48_410, False), (48_409, True)):
+        motion = Motion(SIMPLE)
+        for number in range(56):
+            now_ns = number * 100 * MS
+            motion.sample(now_ns, 10_000, 0, 0, now_ns, way_01mm if number == 55 else 0)
+            assert number == 55 or not motion.is_off_scale
+        assert motion.is_off_scale == off_scale
+
+
 def test_what_was_found_by_weight() -> None:
     motion = Motion(LIMITS)
     for stuck, scale, runaway, weak_ms in product((False, True), (False, True), (False, True), (0, 1, 1000, 1001)):
@@ -149,6 +217,10 @@ def test_changes_that_fit_their_time() -> None:
         for sign in (1, -1):
             assert limits.fits(sign * largest, elapsed_ns)
             assert not limits.fits(sign * (largest + 1), elapsed_ns)
+    # 100 s is the longest time, to the ns.
+    strong = limits._replace(accel_01mmps2=10**9)
+    assert strong.fits(861 + 10**11, 10**12)
+    assert not strong.fits(861 + 10**11 + 1, 10**12)
 
 
 @pytest.mark.parametrize("strong", [False, True])
@@ -195,3 +267,20 @@ def test_the_limits_of_a_scenario(strong: bool, speed_limit_mps: float) -> None:
     )
     weak = replace(train, brake=Effort(50e3), traction=Effort(60e3))
     assert MotionLimits.of(replace(SCENARIO, train=weak, watch=watch)).accel_01mmps2 == 18_370
+
+
+def test_the_units_of_the_limits() -> None:
+    """Values so large that the last digit of each factor counts: 1 t, 10 kN."""
+    train = replace(
+        SCENARIO.train, mass_kg=1000.0, inertial_mass_kg=1000.0, gravity_mps2=10.0, force_per_notch_n=1e7,
+        davis_a_n_per_kn=1e3, davis_b_n_per_kn_kmh=1e3, davis_c_n_per_kn_kmh2=0.0, actuator_pole_per_s=1e3,
+    )  # fmt: skip
+    sensors = replace(SCENARIO.sensors, speed_lsb_mps=10.0, speed_noise_sigma_mps=0.0, odometer_lsb_m=10.0)
+    watch = replace(SCENARIO.watch, stuck_change_mps=0.0, runaway_mps=10.0)
+    limits = MotionLimits.of(replace(SCENARIO, train=train, sensors=sensors, watch=watch))
+    assert limits.jump_01mmps == 500 + 100_000
+    assert limits.disagreement_01mm == 1000 + 200_000
+    assert (limits.stuck_01mmps, limits.runaway_01mmps) == (200_000, 100_000)
+    assert limits.decay_q16 == 65_536
+    assert limits.notch_01mmps2 == 10**8
+    assert (limits.davis_a, limits.davis_b_q20, limits.davis_c_q40) == (100_000, 36 * 2**20, 0)

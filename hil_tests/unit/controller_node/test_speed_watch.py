@@ -161,6 +161,19 @@ def test_ladder_takes_its_numbers_from_the_scenario() -> None:
     assert Ladder.of(other)[:4] == (40, 64, 256, 2000)
 
 
+def test_the_watch_begins_with_nothing_seen() -> None:
+    assert SpeedWatchState() == (SpeedWatchLevel.NORMAL, 0, 0, 0, 0, False, CtlCause.NONE)
+
+
+def test_a_healthy_channel_costs_no_new_state() -> None:
+    """Nearly every tick: the state is the same object, up to the limit of hold."""
+    healthy = after(SpeedWatchState(), *goods(10))
+    assert healthy == SpeedWatchState(good_run=10)
+    for look in (Seen(0, GOOD), Seen(0), Seen(20)):
+        assert observe(LADDER, healthy, look) is healthy
+    assert observe(LADDER, healthy, Seen(21)) is not healthy
+
+
 @pytest.mark.parametrize("standstill", [False, True])
 def test_level_at_every_age(standstill: bool) -> None:
     for age_ms in range(1300):
@@ -225,6 +238,8 @@ def test_of_several_findings_the_strongest_counts() -> None:
     assert stronger(None, cut, brake, None) is brake
     assert stronger(LEVELS[CtlCause.TWO_SOURCES], brake) is brake
     assert stronger(cut, LEVELS[CtlCause.SPEED_LATENCY]).cause is CtlCause.SPEED_LATENCY  # type: ignore[union-attr]
+    # Of two equal demands the speed telegrams are named.
+    assert after(SpeedWatchState(), Seen(65, finding=cut)).cause is CtlCause.SPEED_AGE
     # Nor does a weaker one hide what the age of the speed demands.
     assert after(SpeedWatchState(), Seen(300, finding=cut))[:1] == (SpeedWatchLevel.SERVICE_BRAKE,)
 

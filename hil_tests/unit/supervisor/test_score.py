@@ -11,12 +11,13 @@ import pytest
 
 from railhil.bus.codes import Event
 from railhil.bus.ident import Role, make_ident
-from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth
+from railhil.bus.telegrams import CtlStat, RunEvent, SimTruth, TrnWatch
 from railhil.dbc import Contract, wire_contract
 from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
 from railhil.supervisor import witness
 from railhil.supervisor.criteria import ATO_CRITERIA, STOP_ERROR
+from railhil.supervisor.invariants import broken
 from railhil.supervisor.score import HOLE_MAX_S, score
 from railhil.supervisor.trace import Trace
 
@@ -205,6 +206,38 @@ def test_a_record_without_an_end_or_a_truth() -> None:
 @pytest.mark.parametrize("event", [event for event in Event if event > OVERTIME])
 def test_a_run_that_ended_otherwise(event: Event) -> None:
     assert invalid(record([*ARRIVED, (event, 45_100, 0)])) == f"{event.name.lower()}: run {event.name.lower()}"
+
+
+@pytest.mark.parametrize(
+    ("fault", "silences"),
+    [
+        ("node.controller kill @1s", True),
+        ("node.plant kill @1s", False),
+        ("bus off @1s for 1s", True),
+        ("NOTCH_CMD loss @1s", True),
+        ("TRN_SPEED loss @1s", False),
+        ("command.notch value 3 @1s", False),
+        ("sensor.speed off @1s", False),
+    ],
+)
+def test_a_controller_that_a_fault_has_silenced(fault: str, silences: bool) -> None:
+    """The run is complete, and fails."""
+    trace = record([(STOPPED, 40_000, 20_000), (Event.ENDED_CONTROLLER_LOST, 45_000, 20_000)])
+    found = score(replace(HOP, faults=("TRN_POS loss @1s", fault)), trace)
+    assert found.ended == "ended_controller_lost"
+    if silences:
+        assert (found.verdict, found.failures) == ("FAIL", ("controller lost",))
+    else:
+        assert (found.verdict, found.failures) == ("INVALID", ("run ended_controller_lost",))
+
+
+def test_a_rule_of_every_run_that_is_broken_fails_the_run() -> None:
+    trace = record(truth=lambda ms: {"traction_20n": 100})
+    trace.add(TrnWatch.PORT, 0, TrnWatch(2).encode())
+    rules = broken(HOP, trace)
+    assert len(rules) == 1
+    found = score(HOP, trace)
+    assert (found.verdict, found.failures) == ("FAIL", tuple(rules))
 
 
 def test_codes_that_no_event_has_are_left_out() -> None:
