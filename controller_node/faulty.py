@@ -6,11 +6,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
-from railhil.bus.injector.controller_side import FaultyController
-from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.schedule import Schedule
 from railhil.controller_node.any_controller import AnyController
-from railhil.scenarios.fault_list import injection_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.system import system_named
@@ -42,9 +39,15 @@ def controller_of(
     def make() -> Any:
         return part(scenario, law, controller, fd=fd, bit_rate=bit_rate)
 
-    injection = injection_of(scenario, seed)
-    if injection is None:
+    if not scenario.faults:
         return cast(AnyController, make())
+    # A controller without faults does not load what injects them: it is a tenth of its start.
+    from railhil.bus.injector.controller_side import FaultyController
+    from railhil.bus.injector.node_faults import NodeFaults
+    from railhil.scenarios.fault_list import injection_of
+
+    injection = injection_of(scenario, seed)
+    assert injection is not None
     schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
     faults = NodeFaults(injection, contract, schedule, "controller", folder)
     return cast(AnyController, FaultyController(make, faults, contract, kill, pause))
@@ -52,10 +55,14 @@ def controller_of(
 
 def write_fault_log(node: AnyController) -> None:
     """Write the log of the controller's faults, if it is under any."""
+    from railhil.bus.injector.controller_side import FaultyController
+
     if isinstance(node, FaultyController):
         node.faults.write()
 
 
 def was_killed(node: AnyController) -> bool:
     """Whether a fault has killed the controller."""
+    from railhil.bus.injector.controller_side import FaultyController
+
     return isinstance(node, FaultyController) and node.is_gone

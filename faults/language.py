@@ -15,6 +15,7 @@ from types import MappingProxyType
 from typing import Protocol
 
 from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.faults import FAULT
 from railhil.faults.model import WATCH_LEVELS, Draw, Expect, Fault, Place, Trigger, Value
 from railhil.faults.places import allowed_places, place_hint, place_of, place_text
 from railhil.faults.quantities import UNITS, allowed_text, number_of, number_text, value_of, value_text
@@ -22,7 +23,6 @@ from railhil.faults.triggers import ALLOWED, trigger_of, trigger_text
 from railhil.faults.words import NAME, TIME, Parameter, Word, word_of, words_at
 
 #: Shown instead of a file for a fault of the command line.
-FAULT = Path("--fault")
 #: Faults of one run; SUP_CMD numbers them in 8 bits.
 FAULTS_MAX = 255
 _SEED_MAX = 0xFFFF_FFFF

@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Any, Literal, Protocol
 
+from railhil.faults.truth import Truth
+
 #: Levels, in the order in which they act on a value on its way: from the sensor to the bus.
 LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node", "bus")
 
@@ -106,25 +108,6 @@ class Fault:
     def kills_controller(self) -> bool:
         """Whether the run goes on without a controller, as asked for."""
         return (self.place.level, self.place.name, self.what) == ("node", "controller", "kill")
-
-
-@dataclass(frozen=True, slots=True)
-class Truth:
-    """Where the simulated truth stands on a system's bus, for triggers: names of a port and of its signals.
-
-    ``speed``, ``position``: without them triggers by speed or position are refused. ``acceleration``: for the event
-    ``braking``; ``traction``: for the event ``traction``. ``levels``: ports with the level of a watch, and its signal;
-    the names of its values are events. ``beside``: further ports that exist only for the record; like the truth itself
-    they are part of the instrument, and no fault touches them.
-    """
-
-    port: str
-    position: str = ""
-    speed: str = ""
-    acceleration: str = ""
-    traction: str = ""
-    levels: Mapping[str, str] = field(default_factory=dict)
-    beside: tuple[str, ...] = ()
 
 
 class Random(Protocol):

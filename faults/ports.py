@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from railhil.dbc import Contract, Port, Signal
-from railhil.faults.model import Fault, Truth
+from railhil.faults.model import Fault
+from railhil.faults.truth import Truth
 
 #: Ports of the bench itself, by which it observes and judges.
 _BENCH = frozenset(("RUN_EVENT", "SUP_CMD", "PLT_IDENT", "CTL_IDENT", "SUP_IDENT"))

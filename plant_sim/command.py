@@ -10,7 +10,6 @@ from pathlib import Path
 from can.cli import add_bus_arguments
 
 from railhil.bus.errors import BusUnavailable
-from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.bus.sent import SentFrames
@@ -27,7 +26,6 @@ from railhil.common.exit_codes import finish_undisturbed
 from railhil.common.patience import Lifelines
 from railhil.common.scheduling import NODE_PRIORITY, cycle
 from railhil.common.whole_file import check_writable
-from railhil.faults.language import parse as parse_fault
 from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
@@ -58,6 +56,17 @@ def _check_timing_file(path: Path, pace: str) -> None:
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise InputError("command line", "--timing-file", str(path), "a file that can be written", reason) from None
+
+
+def _need_orders(faults: Sequence[str]) -> bool:
+    """Whether some of a run's faults need a hub that takes orders."""
+    if not faults:
+        return False
+    # A plant without faults does not load what injects them.
+    from railhil.bus.injector.bus_faults import need_orders
+    from railhil.faults.language import parse as parse_fault
+
+    return need_orders(map(parse_fault, faults))
 
 
 def run_plant(node: PlantNode, priority: int, timing_file: Path | None) -> None:
@@ -95,7 +104,7 @@ def main(words: Sequence[str] | None = None) -> int:
     link.lifelines = Lifelines(dict(namespace.lifeline))
     link.sent = SentFrames(namespace.sent_file, "plant") if namespace.sent_file else None
     try:
-        if link.disturber is None and need_orders(map(parse_fault, scenario.faults)):
+        if link.disturber is None and _need_orders(scenario.faults):
             raise BusUnavailable(f"{link.where}: takes no orders to disturb it, it must be a hub started with --faults")
         node = PlantNode(
             scenario,

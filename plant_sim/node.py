@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
@@ -13,9 +13,6 @@ from railhil.bus.codes import Event, FaultOrder, SupCommand
 from railhil.bus.errors import BusError, PeerSilent
 from railhil.bus.hub.orders import Disturber
 from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
-from railhil.bus.injector.log import INSIDE
-from railhil.bus.injector.node_faults import NodeFaults
-from railhil.bus.injector.plant_side import FaultyEndpoint
 from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
@@ -25,14 +22,16 @@ from railhil.dbc import Port
 from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
-from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.plants import make_plant
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
-from railhil.scenarios.fault_list import injection_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.bus.injector.node_faults import NodeFaults
+    from railhil.plant_sim.faults.injections import Injections
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
@@ -88,8 +87,14 @@ class PlantNode:
         schedule = Schedule.from_contract(self._tick_ns, scenario.timing.port_period_ns, contract)
         #: What is injected into what the plant sends; None: nothing.
         self.faults: NodeFaults | None = None
-        injection = injection_of(scenario, run.seed)
-        if injection is not None:
+        if scenario.faults:
+            # What injects faults is loaded only for a run with faults: it takes a tenth of the start of a node.
+            from railhil.bus.injector.node_faults import NodeFaults
+            from railhil.bus.injector.plant_side import FaultyEndpoint
+            from railhil.scenarios.fault_list import injection_of
+
+            injection = injection_of(scenario, run.seed)
+            assert injection is not None
             self.faults = NodeFaults(injection, contract, schedule, "plant", fault_log)
             endpoint = FaultyEndpoint(endpoint, self.faults, contract, disturber)
         polled = [port for port in contract.ports if port.mode == "poll"]
@@ -143,6 +148,8 @@ class PlantNode:
         if self.faults is not None:
             self.faults.write()
         if self.injections is not None and self._fault_log is not None:
+            from railhil.bus.injector.log import INSIDE
+
             self.injections.log.write(self._fault_log, INSIDE, self.injections.activities)
 
     # -- before the run -------------------------------------------------------------------------------------------

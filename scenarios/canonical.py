@@ -8,7 +8,6 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from railhil.faults.language import fault_text, parse
 from railhil.scenarios.model import Scenario
 
 #: Fields that only explain a scenario.
@@ -35,6 +34,9 @@ def _used(item: Any) -> Any:
 
 def injected(faults: Sequence[str]) -> list[str]:
     """The faults of a scenario without what only explains and judges them."""
+    # Here, not above: a run without faults does not load their language, which takes a tenth of a node's start.
+    from railhil.faults.language import fault_text, parse
+
     return [fault_text(parse(text, "faults"), judging=False) for text in faults]
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words, did_you_mean
-from railhil.faults.language import FAULT
+from railhil.faults import FAULT
 from railhil.scenarios.settings import SET, layer
 from railhil.scenarios.tomlfile import parsed_toml
 

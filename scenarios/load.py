@@ -13,7 +13,7 @@ from railhil.scenarios import check, convert, model
 from railhil.scenarios.blame import blamed
 from railhil.scenarios.canonical import judged_sha256, scenario_sha256
 from railhil.scenarios.envelope import CurveError
-from railhil.scenarios.fault_list import fault_texts
+from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.generate import fastest_time_s, generate
 from railhil.scenarios.keys import USUAL
 from railhil.scenarios.layers import DATA, Layers, Without, shipped_name, shipped_names, short_name
@@ -120,7 +120,7 @@ class TrainScenarios:
     def read(self, layers: Layers) -> model.Scenario:
         rows = layers.merged().get("fault", ())
         parts = _parts(layers)
-        return _build(parts, fault_texts(rows, self._system, lambda row: layers.origin("fault", row)))
+        return _build(parts, faults_of_rows(rows, self._system, lambda row: layers.origin("fault", row)))
 
     def document(self, scenario: model.Scenario) -> dict[str, Any]:
         return document(scenario)

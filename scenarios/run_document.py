@@ -18,11 +18,11 @@ from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
 from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
-from railhil.faults.language import FAULT, fault_text, parse
+from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, load_memory, memory_from_json
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
-from railhil.scenarios.settings import setting
+from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import findings
@@ -178,7 +178,7 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
                 settings.append(setting(text, layer.folder))
         for text in layer.values.get("faults", ()):
             with faults.kept():
-                faults_given.append(fault_text(parse(text, layer.fault_source)))
+                faults_given.append(canonical_fault(text, layer.fault_source))
         if document.get("pace", "lockstep") == "lockstep" and document.pop("rate", None) and "rate" in layer.values:
             faults.found.append(layer.refused("rate", layer.values["rate"], "only in a run with pace realtime"))
     document["settings"], document["faults"] = settings, faults_given

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
-from railhil.faults.language import FAULT, fault_text, parse
+from railhil.faults import FAULT
 
 #: Shown instead of a file name for a key from the command line.
 SET = Path("--set")
@@ -61,7 +61,7 @@ def add_fault_argument(parser: argparse.ArgumentParser) -> None:
     """Option of every command that makes a run or is a node of one; its value is a list of texts."""
     parser.add_argument(
         "--fault",
-        type=_fault,
+        type=canonical_fault,
         action="append",
         default=[],
         metavar="TEXT",
@@ -76,12 +76,16 @@ def add_fault_log_argument(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def _fault(text: str) -> str:
+def canonical_fault(text: str, source: str | Path = FAULT) -> str:
     """The canonical text of a fault.
 
+    :param source: what errors name as its source.
     :raises InputError: it is not in the language.
     """
-    return fault_text(parse(text, FAULT))
+    # A run without faults does not load their language.
+    from railhil.faults.language import fault_text, parse
+
+    return fault_text(parse(text, source))
 
 
 def fault_words(faults: Sequence[str]) -> list[str]:

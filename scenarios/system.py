@@ -18,7 +18,7 @@ from railhil.common.errors import InputError, Words, did_you_mean
 from railhil.common.law_order import in_order
 from railhil.common.plug_ins import entries
 from railhil.dbc import Contract, system_contract
-from railhil.faults.model import Truth
+from railhil.faults.truth import Truth
 
 GROUP = "railhil.systems"
 #: The system of a scenario that does not name one.

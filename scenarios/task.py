@@ -25,7 +25,7 @@ from pydantic import Field, create_model
 from railhil.common.errors import InputError, Words
 from railhil.scenarios import convert
 from railhil.scenarios.canonical import injected, text_sha256
-from railhil.scenarios.fault_list import fault_texts
+from railhil.scenarios.fault_rows import faults_of_rows
 from railhil.scenarios.layers import Layers
 from railhil.scenarios.model import AnyScenario, PublishedScore, Timing
 from railhil.scenarios.reference import Key, keys
@@ -165,7 +165,7 @@ class TaskScenarios:
             file.task,
             tuple(map(PublishedScore.of, file.published)),
             tuple(file.assumptions),
-            fault_texts(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
+            faults_of_rows(table.get("fault", ()), self._system, lambda row: layers.origin("fault", row)),
         )
 
     def _hashed(

@@ -31,3 +31,25 @@ def test_a_command_loads_no_library_that_it_does_not_use():
     names = ("cantools", "yaml", "matplotlib", "numba", "pandas", "scipy", "numpy")
     done = subprocess.run([sys.executable, "-c", code, *names], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["numpy"]
+
+
+@pytest.mark.parametrize(
+    "module", ["plant_sim.command", "controller_node.command", "supervisor.run", "cli.run", "local_run", "replay"]
+)
+def test_a_run_without_faults_loads_nothing_of_them(module):
+    """Their language and what injects them take a tenth of the start of each process."""
+    code = (
+        f"import sys, railhil.{module}; from railhil.scenarios.run_spec import RunSpec; scenario = RunSpec().load();"
+        "from railhil.controller_node.faulty import controller_of;"
+        "from railhil.plant_sim.faults.plants import make_plant; make_plant(scenario, RunSpec());"
+        "controller_of(scenario, RunSpec().law, 0);"
+        "from railhil.supervisor.fault_report import check_faults, fault_outcomes, missing_logs;"
+        "check_faults(scenario, ['hub'], 'lockstep'); fault_outcomes(None, scenario, 0); missing_logs(None, scenario);"
+        "print(*(name for name in sys.modules if name.startswith(('railhil.faults.', 'railhil.bus.injector.'))))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert set(done.stdout.split()) <= {
+        "railhil.faults.truth",
+        "railhil.faults.parsed",
+        "railhil.bus.injector.processes",
+    }

@@ -1,21 +1,23 @@
-"""Makes the plant of a run: the one with faults only for a run that has any in its plant."""
+"""Makes the plant of a run: the one with faults only for a run that has any in its plant.
+
+Every plant is made here, so the language of faults and what injects them are loaded only for runs with faults.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from railhil.common.errors import InputError, Words
-from railhil.faults.capability import why_not
-from railhil.faults.language import parse
-from railhil.faults.model import Fault
 from railhil.plant_sim.any_plant import AnyPlant
-from railhil.plant_sim.faults.injections import Injections
-from railhil.plant_sim.faults.mismatch import Mismatch
-from railhil.scenarios.fault_list import drawn, drawn_faults
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Fault
+    from railhil.plant_sim.faults.injections import Injections
+    from railhil.plant_sim.faults.mismatch import Mismatch
 
 #: Levels of the faults that live in the plant.
 LEVELS = ("train", "sensor", "actuator")
@@ -36,6 +38,14 @@ def in_plant(faults: Sequence[Fault]) -> list[tuple[int, Fault]]:
     return [(number, fault) for number, fault in enumerate(faults, 1) if fault.place.level in LEVELS]
 
 
+def _in_plant(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
+    if not scenario.faults:
+        return []
+    from railhil.scenarios.fault_list import drawn_faults
+
+    return in_plant(drawn_faults(scenario.faults, seed))
+
+
 def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injections | None]:
     """The plant of a run, and its faults if it has any.
 
@@ -43,7 +53,7 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
     """
     system = system_named(scenario.system)
     given = scenario, run.seed, run.perturbed, run.wall_rate
-    found = in_plant(drawn_faults(scenario.faults, run.seed)) if scenario.faults else []
+    found = _in_plant(scenario, run.seed)
     if not found:
         return system.part("plant")(*given), None
     faulty: FaultyPlant = system.part(PART)(*given, found)
@@ -52,6 +62,11 @@ def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injection
 
 def needs_nodes(scenario: AnyScenario) -> bool:
     """Whether a fault of a scenario needs the nodes of the bench."""
+    if not scenario.faults:
+        return False
+    from railhil.faults.capability import why_not
+    from railhil.faults.language import parse
+
     return any(why_not(parse(text), "batch", "lockstep") for text in scenario.faults)
 
 
@@ -63,5 +78,9 @@ def constant_mismatches(scenario: AnyScenario, seeds: Sequence[int]) -> list[Mis
     if needs_nodes(scenario):
         allowed = "mass, gradient or resistance from the start to the end: other faults need the nodes of the bench"
         raise InputError(scenario.name, "fault", Words("; ".join(scenario.faults)), allowed)
+    from railhil.faults.language import parse
+    from railhil.plant_sim.faults.mismatch import Mismatch
+    from railhil.scenarios.fault_list import drawn
+
     faults = [(number, parse(text)) for number, text in enumerate(scenario.faults, 1)]
     return [Mismatch.of(drawn(fault, number, seed) for number, fault in faults) for seed in seeds]

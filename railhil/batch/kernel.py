@@ -101,35 +101,34 @@ def _restrain(common: Any, train: Any, before: int, tick: int) -> None:
         train.actuator_n = 0.0
 
 
-@compiled.part
-def _own_finding(common: Any, train: Any, tick: int) -> bool:
-    """``OwnChecks.finding``."""
-    found = False
-    if tick % common.checks.look_ticks != 0:
-        pass
-    elif train.acting_code > 0 or train.speed_mps <= 0.0:
+@compiled.aside
+def _look(common: Any, train: Any) -> bool:
+    """``OwnChecks.finding`` at a tick at which the forces are looked at."""
+    if train.acting_code > 0 or train.speed_mps <= 0.0:
         train.left_n, train.running_looks, train.floor_n, train.weak_looks = inf, 0, 0.0, 0
-    else:
-        forces = forces_step(
-            common.checks,
-            _constants(common, train),
-            ForceState(train.left_n, train.running_looks, train.floor_n, train.weak_looks),
-            train.slow_decay,
-            train.acting_code * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH,
-            train.actuator_n,
-            train.brake_min_n,
-            train.speed_mps,
-            train.accel_mps2,
-        )
-        train.left_n, train.running_looks = forces.left_n, forces.running_looks
-        train.floor_n, train.weak_looks = forces.floor_n, forces.weak_looks
-        found = is_running(common.checks, forces) or is_weak(common.checks, forces)
-    return found or is_beyond_authority(common.checks, train.position_m, train.speed_mps)
+        return False
+    forces = forces_step(
+        common.checks,
+        _constants(common, train),
+        ForceState(train.left_n, train.running_looks, train.floor_n, train.weak_looks),
+        train.slow_decay,
+        train.acting_code * train.force_per_notch_n / NOTCH_LSB_PER_NOTCH,
+        train.actuator_n,
+        train.brake_min_n,
+        train.speed_mps,
+        train.accel_mps2,
+    )
+    train.left_n, train.running_looks = forces.left_n, forces.running_looks
+    train.floor_n, train.weak_looks = forces.floor_n, forces.weak_looks
+    return is_running(common.checks, forces) or is_weak(common.checks, forces)
 
 
 @compiled.part
-def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
+def _protect(common: Any, train: Any, tick: int, polled: bool, look_due: bool) -> None:
     """``Plant._protect`` of a train whose equipment is healthy."""
+    found = look_due and _look(common, train)
+    if common.checks.end_m < inf:
+        found = found or is_beyond_authority(common.checks, train.position_m, train.speed_mps)
     if train.position_m >= train.limit_to_m:
         _change_limit(common, train)
     before = train.level
@@ -140,7 +139,7 @@ def _protect(common: Any, train: Any, tick: int, polled: bool) -> None:
         0,
         train.speed_mps > 0.0,
         train.speed_mps < train.limit_mps,
-        _own_finding(common, train, tick) or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
+        found or train.speed_mps > train.limit_mps + common.overspeed_margin_mps,
     )
     train.level, train.age_ticks, train.good = watch.level, watch.age_ticks, watch.good
     if watch.level < CommandWatchLevel.TRACTION_CUT and train.watch_brake_mps2 == 0.0:
@@ -173,9 +172,11 @@ def _move(common: Any, grades: Any, train: Any, tick: int, now: float, ticks: fl
 
 
 @compiled.part
-def _advance(common: Any, tables: Any, index: int, grades: Any, train: Any, tick: int, polled: bool) -> None:
+def _advance(
+    common: Any, tables: Any, index: int, grades: Any, train: Any, tick: int, polled: bool, look_due: bool
+) -> None:
     """``Plant.advance``: one tick."""
-    _protect(common, train, tick, polled)
+    _protect(common, train, tick, polled, look_due)
     now, end = float(tick), tick + 1
     due, codes = tables.staged_due, tables.staged_code
     while True:
@@ -271,6 +272,7 @@ def run_period(
                 _command(common, tables, index, trains[index], notch_codes[index], from_tick)
         for tick in range(from_tick, to_tick):
             polled = tick % common.notch_ticks == 0
+            look_due = tick % common.checks.look_ticks == 0
             sample = (tick + 1) // common.truth_ticks
             truth_due = (tick + 1) % common.truth_ticks == 0
             position_due = (tick + 1) % common.position_ticks == 0
@@ -283,7 +285,7 @@ def run_period(
                     _end(common, train, tick)
                     if train.ended != 0:
                         continue
-                    _advance(common, tables, index, grades, train, tick, polled)
+                    _advance(common, tables, index, grades, train, tick, polled, look_due)
                 if truth_due:
                     _truth(common, tables, index, grades, train, sample)
                 if position_due:

@@ -17,7 +17,7 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.telegrams import RunEvent
-from railhil.faults.language import parse
+from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.ato_events import received
 from railhil.supervisor.events.declared import Received
@@ -40,7 +40,7 @@ def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
     found: dict[str, str] = {}
     items = {item.port: item for item in received(scenario)}
     # Frames of a node on identifiers that it reads itself: the record has them, the node does not hear them.
-    own_frames = any(parse(text).what == "masquerade" for text in scenario.faults)
+    own_frames = any(fault.what == "masquerade" for fault in parsed(scenario.faults))
     for node, counts in told.nodes.items():
         exact = told.exact and not counts.get("by_task") and not own_frames
         for port, own in counts["ports"].items():

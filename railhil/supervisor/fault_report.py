@@ -1,4 +1,7 @@
-"""What became of the faults of a run: the logs of all nodes in one file, and for each fault whether it acted."""
+"""What became of the faults of a run: the logs of all nodes in one file, and for each fault whether it acted.
+
+Every run asks here, so what injects faults is loaded inside the functions, for runs with faults only.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,15 @@ import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from railhil.bus.injector.log import COLUMNS, FILE_NAME, INSIDE
-from railhil.bus.injector.node_faults import nodes_of
 from railhil.bus.select import HUB_INTERFACE, LOCAL, BusChoice
 from railhil.common.whole_file import whole_file
-from railhil.faults.capability import check_injectable
-from railhil.faults.language import fault_text
-from railhil.faults.model import Fault, Trigger
-from railhil.scenarios.fault_list import drawn_faults, injection_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.system import system_named
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Fault
 
 #: The logs of the nodes in a run folder, and all of them in one, by time.
 LOGS, FAULTS = "faults-*.csv", "faults.csv"
@@ -85,6 +85,10 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
     """
     if not scenario.faults:
         return []
+    from railhil.bus.injector.log import FILE_NAME
+    from railhil.bus.injector.node_faults import nodes_of
+    from railhil.scenarios.fault_list import drawn_faults, injection_of
+
     rows = sorted((row for path in sorted(folder.glob(LOGS)) for row in _rows(path)), key=lambda row: row[1])
     with whole_file(folder / FAULTS) as draft:
         draft.write_text(_text(rows), encoding="utf-8")
@@ -104,9 +108,14 @@ def fault_outcomes(folder: Path, scenario: AnyScenario, seed: int) -> list[Fault
 
 def missing_logs(folder: Path, scenario: AnyScenario) -> list[str]:
     """Logs of faults that the nodes of a run have yet to write into its folder, by their file names."""
-    injection = injection_of(scenario, 0)
-    if injection is None:
+    if not scenario.faults:
         return []
+    from railhil.bus.injector.log import FILE_NAME, INSIDE
+    from railhil.bus.injector.node_faults import nodes_of
+    from railhil.scenarios.fault_list import injection_of
+
+    injection = injection_of(scenario, 0)
+    assert injection is not None
     contract = system_named(scenario.system).contract
     nodes = {node for fault in injection.faults for node in nodes_of(fault, injection, contract) or (INSIDE,)}
     names = sorted(FILE_NAME.format(node=node) for node in nodes)
@@ -119,11 +128,17 @@ def check_faults(scenario: AnyScenario, transports: Sequence[str], pace: str) ->
     :param transports: all that apply to the run.
     :raises InputError: the first such fault.
     """
+    if not scenario.faults:
+        return
+    from railhil.bus.injector.node_faults import nodes_of
+    from railhil.faults.capability import check_injectable
+    from railhil.scenarios.fault_list import injection_of
+
     injection = injection_of(scenario, 0)
-    if injection is not None:
-        contract = system_named(scenario.system).contract
-        for fault in injection.faults:
-            check_injectable(fault, transports, pace, sorted(nodes_of(fault, injection, contract)))
+    assert injection is not None
+    contract = system_named(scenario.system).contract
+    for fault in injection.faults:
+        check_injectable(fault, transports, pace, sorted(nodes_of(fault, injection, contract)))
 
 
 def transports_of(choice: BusChoice, foreign: bool) -> list[str]:
@@ -150,6 +165,8 @@ def _rows(path: Path) -> Iterable[_Row]:
 
 
 def _text(rows: Sequence[_Row]) -> str:
+    from railhil.bus.injector.log import COLUMNS
+
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -158,6 +175,9 @@ def _text(rows: Sequence[_Row]) -> str:
 
 
 def _outcome(number: int, fault: Fault, rows: Sequence[_Row]) -> FaultOutcome:
+    from railhil.faults.language import fault_text
+    from railhil.faults.model import Trigger
+
     own = [row for row in rows if row[0] == number]
     begun = [time_ns for _, time_ns, what, *_ in own if what == "begun"]
     ended = [time_ns for _, time_ns, what, *_ in own if what == "ended"]

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from railhil.bus.codes import CtlMode
 from railhil.bus.telegrams import NotchCmd, SimTruth, TrnSpeed, TrnWatch
-from railhil.faults.language import parse
+from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor.ato_events import received
 from railhil.supervisor.counters import unreconciled
@@ -62,7 +62,7 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
 
 def _is_forged(scenario: Scenario) -> bool:
     """Whether a fault of the run changes the commands on the bus."""
-    places = (parse(text).place for text in scenario.faults)
+    places = [fault.place for fault in parsed(scenario.faults)]
     return any(place.level == "command" or place.name == NotchCmd.PORT for place in places)
 
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.select import BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
-from railhil.faults.language import parse
+from railhil.faults.parsed import parsed
 from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.jitter import TIMING
 from railhil.supervisor.processes import Nodes
@@ -21,13 +20,24 @@ def _scheduling(run: RunSpec, start_up: StartUp, priority: int) -> list[str]:
     return ["--realtime-priority", str(priority)] if start_up.realtime_scheduling(run) else []
 
 
+def needs_orders(faults: Iterable[str]) -> bool:
+    """Whether some of a run's faults need a hub that takes orders."""
+    found = parsed(faults)
+    if not found:
+        return False
+    # A run without faults does not load what injects them.
+    from railhil.bus.injector.bus_faults import need_orders
+
+    return need_orders(found)
+
+
 def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, faults: Sequence[str] = ()) -> None:
     """Start the hub of this run alone.
 
     :param faults: of the run; some need a hub that takes orders.
     """
     arguments = ["-c", choice.config["channel"], "--once", *_scheduling(run, start_up, HUB_PRIORITY)]
-    arguments += ["--faults"] * need_orders(map(parse, faults))
+    arguments += ["--faults"] * needs_orders(faults)
     nodes.start("hub", "railhil.bus.hub", arguments)
 
 
@@ -62,6 +72,7 @@ def start_nodes(
 
 def longest_stop_s(texts: Iterable[str]) -> float:
     """The longest time in s for which one of a run's faults stops the controller's process; 0: none does."""
-    faults = (parse(text) for text in texts)
-    stops = (one for one in faults if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop"))
+    stops = (
+        one for one in parsed(texts) if (one.place.level, one.place.name, one.what) == ("node", "controller", "stop")
+    )
     return max((one.duration_s or 0.0 for one in stops), default=0.0)

@@ -10,14 +10,13 @@ from typing import Any
 
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
-from railhil.bus.injector.bus_faults import need_orders
 from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.patience import LATER_S
 from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
-from railhil.faults.language import parse
+from railhil.faults.parsed import parsed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
@@ -33,7 +32,7 @@ from railhil.supervisor.jitter import (
     write_wall_times,
 )
 from railhil.supervisor.judging import judging_of
-from railhil.supervisor.launch import longest_stop_s, start_hub, start_nodes
+from railhil.supervisor.launch import longest_stop_s, needs_orders, start_hub, start_nodes
 from railhil.supervisor.processes import Node, Nodes, process_start_ns
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
@@ -161,7 +160,7 @@ class Run:
 
     def _was_killed(self, nodes: Nodes, outcomes: list[FaultOutcome]) -> bool:
         """Whether a fault of the run has killed the controller, and nothing else has ended a node."""
-        killed = any(one.hits and parse(one.text).kills_controller for one in outcomes)
+        killed = any(fault.kills_controller for fault in parsed(one.text for one in outcomes if one.hits))
         return killed and {node.role for node in nodes.ended() if node.was_killed} <= {"controller"}
 
     def _join(self, nodes: Nodes) -> Link:
@@ -341,7 +340,7 @@ class Run:
         # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
         complete = self.choice.needs_hub and not self.spec.is_realtime and not line
         # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
-        complete = complete and not need_orders(map(parse, self.scenario.faults))
+        complete = complete and not needs_orders(self.scenario.faults)
         senders = Senders(self.folder, self.trace.contract, complete=complete)
         if session.frames:
             self.trace = trace_of(senders.passing(read_log(self.log.path)), self.trace.contract)

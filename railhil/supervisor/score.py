@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from railhil.bus.codes import Event
 from railhil.bus.ident import INDEXINGS, CtlIdent
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SimTruth
-from railhil.faults.language import parse
-from railhil.faults.model import Fault
+from railhil.faults.parsed import parsed
 from railhil.scenarios.model import Scenario
 from railhil.supervisor import measures
 from railhil.supervisor.criteria import ATO_CRITERIA, OVERSPEED, Criterion, limited, scores, unscored
@@ -26,6 +26,9 @@ from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.stops import ScoredStop
 from railhil.supervisor.trace import Trace
 from railhil.supervisor.witness import milestone_missing, standstill_unclear
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Fault
 
 #: A record without SIM_TRUTH for longer than this is not accepted as a run, because the motion in the gap is unknown.
 #: A short bus failure leaves shorter gaps.
@@ -167,7 +170,7 @@ def score(scenario: Scenario, trace: Trace) -> Score:
     fresh = np.diff(time_s, prepend=-1.0) > 0
     time_s, truth = time_s[fresh], {name: values[fresh] for name, values in truth.items()}
     whole = [Event.ENDED_COMPLETE, Event.ENDED_NOT_STOPPED]
-    if any(_silences_controller(parse(text)) for text in scenario.faults):
+    if any(map(_silences_controller, parsed(scenario.faults))):
         # As asked for: what the train did without it is judged.
         whole.append(Event.ENDED_CONTROLLER_LOST)
     if ended not in whole or len(time_s) < 2:

@@ -6,8 +6,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from railhil.common.errors import InputError
-from railhil.faults.language import fault_text, parse
-from railhil.faults.places import place_text
 from railhil.supervisor.events.event import FAULT, RecordedEvent
 
 #: Faults that the line of a verdict names; of the others it says how many.
@@ -34,6 +32,10 @@ def fault_events(found: Iterable[Mapping[str, Any]], end_s: float) -> Iterator[R
 
 def _parts(text: str) -> tuple[str, str]:
     """Where a fault acts, and what it does there, without when: ``TRN_SPEED`` and ``loss 30%``."""
+    # A run without faults does not load their language.
+    from railhil.faults.language import fault_text, parse
+    from railhil.faults.places import place_text
+
     try:
         fault = parse(text, "injected")
     except InputError:

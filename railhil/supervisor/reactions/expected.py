@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from railhil.faults.language import parse
-from railhil.faults.model import WATCH_LEVELS, Expect
 from railhil.supervisor.events.event import LEVEL, RecordedEvent
 from railhil.supervisor.score import Score
+
+if TYPE_CHECKING:
+    from railhil.faults.model import Expect
 
 #: The bound is met to within this: instants are on the wire in 0.1 ms.
 _SLACK_S = 1e-4
@@ -27,6 +28,9 @@ def with_expectations(found: Score, injected: Iterable[Mapping[str, Any]], event
 
 
 def _unmet(one: Mapping[str, Any], verdict: str, events: Sequence[RecordedEvent]) -> Iterator[str]:
+    # A run without faults does not load their language.
+    from railhil.faults.language import parse
+
     expect, effect_s = parse(str(one["fault"]), "injected").expect, one["effect_s"]
     if expect is None or effect_s is None:
         return
@@ -35,6 +39,8 @@ def _unmet(one: Mapping[str, Any], verdict: str, events: Sequence[RecordedEvent]
 
 
 def _differences(expect: Expect, effect_s: float, verdict: str, events: Sequence[RecordedEvent]) -> Iterator[str]:
+    from railhil.faults.model import WATCH_LEVELS
+
     levels = [event for event in events if event.kind == LEVEL and event.time_s >= effect_s - _SLACK_S]
     if expect.level:
         wanted = WATCH_LEVELS.index(expect.level)

@@ -1,6 +1,6 @@
 """Two carts on a spring: a system for railhil with two units, each with its own ports."""
 
-from railhil.faults.model import Truth
+from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
 SYSTEM = System(

@@ -1,0 +1,25 @@
+"""The simulated truth of a system, by which faults begin and end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Where the simulated truth stands on a system's bus, for triggers: names of a port and of its signals.
+
+    ``speed``, ``position``: without them triggers by speed or position are refused. ``acceleration``: for the event
+    ``braking``; ``traction``: for the event ``traction``. ``levels``: ports with the level of a watch, and its signal;
+    the names of its values are events. ``beside``: further ports that exist only for the record; like the truth itself
+    they are part of the instrument, and no fault touches them.
+    """
+
+    port: str
+    position: str = ""
+    speed: str = ""
+    acceleration: str = ""
+    traction: str = ""
+    levels: Mapping[str, str] = field(default_factory=dict)
+    beside: tuple[str, ...] = ()
