@@ -1,0 +1,17 @@
+"""The papers that ``railhil reproduce`` knows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+
+from railhil.reproduce.paper import Paper
+
+#: Name of each paper, in the order of the list, and the module with its ``PAPER``.
+PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc"}
+
+
+def paper_named(name: str, papers: Mapping[str, str] = PAPERS) -> Paper:
+    """A paper by its name, which must be one of ``papers``."""
+    found: Paper = import_module(papers[name]).PAPER
+    return found
