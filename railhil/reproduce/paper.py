@@ -54,11 +54,11 @@ class Results:
     seeds: tuple[int, ...]
     runs: Mapping[str, Measured]
 
-    def median(self, keys: Iterable[str], name: str) -> float | None:
-        """Median of a figure over runs; None if one of them has no value."""
+    def over(self, keys: Iterable[str], name: str, reduce: Callable[[list[float]], float] = median) -> float | None:
+        """A figure over runs, by default its median; None if one of them has no value."""
         values = [self.runs[key].values[name] for key in keys]
         known = [value for value in values if value is not None]
-        return float(median(known)) if values and len(known) == len(values) else None
+        return float(reduce(known)) if values and len(known) == len(values) else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -103,12 +103,13 @@ def _measured(key: str, **values: float | None) -> Measured:
     return Measured(key, "PASS", (), "0" * 64, values)
 
 
-def test_median_needs_a_value_of_every_run() -> None:
+def test_a_figure_over_runs_needs_a_value_of_every_run() -> None:
     runs = {key: _measured(key, a=value, b=other) for key, value, other in (("x", 1.0, 2.0), ("y", 3.0, None))}
     found = Results((0, 1), runs)
-    assert found.median(("x", "y"), "a") == 2.0
-    assert found.median(("x", "y"), "b") is None
-    assert found.median((), "a") is None
+    assert found.over(("x", "y"), "a") == 2.0
+    assert found.over(("x", "y"), "b") is None
+    assert found.over((), "a") is None
+    assert found.over(("x", "y"), "a", max) == 3.0
 
 
 def test_order_has_those_without_a_value_last() -> None:
@@ -135,6 +136,15 @@ def test_a_table_with_published_values() -> None:
 def test_an_invalid_run_is_named_and_decides_the_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["late"], PAPERS) == 3
     assert "INVALID: run-3: " in capsys.readouterr().out
+
+
+def test_without_the_extra_the_page_has_no_figures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["bare", "--out", str(tmp_path)], PAPERS) == 0
+    assert "no figures: matplotlib is not installed (" in capsys.readouterr().out
+    text = (tmp_path / "page.md").read_text("utf-8")
+    assert "## Table 1" in text
+    assert "## Figures" not in text
+    assert json.loads((tmp_path / "results.json").read_text("utf-8"))["figures"] == []
 
 
 def test_a_refused_run_comes_back_from_its_process() -> None:

@@ -61,7 +61,7 @@ def key(law: str, arithmetic: str, seed: int) -> str:
 
 def middle(results: Results, law: str, arithmetic: str, name: str) -> float | None:
     """A figure of a law: the median over the seeds, which is the figure itself for one seed."""
-    return results.median([key(law, arithmetic, seed) for seed in results.seeds], name)
+    return results.over([key(law, arithmetic, seed) for seed in results.seeds], name)
 
 
 def planned(seeds: Sequence[int]) -> list[Planned]:
