@@ -1,8 +1,9 @@
-"""A paper with one run of 4 s."""
+"""Papers with one run of 4 s."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from railhil.library import Outcome
 from railhil.reproduce.paper import FOLLOWS_NOT, OPEN, Line, Paper, Planned, Results, Statement, Table
@@ -15,8 +16,8 @@ SETTINGS = (
     "plan.running_time_s=4",
     "plan.overtime_max_s=1",
 )
-#: Name of the paper -> module, for the command.
-PAPERS = {name: f"hil_tests.support.{name}_paper" for name in ("short", "late", "bare")}
+#: Their names and records, for the command.
+PAPERS = {name: f"hil_tests.support.short_paper:{name.upper()}" for name in ("short", "late", "bare", "lost")}
 
 
 def planned(seeds: Sequence[int]) -> list[Planned]:
@@ -54,7 +55,7 @@ def figures(results: Results) -> list[object]:
     return []
 
 
-PAPER = Paper(
+SHORT = Paper(
     name="short",
     title="A short run",
     source="Nobody, 2026",
@@ -67,3 +68,23 @@ PAPER = Paper(
     statements=statements,
     figures=figures,
 )
+
+
+def late(seeds: Sequence[int]) -> list[Planned]:
+    return [replace(one, spec=replace(one.spec, faults=("TRN_SPEED loss 30% @1000s",))) for one in planned(seeds)]
+
+
+def lost(seeds: Sequence[int]) -> list[Planned]:
+    return [replace(one, spec=replace(one.spec, scenario="not there")) for one in planned(seeds)]
+
+
+def no_library(results: Results) -> list[object]:
+    raise ModuleNotFoundError("No module named 'matplotlib'", name="matplotlib")
+
+
+#: Its run is INVALID: the fault never begins.
+LATE = replace(SHORT, name="late", planned=late)
+#: Its figures need a library that is not installed.
+BARE = replace(SHORT, name="bare", figures=no_library)
+#: There is no such scenario.
+LOST = replace(SHORT, name="lost", planned=lost)

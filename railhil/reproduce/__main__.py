@@ -84,19 +84,28 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
     return parser
 
 
-def _folder(out: Path, keep_runs: bool) -> Path:
-    """Folder of the page, made if it is not there.
+def _folder(out: Path, keep_runs: bool) -> bool:
+    """Make the folder of the page if it is not there; returns whether it was made.
 
     :raises InputError: it cannot be made or written, or it has runs already and is to keep others.
     """
+    made = False
     try:
+        made = not out.exists()
         out.mkdir(parents=True, exist_ok=True)
         if keep_runs and (out / RUNS).exists():
             raise InputError("command line", "--keep-runs", str(out / RUNS), "a folder without runs")
         check_writable(out / PAGE)
     except OSError as error:
         raise not_written("--out", out, "folder", error) from None
-    return out
+    return made
+
+
+def _discard(folder: Path) -> None:
+    """Remove the folder that was made for a page, unless a run has been recorded in it."""
+    for empty in (folder / RUNS, folder):
+        if empty.is_dir() and not any(empty.iterdir()):
+            empty.rmdir()
 
 
 def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture]:
@@ -131,16 +140,27 @@ def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
         return PASS
     if namespace.keep_runs and namespace.out is None:
         raise InputError("command line", "--keep-runs", Words("no folder"), "--out DIR beside it")
-    paper = paper_named(namespace.paper, papers)
-    folder = None if namespace.out is None else _folder(namespace.out, namespace.keep_runs)
-    found = results(
-        paper,
-        namespace.seeds or paper.seeds,
-        jobs=namespace.jobs,
-        kept=folder / RUNS if folder is not None and namespace.keep_runs else None,
-        drawn=folder is not None,
-        say=Output(stderr=True).say,
-    )
+    return _reproduce(paper_named(namespace.paper, papers), namespace)
+
+
+def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
+    """Run the protocol of one paper, print and write what came of it."""
+    folder: Path | None = namespace.out
+    made = folder is not None and _folder(folder, namespace.keep_runs)
+    try:
+        found = results(
+            paper,
+            namespace.seeds or paper.seeds,
+            jobs=namespace.jobs,
+            kept=folder / RUNS if folder is not None and namespace.keep_runs else None,
+            drawn=folder is not None,
+            say=Output(stderr=True).say,
+        )
+    except BaseException:
+        # After Ctrl-C, too, no empty folder remains.
+        if folder is not None and made:
+            _discard(folder)
+        raise
     console = Output(stderr=namespace.json)
     pictures = () if folder is None else _pictures(paper, found, console)
     if namespace.json:

@@ -7,11 +7,12 @@ from importlib import import_module
 
 from railhil.reproduce.paper import Paper
 
-#: Name of each paper, in the order of the list, and the module with its ``PAPER``.
-PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc"}
+#: Name of each paper, in the order of the list, and its record, ``module:object``.
+PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc:PAPER"}
 
 
 def paper_named(name: str, papers: Mapping[str, str] = PAPERS) -> Paper:
     """A paper by its name, which must be one of ``papers``."""
-    found: Paper = import_module(papers[name]).PAPER
+    module, _, record = papers[name].partition(":")
+    found: Paper = getattr(import_module(module), record)
     return found

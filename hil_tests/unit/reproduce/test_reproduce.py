@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hil_tests.support import short_paper
-from hil_tests.support.short_paper import PAPER, PAPERS
+from hil_tests.support.short_paper import PAPERS, SHORT
 from railhil.cli.bus_run import NeverBegan
 from railhil.common.errors import InputError
 from railhil.reproduce.__main__ import arguments, main
@@ -87,7 +86,7 @@ def test_a_short_paper_is_run_printed_and_written(tmp_path: Path, capsys: pytest
         assert (first / name).read_bytes() == (again / name).read_bytes()
     assert found == json.loads((first / "results.json").read_text("utf-8"))
     text = (first / "page.md").read_text("utf-8")
-    assert page(PAPER, results_of(found)) == text
+    assert page(SHORT, results_of(found)) == text
     assert "`railhil reproduce short --seeds 3,4 --out DIR`" in text
     energies = [run["measured"]["energy_kj"] for run in found["runs"]]
     line = found["tables"][0]["lines"][0]
@@ -147,7 +146,15 @@ def test_without_the_extra_the_page_has_no_figures(tmp_path: Path, capsys: pytes
     assert json.loads((tmp_path / "results.json").read_text("utf-8"))["figures"] == []
 
 
+def test_a_run_that_cannot_be_made_leaves_no_folder(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="not there"):
+        main(["lost", "--out", str(tmp_path / "new"), "--keep-runs"], PAPERS)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(InputError, match="not there"):
+        main(["lost", "--out", str(tmp_path)], PAPERS)
+
+
 def test_a_refused_run_comes_back_from_its_process() -> None:
     back = pickle.loads(pickle.dumps(NeverBegan("the law refused", 2)))
     assert (str(back), back.exit_code) == ("the law refused", 2)
-    assert pickle.loads(pickle.dumps(short_paper.PAPER)) == PAPER
+    assert pickle.loads(pickle.dumps(SHORT)) == SHORT
