@@ -57,6 +57,10 @@ class NeverBegan(Exception):
         super().__init__(line)
         self.exit_code = exit_code
 
+    def __reduce__(self) -> tuple[type[NeverBegan], tuple[str, int]]:
+        """So that it can come back from the process that made the run."""
+        return type(self), (str(self), self.exit_code)
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Options of every command that runs laws over the bus."""

@@ -79,8 +79,13 @@ def pictures(scenario: Scenario, runs: Sequence[RecordedRun], shown: Sequence[Pa
         for run, style in zip(runs, styles([run.controller for run in runs]), strict=True)
         if timing_of(run).get("histogram")
     ]
+    return panel_pictures(Record(scenario, drawn, late), shown or ATO_PANELS)
+
+
+def panel_pictures(record: Record, shown: Sequence[Panel]) -> list[Picture]:
+    """The figures of some panels, in their order."""
     with panels.drawing("none"):
-        return [picture for panel in shown or ATO_PANELS for picture in panel.draw(Record(scenario, drawn, late))]
+        return [picture for panel in shown for picture in panel.draw(record)]
 
 
 def svg(figure: Figure, name: str, title: str) -> str:

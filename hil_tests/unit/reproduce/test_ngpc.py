@@ -1,0 +1,87 @@
+"""Tables and statements of the papers on high-speed trains, on made-up runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from railhil.reproduce.ngpc import names
+from railhil.reproduce.ngpc.names import ADAPTIVE, BP, ELM, EMERGENCY, LAWS, MULTI_MODEL, MUTATION, NORMAL
+from railhil.reproduce.ngpc.statements import statements
+from railhil.reproduce.ngpc.tables import tables
+from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, Measured, Results
+
+SEEDS = (1, 2)
+#: As the paper has it: the first of the laws is the best in everything.
+RANK = {law: place for place, law in enumerate((ELM, MULTI_MODEL, ADAPTIVE, "pid", BP, "res_ngpc"))}
+
+
+def made(figure: Callable[[str, str, int], dict[str, float | None]]) -> Results:
+    """Runs with the figures of (situation, law, seed); of each record, models four times as good with the network."""
+    runs = {
+        names.key(situation, law, seed): figure(situation, law, seed)
+        for situation in (NORMAL, EMERGENCY, MUTATION)
+        for law in LAWS
+        for seed in SEEDS
+    }
+    for seed in SEEDS:
+        errors = (("linear", 0.8), ("integrated", 0.2))
+        runs[names.record_key(seed)] = {
+            names.model_error(kind, period_s): value for kind, value in errors for period_s in names.PERIODS_S
+        }
+    return Results(SEEDS, {name: Measured(name, "PASS", (), "0" * 64, values) for name, values in runs.items()})
+
+
+def as_published(situation: str, law: str, seed: int) -> dict[str, float | None]:
+    error = 0.1 + 0.1 * RANK[law] + 0.01 * seed
+    stop_m = 4390.0 + 10 * RANK[law] if situation == EMERGENCY else None
+    found = dict.fromkeys((*names.RMSE.values(), names.WIDEST), error)
+    return {**found, names.STOP_M: stop_m, names.CYCLES: 1000.0 * (1 + RANK[law])}
+
+
+def test_statements_follow_from_runs_as_the_paper_has_them() -> None:
+    found = statements(made(as_published))
+    assert len(found) == 8
+    assert {one.verdict for one in found} == {FOLLOWS}
+
+
+def test_statements_do_not_follow_from_the_opposite() -> None:
+    def worse(situation: str, law: str, seed: int) -> dict[str, float | None]:
+        return {
+            name: None if value is None else 10_000 - value
+            for name, value in as_published(situation, law, seed).items()
+        }
+
+    verdicts = [one.verdict for one in statements(made(worse))]
+    # The models are as before.
+    assert verdicts == [FOLLOWS, *[FOLLOWS_NOT] * 7]
+
+
+def test_least_effort_of_one_of_two_follows_in_part() -> None:
+    def slow(situation: str, law: str, seed: int) -> dict[str, float | None]:
+        found = as_published(situation, law, seed)
+        return {**found, names.CYCLES: 100.0} if law == ADAPTIVE else found
+
+    assert statements(made(slow))[-1].verdict == IN_PART
+
+
+def test_a_law_that_never_stops() -> None:
+    def endless(situation: str, law: str, seed: int) -> dict[str, float | None]:
+        return {**as_published(situation, law, seed), names.STOP_M: None}
+
+    said = {one.claim: one for one in statements(made(endless))}
+    stop = next(one for claim, one in said.items() if "emergency stop takes" in claim)
+    assert (stop.verdict, stop.measured) == (FOLLOWS_NOT, "- m.")
+
+
+def test_printed_figures_stand_beside_the_measured_ones() -> None:
+    modelling, tracking, stop, effort = tables(made(as_published))
+    assert [line.published_shown for line in modelling.lines] == ["1.454", "0.1653", "8.80"]
+    assert modelling.lines[2].measured == pytest.approx((4.0,) * 4)
+    assert not tracking.is_published
+    assert len(tracking.lines) == 3 * 2 * len(LAWS)
+    assert tracking.lines[0].measured == pytest.approx((0.115, 0.11, 0.12))
+    assert [line.published for line in stop.lines] == [4400.0, *[None] * 5]
+    assert [line.published_shown for line in effort.lines] == ["5.47", "4.33"]
+    assert [line.measured for line in effort.lines] == [(5.0,), (3.0,)]

@@ -1,0 +1,184 @@
+"""``python -m railhil.reproduce`` (the same as ``railhil reproduce``)."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
+from railhil.common.errors import InputError, Words, did_you_mean
+from railhil.common.exit_codes import INVALID, PASS, guarded
+from railhil.common.extras import install_command
+from railhil.common.output import Output, accept_any_text, add_json_argument, flush_output, print_json
+from railhil.common.whole_file import check_writable
+from railhil.reproduce.document import document
+from railhil.reproduce.page import PAGE, RUNS, shown, write_page
+from railhil.reproduce.paper import Paper, Results
+from railhil.reproduce.papers import PAPERS, paper_named
+from railhil.reproduce.protocol import results
+from railhil.reproduce.show import show, show_papers
+from railhil.supervisor.errors import not_written
+
+if TYPE_CHECKING:
+    from railhil.supervisor.report.figures import Picture
+
+_SEEDS_MAX = 1000
+_EXIT_CODES = """\
+exit codes:
+  0    the protocol was run and printed, whatever the runs and the paper came to
+  2    usage or bad input; one line says what was found and what is allowed
+  3    INVALID: one of the runs is not trustworthy
+  4    TOOL ERROR: a defect of the bench, or the result could not be written"""
+
+
+def _one_of(names: Sequence[str]) -> Callable[[str], str]:
+    """An option's type: one of the names, else the nearest of them is suggested."""
+
+    def name(text: str) -> str:
+        if text not in names:
+            hint = did_you_mean(text, names)
+            raise argparse.ArgumentTypeError(f"found {text}, allowed {', '.join(names)}{f' ({hint})' if hint else ''}")
+        return text
+
+    return name
+
+
+def _seeds(text: str) -> tuple[int, ...]:
+    found = tuple(whole_number(0, SEED_MAX)(item.strip()) for item in text.split(",")[: _SEEDS_MAX + 1])
+    if len(found) > _SEEDS_MAX or len(set(found)) < len(found):
+        raise argparse.ArgumentTypeError(f"found {text}, allowed at most {_SEEDS_MAX} seeds, each once")
+    return found
+
+
+def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
+    """Command line of the reproductions."""
+    names = tuple(papers)
+    parser = OneLineParser(
+        prog="railhil reproduce",
+        description="Run the protocol of a paper and print its tables beside the published ones, with what does not "
+        "follow and why.",
+        epilog=_EXIT_CODES,
+    )
+    parser.add_argument(
+        "paper",
+        nargs="?",
+        type=_one_of(names),
+        choices=names,
+        metavar="PAPER",
+        help=f"of {', '.join(names)}; without it they are listed",
+    )
+    parser.add_argument("--seeds", type=_seeds, metavar="N,N,...", help="seeds of the runs (default: the paper's page)")
+    parser.add_argument(
+        "--jobs", type=whole_number(1, 1024), default=len(os.sched_getaffinity(0)), metavar="N",
+        help="runs at a time (default: one for each processor)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help=f"write {PAGE}, figures (SVG), tables (CSV), results.json"
+    )
+    parser.add_argument("--keep-runs", action="store_true", help="also keep the run folders, in DIR/runs")
+    add_json_argument(parser)
+    return parser
+
+
+def _folder(out: Path, keep_runs: bool) -> bool:
+    """Make the folder of the page if it is not there; returns whether it was made.
+
+    :raises InputError: it cannot be made or written, or it has runs already and is to keep others.
+    """
+    made = False
+    try:
+        made = not out.exists()
+        out.mkdir(parents=True, exist_ok=True)
+        if keep_runs and (out / RUNS).exists():
+            raise InputError("command line", "--keep-runs", str(out / RUNS), "a folder without runs")
+        check_writable(out / PAGE)
+    except OSError as error:
+        raise not_written("--out", out, "folder", error) from None
+    return made
+
+
+def _discard(folder: Path) -> None:
+    """Remove the folder that was made for a page, unless a run has been recorded in it."""
+    for empty in (folder / RUNS, folder):
+        if empty.is_dir() and not any(empty.iterdir()):
+            empty.rmdir()
+
+
+def _pictures(paper: Paper, found: Results, console: Output) -> Sequence[Picture]:
+    """The figures; without the extra none, and one line that says so."""
+    try:
+        return paper.figures(found)
+    except ImportError as error:
+        console.say(f"no figures: {error.name} is not installed ({install_command('report')})")
+        return ()
+
+
+def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS) -> int:
+    """List the papers, or run the protocol of one and print or write what came of it.
+
+    :param papers: as in :data:`railhil.reproduce.papers.PAPERS`.
+    """
+    accept_any_text()
+    namespace = parse(arguments(papers), words)
+    try:
+        return _work(namespace, papers)
+    finally:
+        flush_output()
+
+
+def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
+    if namespace.paper is None:
+        for option in ("seeds", "out", "keep_runs"):
+            if getattr(namespace, option):
+                allowed = f"one of {', '.join(papers)} beside it"
+                raise InputError("command line", f"--{option.replace('_', '-')}", Words("no paper"), allowed)
+        _list([paper_named(name, papers) for name in papers], namespace.json)
+        return PASS
+    if namespace.keep_runs and namespace.out is None:
+        raise InputError("command line", "--keep-runs", Words("no folder"), "--out DIR beside it")
+    return _reproduce(paper_named(namespace.paper, papers), namespace)
+
+
+def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
+    """Run the protocol of one paper, print and write what came of it."""
+    folder: Path | None = namespace.out
+    made = folder is not None and _folder(folder, namespace.keep_runs)
+    try:
+        found = results(
+            paper,
+            namespace.seeds or paper.seeds,
+            jobs=namespace.jobs,
+            kept=folder / RUNS if folder is not None and namespace.keep_runs else None,
+            drawn=folder is not None,
+            say=Output(stderr=True).say,
+        )
+    except BaseException:
+        # After Ctrl-C, too, no empty folder remains.
+        if folder is not None and made:
+            _discard(folder)
+        raise
+    console = Output(stderr=namespace.json)
+    pictures = () if folder is None else _pictures(paper, found, console)
+    if namespace.json:
+        print_json(document(paper, found, shown(pictures)))
+    else:
+        show(console, paper, found)
+    if folder is not None:
+        write_page(paper, found, pictures, folder)
+        console.say(f"page {folder / PAGE}")
+    return INVALID if any(run.verdict == "INVALID" for run in found.runs.values()) else PASS
+
+
+def _list(papers: Sequence[Paper], as_json: bool) -> None:
+    if as_json:
+        print_json([{"paper": one.name, "title": one.title, "source": one.source} for one in papers])
+    else:
+        show_papers(Output(), papers)
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil reproduce", main))

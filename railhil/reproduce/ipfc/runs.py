@@ -1,0 +1,112 @@
+"""The protocol: the five laws of the paper on its scenario, and the figures that are read from a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from railhil.library import Outcome
+from railhil.reproduce.paper import Planned, Results
+from railhil.scenarios.load import load
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.report.recorded import Curves
+from railhil.supervisor.report.recorded import curves as recorded_curves
+from railhil.supervisor.score import Score, score
+
+SCENARIO = "lvshun_tieshan"
+#: The equations as they are, and the fixed point of the paper's TMS320F28335.
+ARITHMETICS = ("float64", "iq")
+#: The arithmetic of the figures and of the statements: that of the paper's controller.
+USUAL = "iq"
+#: Speed error over the run, in km/h: root mean square, largest, and root mean square of its change from one control
+#: period to the next.
+RMS_ERROR, WIDEST_ERROR, CHATTER = "rms_error_kmh", "widest_error_kmh", "chatter_kmh"
+#: Share of the reports of a law with a satisfaction (eq. 26) above 0: only then is its softening factor adapted.
+ADAPTED = "adapted_share"
+
+PROTOCOL = (
+    "Scenario lvshun_tieshan: mass, speed limit, distance, timetable and formation of Table 1; what the paper does not "
+    "print (resistance, grades, actuator, speed curve, sensors) is chosen, and listed by `railhil scenarios "
+    "lvshun_tieshan`.",
+    "The five laws of the paper, each in float64 (the equations as they are) and in iq (the fixed point of the "
+    "TMS320F28335 that the paper names), with the paper's parameters where it prints them; nominal train, "
+    "set-points by time. With several seeds every figure is the median over them.",
+    "Plant, controller and supervisor exchange every telegram of the bench in one process; the scores are computed "
+    "from the recorded telegrams alone. The paper's dSPACE simulator and its real train data are not available.",
+    "Measured results stand beside the published ones, whichever is better; no parameter was chosen with the published "
+    "results in view.",
+)
+
+
+@cache
+def scenario() -> Scenario:
+    """The scenario of every run."""
+    return load(SCENARIO)
+
+
+@cache
+def laws() -> tuple[str, ...]:
+    """The laws of Table 2 in its order."""
+    return tuple(row.controller for row in scenario().published)
+
+
+def key(law: str, arithmetic: str, seed: int) -> str:
+    """Name of a run."""
+    return f"{law}-{arithmetic}-{seed}"
+
+
+def middle(results: Results, law: str, arithmetic: str, name: str) -> float | None:
+    """A figure of a law: the median over the seeds, which is the figure itself for one seed."""
+    return results.over([key(law, arithmetic, seed) for seed in results.seeds], name)
+
+
+def planned(seeds: Sequence[int]) -> list[Planned]:
+    """Every law in every arithmetic with every seed."""
+    return [
+        Planned(
+            key(law, arithmetic, seed),
+            RunSpec(SCENARIO, law=LawSpec(law, arithmetic), seed=seed, bus="local"),
+            drawn=arithmetic == USUAL and seed == seeds[0],
+        )
+        for seed in seeds
+        for arithmetic in ARITHMETICS
+        for law in laws()
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawable:
+    """Curves and score of a run that is drawn."""
+
+    curves: Curves
+    score: Score
+
+
+def curves(outcome: Outcome) -> Drawable:
+    """What the figures show of a run."""
+    return Drawable(_curves(outcome), score(scenario(), outcome.trace))
+
+
+def _curves(outcome: Outcome) -> Curves:
+    return recorded_curves(scenario(), outcome.trace, outcome.certificate.get("notes"))
+
+
+def measure(outcome: Outcome) -> dict[str, float | None]:
+    """The five scores, and the figures above; :data:`ADAPTED` only of a law that reports a satisfaction."""
+    found: dict[str, float | None] = dict(outcome.scores)
+    drawn = _curves(outcome)
+    until_s = scenario().plan.running_time_s
+    error_kmh = drawn.error_kmh[drawn.time_s <= until_s]
+    period_s = scenario().timing.control_period_ns / 1e9
+    at_s = np.arange(period_s, until_s + period_s / 2, period_s)
+    change_kmh = np.diff(np.interp(at_s, drawn.time_s, drawn.error_kmh))
+    found[RMS_ERROR] = float(np.sqrt(np.mean(error_kmh**2)))
+    found[WIDEST_ERROR] = float(np.max(np.abs(error_kmh)))
+    found[CHATTER] = float(np.sqrt(np.mean(change_kmh**2)))
+    told = [values for note, values in drawn.notes if note.name == "satisfaction"]
+    found[ADAPTED] = float(np.mean(told[0] > 0)) if told else None
+    return found
