@@ -68,7 +68,7 @@ def _is_forged(scenario: Scenario) -> bool:
 
 def _cut_from(scenario: Scenario) -> int:
     """The level at which no traction can be applied in this run."""
-    places = (parse(text).place for text in scenario.faults)
+    places = [fault.place for fault in parsed(scenario.faults)]
     drive_faulty = any(place.level == "actuator" and place.name == "traction" for place in places)
     return _EMERGENCY if drive_faulty else _TRACTION_CUT
 
