@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import weakref
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hil_tests.support import health
 from hil_tests.support.health import disturbed_runs
+from railhil.bench import BenchRun
 
 
 @pytest.mark.parametrize(
@@ -37,3 +41,21 @@ def test_what_is_disturbed(
 def test_folders_of_a_test_are_looked_into(tmp_path: Path, request: pytest.FixtureRequest) -> None:
     assert request.node.funcargs["tmp_path"] == tmp_path
     assert {"healthy", "noted_runs"} <= set(request.fixturenames)
+
+
+def test_a_run_that_is_looked_at_is_not_kept() -> None:
+    class Trace:
+        pass
+
+    trace: Any = Trace()
+    kept = weakref.ref(trace)
+    run = BenchRun(trace, trace)
+    del run, trace
+    assert kept() is None
+
+
+@pytest.mark.faults
+def test_what_a_run_has_refused_is_noted() -> None:
+    trace: Any = None
+    BenchRun(trace, trace, counters={"plant": {"gap": 2, "polls": 7}})
+    assert health._REFUSED == [{"plant.gap": 2}]

@@ -18,24 +18,25 @@ def disturbed_runs(folder: Path) -> dict[str, dict[str, int]]:
     return {name: counters for name, counters in found.items() if counters}
 
 
-#: Runs in this process since the last test of such a folder began, including those made by fixtures.
-_RUNS: list[BenchRun] = []
+#: What the runs in this process have refused since the last test of such a folder began, including those made by
+#: fixtures. Not the runs themselves: in folders without this check hundreds follow, of a megabyte and more each.
+_REFUSED: list[dict[str, int]] = []
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup() -> None:
     """Runs of tests in other folders do not count for this test."""
-    _RUNS.clear()
+    _REFUSED.clear()
 
 
 @pytest.fixture(scope="session", autouse=True)
 def noted_runs() -> Iterator[None]:
-    """Record every run of this process when it is created."""
+    """Record what every run of this process has refused when it is created."""
     make = BenchRun.__init__
 
     def noted(run: BenchRun, *given: object, **named: object) -> None:
         make(run, *given, **named)  # type: ignore[arg-type]
-        _RUNS.append(run)
+        _REFUSED.append(run.refused)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(BenchRun, "__init__", noted)
@@ -51,8 +52,8 @@ def healthy(
     Its runs are those in this process and those whose folders are below a folder passed to the test.
     """
     yield
-    found = [run.refused for run in _RUNS]
-    _RUNS.clear()
+    found = [*_REFUSED]
+    _REFUSED.clear()
     if request.node.get_closest_marker("faults") is not None:
         return
     assert not any(found), found
