@@ -30,11 +30,10 @@ class LocalBus:
             self._deliver(frame, None)
 
     def _deliver(self, frame: Frame, sender: Callable[[Frame], list[Frame]] | None) -> None:
-        answers = []
+        answers: list[tuple[Frame, Callable[[Frame], list[Frame]]]] = []
         for node in self._nodes:
-            if node is not sender:
-                for answer in node(frame):
-                    answers.append((answer, node))
+            if node is not sender and (found := node(frame)):
+                answers += [(answer, node) for answer in found]
         # As on a bus, a frame reaches every node before any answer to it does.
         for answer, node in answers:
             self._inbox.append(answer)

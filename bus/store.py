@@ -15,7 +15,7 @@ from typing import NamedTuple, TypeVar
 
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import check_sequence, master_tail
+from railhil.bus.mvb import check_sequence, master_tail, single_frame_fault
 from railhil.dbc import Port
 
 #: Age of a port that has never received anything (freshness timer 65535 ms of an MVB link layer).
@@ -152,10 +152,9 @@ class TrafficStore:
         elif flags or len(data) != 8:
             return _REFUSED["wrong_length"]
         if sink.is_single:
-            if check_sequence(data[: sink.data_bytes]) != data[4]:
-                return _REFUSED["wrong_check_sequence"]
-            if data[5:] != sink.tail:
-                return _REFUSED["wrong_master_word"]
+            cause = single_frame_fault(data, sink.data_bytes, sink.tail)
+            if cause:
+                return _REFUSED[cause]
         return found
 
     def _reject(self, cause: str) -> str | None:
@@ -169,7 +168,8 @@ class TrafficStore:
         if missing:
             return self._reject("missing_block")
         # Blocks that waited in mailboxes are fed in the order of the blocks, not of their arrival.
-        if max(now_ns, *sink.times_ns) - min(now_ns, *sink.times_ns) > self._assembly_ns:
+        times_ns = sink.times_ns
+        if times_ns.count(now_ns) != count and max(now_ns, *times_ns) - min(now_ns, *times_ns) > self._assembly_ns:
             return self._reject("assembly_timeout")
         if trailer[4] & 0xF != count:
             return self._reject("wrong_block_count")

@@ -34,18 +34,12 @@ from railhil.controller_node.guard import Guard
 from railhil.controller_node.laws import load
 from railhil.controller_node.laws.note import slots
 from railhil.controller_node.odometer import Odometer
-from railhil.controller_node.speed_watch import SpeedWatchLevel
 from railhil.dbc import wire_contract
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
-_MODES = {
-    SpeedWatchLevel.NORMAL: CtlMode.RUNNING,
-    SpeedWatchLevel.HOLD: CtlMode.HOLD,
-    SpeedWatchLevel.TRACTION_CUT: CtlMode.TRACTION_CUT,
-    SpeedWatchLevel.SERVICE_BRAKE: CtlMode.SERVICE_BRAKE,
-    SpeedWatchLevel.EMERGENCY: CtlMode.EMERGENCY,
-}
+#: Mode told at each level of the watch, by its number.
+_MODES = (CtlMode.RUNNING, CtlMode.HOLD, CtlMode.TRACTION_CUT, CtlMode.SERVICE_BRAKE, CtlMode.EMERGENCY)
 #: Ports with a receive mailbox. SIM_TRUTH is not among them: the controller must not see the truth.
 MAILBOXES = (TrnSpeed, TrnPos, BalisePassed, TimeSync, PltStat, TrkInfo, RunEvent)
 #: Ports with transmit mailboxes.

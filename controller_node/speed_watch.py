@@ -64,6 +64,11 @@ class Reception(IntEnum):
     IMPLAUSIBLE = 3
 
 
+# A member of an enum costs as much as a call on CPython 3.11, and the watch looks at every telegram.
+_NORMAL, _HOLD, _TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = SpeedWatchLevel
+_NO_TELEGRAM, _GOOD, _BAD = Reception.NONE, Reception.GOOD, Reception.BAD
+
+
 class Finding(NamedTuple):
     """What a check demands besides the age of the speed: the level, and why."""
 
@@ -171,42 +176,42 @@ def observe(ladder: Ladder, state: SpeedWatchState, seen: Seen) -> SpeedWatchSta
     """State after one observation."""
     recent = state.recent
     if (
-        state.level is SpeedWatchLevel.NORMAL
+        state.level is _NORMAL
         and seen.age_ms <= ladder.hold_ms
         and not (seen.overspeed or seen.finding)
         and (
-            seen.telegram is Reception.NONE
-            or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE and seen.telegram is Reception.GOOD)
+            seen.telegram is _NO_TELEGRAM
+            or (recent == 0 and state.good_run == GOOD_AFTER_SERVICE_BRAKE and seen.telegram is _GOOD)
         )
     ):
         # A channel that has been healthy for some time: nothing changes. This is nearly always the case.
         return state
-    bad = seen.telegram >= Reception.BAD
-    if seen.telegram is not Reception.NONE:
+    bad = seen.telegram >= _BAD
+    if seen.telegram is not _NO_TELEGRAM:
         recent = (recent << 1 | bad) & _RECENT_MASK
     good_run = state.good_run
     if bad or seen.finding or seen.age_ms > ladder.hold_ms:
         good_run = 0
-    elif seen.telegram is Reception.GOOD:
+    elif seen.telegram is _GOOD:
         good_run = min(good_run + 1, GOOD_AFTER_SERVICE_BRAKE)
-    level = SpeedWatchLevel.NORMAL if _may_leave(state.level, good_run, seen) else state.level
+    level = _NORMAL if _may_leave(state.level, good_run, seen) else state.level
     demanded, cause = _demanded(ladder, recent, seen)
     level = max(level, demanded)
     if level is state.level:
         cause = state.cause
     kept_code = state.kept_code
-    if level is SpeedWatchLevel.TRACTION_CUT and state.level is not SpeedWatchLevel.TRACTION_CUT:
+    if level is _TRACTION_CUT and state.level is not _TRACTION_CUT:
         kept_code = min(state.code, 0)
     return state._replace(level=level, good_run=good_run, recent=recent, kept_code=kept_code, cause=cause)
 
 
 def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
-    if level is SpeedWatchLevel.EMERGENCY:
+    if level is _EMERGENCY:
         # There is no reset on this bench.
         return False
-    if level is SpeedWatchLevel.SERVICE_BRAKE:
+    if level is _SERVICE_BRAKE:
         return seen.standstill or good_run >= GOOD_AFTER_SERVICE_BRAKE
-    if level is SpeedWatchLevel.TRACTION_CUT:
+    if level is _TRACTION_CUT:
         return good_run >= GOOD_AFTER_TRACTION_CUT
     return good_run >= 1
 
@@ -214,7 +219,7 @@ def _may_leave(level: SpeedWatchLevel, good_run: int, seen: Seen) -> bool:
 def _demanded(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
     """Level demanded by this observation alone, and why; of two equal demands the speed telegrams are named."""
     if seen.overspeed:
-        return SpeedWatchLevel.EMERGENCY, CtlCause.OVERSPEED
+        return _EMERGENCY, CtlCause.OVERSPEED
     level, cause = _by_telegrams(ladder, recent, seen)
     if seen.finding is not None and seen.finding.level > level:
         return seen.finding
@@ -222,22 +227,22 @@ def _demanded(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel,
 
 
 def _by_telegrams(ladder: Ladder, recent: int, seen: Seen) -> tuple[SpeedWatchLevel, CtlCause]:
-    age_ms, bad = seen.age_ms, seen.telegram >= Reception.BAD
+    age_ms, bad = seen.age_ms, seen.telegram >= _BAD
     if age_ms > ladder.service_brake_ms:
         emergency = age_ms > ladder.emergency_ms and not seen.standstill
-        level = SpeedWatchLevel.EMERGENCY if emergency else SpeedWatchLevel.SERVICE_BRAKE
+        level = _EMERGENCY if emergency else _SERVICE_BRAKE
         return level, CtlCause.SPEED_AGE
     if age_ms > ladder.traction_cut_ms:
-        return SpeedWatchLevel.TRACTION_CUT, CtlCause.SPEED_AGE
+        return _TRACTION_CUT, CtlCause.SPEED_AGE
     refused = CtlCause.SPEED_IMPLAUSIBLE if seen.telegram is Reception.IMPLAUSIBLE else CtlCause.BAD_TELEGRAMS
     # The count matters only at a bad telegram: an old burst must not cut traction again after a good run.
     if bad and recent.bit_count() >= BAD_FOR_TRACTION_CUT:
-        return SpeedWatchLevel.TRACTION_CUT, refused
+        return _TRACTION_CUT, refused
     if age_ms > ladder.hold_ms:
-        return SpeedWatchLevel.HOLD, CtlCause.SPEED_AGE
+        return _HOLD, CtlCause.SPEED_AGE
     if bad:
-        return SpeedWatchLevel.HOLD, refused
-    return SpeedWatchLevel.NORMAL, CtlCause.NONE
+        return _HOLD, refused
+    return _NORMAL, CtlCause.NONE
 
 
 def command(
@@ -251,17 +256,17 @@ def command(
     """
     last = state.code
     ramp = ladder.ramp_code_per_s * elapsed_ms // 1000
-    level, returning = state.level, state.returning or state.level >= SpeedWatchLevel.TRACTION_CUT
-    if level is SpeedWatchLevel.EMERGENCY:
+    level, returning = state.level, state.returning or state.level >= _TRACTION_CUT
+    if level is _EMERGENCY:
         code = -ladder.full_code
-    elif level is SpeedWatchLevel.SERVICE_BRAKE:
+    elif level is _SERVICE_BRAKE:
         # If the law or a kept notch brakes harder than the service brake, that notch is kept.
         # Traction must not continue while the ramp begins: the ladder may reach this level from any other in one step.
         braking = min(last, 0)
         code = min(law_code, max(-ladder.service_code, braking - ramp), braking)
-    elif level is SpeedWatchLevel.TRACTION_CUT:
+    elif level is _TRACTION_CUT:
         code = min(law_code, state.kept_code)
-    elif level is SpeedWatchLevel.HOLD:
+    elif level is _HOLD:
         code = last if last < 0 else min(max(law_code, 0), last)
     else:
         code = min(law_code, last + ramp) if returning else law_code
@@ -270,4 +275,4 @@ def command(
     code = max(code, -ladder.full_code)
     if code != last or returning != state.returning:
         state = state._replace(code=code, returning=returning)
-    return state, code, level is SpeedWatchLevel.EMERGENCY
+    return state, code, level is _EMERGENCY

@@ -52,6 +52,9 @@ class CommandWatchLevel(IntEnum):
     EMERGENCY = 4
 
 
+# A member of an enum costs as much as a call on CPython 3.11, and the watch is stepped in every tick.
+_NORMAL, _HOLD, _TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = CommandWatchLevel
+
 #: Level that each finding of the gate (:mod:`railhil.plant_sim.gate`) demands.
 SUSPICIONS = {
     WatchCause.NONE: CommandWatchLevel.NORMAL,
@@ -121,20 +124,20 @@ def watch_step(
         good = smaller(good + 1, GOOD_AFTER_SERVICE_BRAKE)
     if suspicion > 0:
         good = 0
-    if level == CommandWatchLevel.EMERGENCY or emergency:
+    if level == _EMERGENCY or emergency:
         # There is no stronger level. In compiled code a level is a number, as in the last line.
-        return CommandWatchState(larger(level, CommandWatchLevel.EMERGENCY), age, good)
+        return CommandWatchState(larger(level, _EMERGENCY), age, good)
     if _may_leave(level, good, moving, below_limit):
-        level = CommandWatchLevel.NORMAL
-    demanded = CommandWatchLevel.NORMAL
+        level = _NORMAL
+    demanded = _NORMAL
     if age > limits.hold:
-        demanded = CommandWatchLevel.HOLD
+        demanded = _HOLD
         if age > limits.traction_cut:
-            demanded = CommandWatchLevel.TRACTION_CUT
+            demanded = _TRACTION_CUT
         if age > limits.service_brake:
-            demanded = CommandWatchLevel.SERVICE_BRAKE
+            demanded = _SERVICE_BRAKE
         if age > limits.emergency and moving:
-            demanded = CommandWatchLevel.EMERGENCY
+            demanded = _EMERGENCY
     if suspicion > demanded:
         demanded = suspicion  # type: ignore[assignment]
     return CommandWatchState(larger(level, demanded), age, good)
@@ -142,9 +145,9 @@ def watch_step(
 
 @compilable
 def _may_leave(level: CommandWatchLevel, good: int, moving: bool, below_limit: bool) -> bool:
-    if level <= CommandWatchLevel.HOLD:
+    if level <= _HOLD:
         return good >= 1
-    if level == CommandWatchLevel.TRACTION_CUT:
+    if level == _TRACTION_CUT:
         return good >= GOOD_AFTER_TRACTION_CUT
     return (not moving and good >= 1) or (good >= GOOD_AFTER_SERVICE_BRAKE and below_limit)
 
@@ -163,9 +166,9 @@ def watch_brake_mps2(
     :param brake_mps2: the demand over the last step.
     :param braking_now_mps2: present deceleration, from which the service brake builds up without a dip.
     """
-    if level == CommandWatchLevel.EMERGENCY:
+    if level == _EMERGENCY:
         return inf
-    if level == CommandWatchLevel.SERVICE_BRAKE:
+    if level == _SERVICE_BRAKE:
         if not moving:
             return service_mps2
         return smaller(service_mps2, larger(brake_mps2, braking_now_mps2) + SERVICE_BRAKE_JERK_MPS3 * step_s)

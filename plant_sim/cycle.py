@@ -16,6 +16,7 @@ law. The batch (:mod:`railhil.batch.kernel`) has a compiled copy; tests check th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import lcm
 from typing import Protocol
 
 from railhil.bus.codes import Event
@@ -24,6 +25,9 @@ from railhil.bus.schedule import Schedule
 from railhil.dbc import Port
 from railhil.plant_sim.any_plant import Ending, Happened
 from railhil.plant_sim.milestones import Milestones
+
+#: Ticks after which the same ports are due again, up to which a table says which.
+_TABLE_TICKS = 1000
 
 
 class Surroundings(Protocol):
@@ -92,6 +96,7 @@ class TickLoop:
         ]
         self._polled = [(schedule.ticks(port.name), port) for port in polled]
         self._ending = ending
+        self._turn_ticks = lcm(*(period for period, _ in (*self._published, *self._polled)))
 
     def run(self) -> None:
         """Execute ticks until the run has ended.
@@ -101,6 +106,13 @@ class TickLoop:
         for _ in self.ticks():
             pass
 
+    def _due(self, tick: int) -> tuple[list[Callable[[], Telegram | None]], list[Port]]:
+        """Makers of what is published in a tick, and the ports that are polled."""
+        return (
+            [make for period, make in self._published if tick % period == 0],
+            [port for period, port in self._polled if tick % period == 0],
+        )
+
     def ticks(self) -> Iterator[None]:
         """Execute ticks until the run has ended; gives control back at the instant of each, after all its telegrams.
 
@@ -109,21 +121,23 @@ class TickLoop:
         :raises PlantError: the simulation has failed.
         """
         plant, around, ending = self._plant, self._around, self._ending
+        turn = self._turn_ticks
+        table = [self._due(tick) for tick in range(turn)] if turn <= _TABLE_TICKS else []
         while True:
             tick = plant.tick
+            makers, ports = table[tick % turn] if table else self._due(tick)
             around.begin()
-            for period, make in self._published:
-                if tick % period == 0:
-                    telegram = make()
-                    if telegram is not None:
-                        around.publish(telegram)
+            for make in makers:
+                telegram = make()
+                if telegram is not None:
+                    around.publish(telegram)
             around.milestones.repeat(tick)
             for happened in plant.drain_events():
                 ending.happened(happened.kind, tick)
                 around.report(happened)
-            for period, port in self._polled:
+            for port in ports:
                 # An answer may end the run; the other nodes then leave the bus.
-                if tick % period == 0 and around.ended is None:
+                if around.ended is None:
                     around.poll(port)
             around.finish()
             if around.ended is None and (tick >= ending.due_tick or around.controller_lost):

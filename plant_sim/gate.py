@@ -15,6 +15,8 @@ RECENT = 10
 #: Number of the last commands in which old ones are looked for.
 ORDER = 16
 
+# A member of an enum costs as much as a call on CPython 3.11, and this runs with every command.
+_NO_SUSPICION, _GAP = WatchCause.NONE, Life.GAP
 _RECENT_MASK = (1 << RECENT) - 1
 _ORDER_MASK = (1 << ORDER) - 1
 
@@ -52,7 +54,7 @@ class CommandGate:
     def accept(self, command: NotchCmd) -> bool:
         """True when the command is accepted; sets ``suspicion`` and ``notch_256th``."""
         was_good = self._was_good
-        self.suspicion = WatchCause.NONE
+        self.suspicion = _NO_SUSPICION
         self._was_good = False
         if self._bad or self._disorder:
             self._bad = self._bad << 1 & _RECENT_MASK
@@ -73,7 +75,7 @@ class CommandGate:
         if abs(notch) > self._notch_max:
             self.suspicion = WatchCause.NOTCH_RANGE
             return self._refuse("out_of_range")
-        if life is Life.GAP:
+        if life is _GAP:
             self.counters["gap"] += 1
         self._life.accept(command.life)
         self.counters["accepted"] += 1

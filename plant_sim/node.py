@@ -238,10 +238,9 @@ class PlantNode:
 
     def begin(self) -> None:
         """Wait for the instant of the tick."""
-        tick = self.plant.tick
-        lateness_ns = self._pacer.wait(tick * self._tick_ns)
         if self.timing is not None:
-            self.timing.began(tick, lateness_ns)
+            tick = self.plant.tick
+            self.timing.began(tick, self._pacer.wait(tick * self._tick_ns))
         self._position_01mm = self.plant.position_01mm
 
     def report(self, event: Happened) -> None:

@@ -7,7 +7,7 @@ from math import inf, isfinite
 
 from railhil.bus.codes import WatchCause
 from railhil.bus.telegrams import STOP_LEG_MIN_M
-from railhil.plant_sim import dynamics, force_tables, forces
+from railhil.plant_sim import dynamics, force_tables
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.command_watch import (
     INITIAL,
@@ -20,6 +20,7 @@ from railhil.plant_sim.command_watch import (
 )
 from railhil.plant_sim.dynamics import Lag, Motion, Window
 from railhil.plant_sim.events import EventKind, PlantEvent, passing_s
+from railhil.plant_sim.plant_readings import PlantReadings
 from railhil.plant_sim.sensors import AxleSensors
 from railhil.plant_sim.status import TrainStatus
 from railhil.plant_sim.train_checks import OwnChecks
@@ -31,11 +32,15 @@ NOTCH_LSB_PER_NOTCH = 256
 #: Grade up to which an applied parking brake holds the train.
 PARKING_BRAKE_PERMIL = 40.0
 
+# A member of an enum costs as much as a call on CPython 3.11, and these are needed in every tick.
+_NOTHING = WatchCause.NONE
+_TRACTION_CUT, _EMERGENCY = CommandWatchLevel.TRACTION_CUT, CommandWatchLevel.EMERGENCY
+
 #: Parts of a tick shorter than this are not simulated as a separate step.
 SLIVER_TICKS = 1e-9
 
 
-class Plant:
+class Plant(PlantReadings):
     """One train on one run, advanced tick by tick (``scenario.timing.base_tick_ns``) from standstill at position 0.
 
     All readings are those of the instant ``tick * base_tick``, before :meth:`advance`. ``seed`` is the run's; the noise
@@ -148,7 +153,7 @@ class Plant:
         moving = speed_mps > 0.0
         status = self.status
         before = self._watch
-        own = WatchCause.NONE
+        own = _NOTHING
         if self.tick % self._look_ticks == 0:
             own = self._own_checks.finding(self.tick, self._acting_code, self._motion, self._window.brake_min_n)
         self._own = own
@@ -156,7 +161,7 @@ class Plant:
             self._emergency_commanded
             or not status.safety_loop_closed
             or speed_mps > self._limit_mps + self._overspeed_margin_mps
-            or own is not WatchCause.NONE
+            or own is not _NOTHING
         )
         suspicion = self._suspicion
         watch = watch_step(
@@ -173,12 +178,12 @@ class Plant:
         if watch.level != before.level:
             self.watch_cause = self._cause(watch)
             self._event("watch", 0.0, position_m)
-        self._suspicion = WatchCause.NONE
-        traction = status.traction_enabled and watch.level < CommandWatchLevel.TRACTION_CUT
+        self._suspicion = _NOTHING
+        traction = status.traction_enabled and watch.level < _TRACTION_CUT
         if traction and self._watch_brake_mps2 == 0.0:
             self._window = dynamics.FREE
             return
-        if watch.level is CommandWatchLevel.EMERGENCY and before.level is not CommandWatchLevel.EMERGENCY:
+        if watch.level is _EMERGENCY and before.level is not _EMERGENCY:
             self._event("emergency", 0.0, position_m)
         mass_kg = self._constants.mass_kg
         applied_n = dynamics.applied_n(self._constants, self._window, self._motion)
@@ -258,81 +263,6 @@ class Plant:
     def _pass_balise(self, balise: Balise, after_s: float) -> None:
         odometer_mm = self._sensors.odometer_between_mm(balise.true_m)
         self._event("balise", after_s, balise.true_m, balise, odometer_mm)
-
-    # -- sensor readings ------------------------------------------------------------------------------------
-
-    @property
-    def speed_01mmps(self) -> int:
-        """Speed measured by the axle sensor, in 0.1 mm/s."""
-        return self._sensors.speed_01mmps(self._motion.speed_mps)
-
-    @property
-    def odometer_mm(self) -> int:
-        """Odometer in mm since the start, with wheel factor and resolution."""
-        return self._sensors.odometer_mm(self._motion.position_m)
-
-    @property
-    def effort_fraction(self) -> float:
-        """Force as a fraction of the maximum traction (positive) or braking force (negative) at standstill."""
-        force_n = self._applied_n
-        effort = self._train.traction if force_n >= 0.0 else self._train.brake
-        return force_n / effort.force_max_n
-
-    @property
-    def notch_acting(self) -> int:
-        """Notch acting on the actuator now, in 1/256; never a traction notch while traction is blocked."""
-        return self._acting_code if self._window.traction else min(self._acting_code, 0)
-
-    @property
-    def watch_level(self) -> CommandWatchLevel:
-        """Level of the train's watch over the last tick."""
-        return self._watch.level
-
-    @property
-    def command_age_ms(self) -> int:
-        """Age of the last accepted command, in ms."""
-        return round(self._watch.age_ticks * self._step_s * 1000)
-
-    # -- truth ----------------------------------------------------------------------------------------------------
-
-    @property
-    def position_01mm(self) -> int:
-        """True position of the front in 0.1 mm."""
-        return round(self._motion.position_m * 1e4)
-
-    @property
-    def true_speed_01mmps(self) -> int:
-        """True speed in 0.1 mm/s."""
-        return round(self._motion.speed_mps * 1e4)
-
-    @property
-    def accel_mps2(self) -> float:
-        """Acceleration at this instant in m/s2."""
-        return dynamics.acceleration_mps2(self._constants, self._grades, self._window, self._motion)
-
-    @property
-    def traction_n(self) -> float:
-        """Traction force at this instant in N, >= 0."""
-        return max(0.0, self._applied_n)
-
-    @property
-    def brake_n(self) -> float:
-        """Braking force at this instant in N, >= 0."""
-        return max(0.0, -self._applied_n)
-
-    @property
-    def grade_permil(self) -> float:
-        """Grade averaged over the train, in permil."""
-        return forces.mean_grade_permil(self._grades, self._motion.position_m)
-
-    @property
-    def _applied_n(self) -> float:
-        # Three readings of a tick use this force; state and window are immutable, so identical objects give the same
-        # force.
-        of = self._motion, self._window
-        if of[0] is not self._applied_of[0] or of[1] is not self._applied_of[1]:
-            self._applied_of, self._applied = of, dynamics.applied_n(self._constants, self._window, self._motion)
-        return self._applied
 
 
 def _limit_from(profile: Profile, position_m: float) -> tuple[float, float]:

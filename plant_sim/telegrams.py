@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Iterator
+from itertools import cycle
 
 import numpy as np
 
@@ -29,6 +31,8 @@ from railhil.scenarios.target import Target
 _BIPOLAR_FULL = 0x4000
 #: The target speed is computed for this many ticks at once: numpy takes as long for one as for a hundred.
 _TARGET_TICKS = 1024
+# A member of an enum costs as much as a call on CPython 3.11.
+_RUNNING = TimeState.RUNNING
 
 
 def _clamped(value: float, low: int, high: int) -> int:
@@ -48,7 +52,8 @@ class TrainTelegrams:
         self._target_half_mps: list[int] = []
         self._target_from_tick = 0
         self._rate_10th = rate_to_10th(rate)
-        self._life: dict[str, int] = {}
+        # Life signs of the ports that the train publishes, each with its own modulus.
+        self._lives: dict[str, Iterator[int]] = defaultdict(lambda: cycle(range(16)), {TrkInfo.PORT: cycle(range(4))})
         self._balise: BalisePassed | None = None
         #: For each published port, the function that makes its telegram.
         self.makers: dict[str, Callable[[], Telegram | None]] = {
@@ -65,12 +70,8 @@ class TrainTelegrams:
             self._safe = SafeSource(source_identity(SpeedSdt.port().address), SAFE_DATA_VERSION)
             self.makers[SpeedSdt.PORT] = self._safe_speed
 
-    def _next_life(self, port: str, modulus: int = 16) -> int:
-        self._life[port] = life = (self._life.get(port, -1) + 1) % modulus
-        return life
-
     def _speed(self) -> TrnSpeed:
-        return TrnSpeed(self._plant.speed_01mmps, life=self._next_life(TrnSpeed.PORT))
+        return TrnSpeed(self._plant.speed_01mmps, life=next(self._lives[TrnSpeed.PORT]))
 
     def _safe_speed(self) -> SpeedSdt:
         plant = self._plant
@@ -82,8 +83,8 @@ class TrainTelegrams:
             self._plant.tick,
             self._scenario.timing.base_tick_ns,
             rate_10th=self._rate_10th,
-            state=TimeState.RUNNING,
-            life=self._next_life(TimeSync.PORT),
+            state=_RUNNING,
+            life=next(self._lives[TimeSync.PORT]),
         )
 
     def _position(self) -> TrnPos:
@@ -92,7 +93,7 @@ class TrainTelegrams:
             plant.odometer_mm,
             _clamped(plant.effort_fraction * _BIPOLAR_FULL, -0x8000, 0x7FFF),
             _clamped(plant.notch_acting / 16, -128, 127),
-            life=self._next_life(TrnPos.PORT),
+            life=next(self._lives[TrnPos.PORT]),
         )
 
     def _status(self) -> PltStat:
@@ -108,7 +109,7 @@ class TrainTelegrams:
             brake_available=flag(status.brake_available),
             line_voltage_half_percent=_clamped(status.line_voltage_percent * 2, 0, 255),
             fault=status.fault,
-            life=self._next_life(PltStat.PORT),
+            life=next(self._lives[PltStat.PORT]),
         )
 
     def _track(self) -> TrkInfo:
@@ -125,7 +126,7 @@ class TrainTelegrams:
             next_limit_distance_m=_clamped(next_at_m - front_m, 0, 0xFFFF),
             grade_001permil=_clamped(self._plant.grade_permil * 100, -0x8000, 0x7FFF),
             target_speed_half_mps=self._target_speed_half_mps(),
-            life=self._next_life(TrkInfo.PORT, 4),
+            life=next(self._lives[TrkInfo.PORT]),
         )
 
     def _target_speed_half_mps(self) -> int:
@@ -142,7 +143,7 @@ class TrainTelegrams:
         return SimTruth(
             plant.position_01mm,
             plant.true_speed_01mmps,
-            life=self._next_life(SimTruth.PORT),
+            life=next(self._lives[SimTruth.PORT]),
             accel_01mmps2=_clamped(plant.accel_mps2 * 1e4, -0x8000, 0x7FFF),
             traction_20n=_clamped(plant.traction_n / 20, 0, 0xFFFF),
             brake_20n=_clamped(plant.brake_n / 20, 0, 0xFFFF),
@@ -156,7 +157,7 @@ class TrainTelegrams:
             plant.watch_level,
             plant.watch_cause,
             min(plant.command_age_ms, 0xFFFF),
-            life=self._next_life(TrnWatch.PORT),
+            life=next(self._lives[TrnWatch.PORT]),
         )
 
     def balise(self, number: int, surveyed_m: float, odometer_mm: int) -> BalisePassed:
@@ -165,7 +166,7 @@ class TrainTelegrams:
             number,
             round(surveyed_m * 1000),
             odometer_mm & 0xFFFF,
-            life=self._next_life(BalisePassed.PORT),
+            life=next(self._lives[BalisePassed.PORT]),
         )
         return self._balise
 

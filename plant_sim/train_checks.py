@@ -38,6 +38,10 @@ LOOK_S = 0.05
 _LSB_PER_NOTCH = 256
 
 
+# A member of an enum costs as much as a call on CPython 3.11.
+_NOTHING = WatchCause.NONE
+
+
 class TrainChecks(NamedTuple):
     """Limits of a scenario. ``end_m`` is infinite without an end of authority; the forces are looked at every
     ``look_ticks``."""
@@ -184,4 +188,4 @@ class OwnChecks:
                     return WatchCause.BRAKE_NOT_ANSWERING
         if self._has_end and is_beyond_authority(checks, position_m, speed_mps):
             return WatchCause.END_OF_AUTHORITY
-        return WatchCause.NONE
+        return _NOTHING

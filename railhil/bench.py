@@ -150,10 +150,11 @@ def plant_beside(
     :param folder: where the logs of its faults go (:func:`write_fault_logs`).
     """
 
-    def to_controller(frame: Frame) -> list[Frame]:
-        return [answer for item in wire(frame) for answer in node.handle(item)] if wire else node.handle(frame)
+    def over_wire(frame: Frame) -> list[Frame]:
+        assert wire is not None
+        return [answer for item in wire(frame) for answer in node.handle(item)]
 
-    bus = LocalBus([to_controller, session.handle])
+    bus = LocalBus([over_wire if wire else node.handle, session.handle])
     return PlantNode(scenario, spec, bus, fd=fd, fault_log=folder)
 
 

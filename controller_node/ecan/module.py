@@ -45,10 +45,10 @@ class Ecan:
         self._kept = [number not in by_interrupt for number in range(MAILBOXES_MAX)]
         self._full: list[Frame | None] = [None] * MAILBOXES_MAX
         self._now_ns, self._now_bits = 0, 0
-        # Standard identifier -> numbers of the matching mailboxes, highest first; identifiers without a match are left
-        # out.
         matching = {can_id: self._numbers(can_id, False) for can_id in range(_STANDARD_IDS)}
-        self._matching = {can_id: numbers for can_id, numbers in matching.items() if numbers}
+        #: Standard identifier -> numbers of the matching mailboxes, highest first; identifiers without a match are left
+        #: out.
+        self.matching = {can_id: numbers for can_id, numbers in matching.items() if numbers}
 
     @property
     def lost_messages(self) -> int:
@@ -75,7 +75,7 @@ class Ecan:
         """
         can_id, _, flags = frame
         if not flags:
-            numbers = self._matching.get(can_id)
+            numbers = self.matching.get(can_id)
         else:
             numbers = None if flags & _NEVER else self._numbers(can_id, bool(flags & EXTENDED))
         if not numbers:

@@ -72,7 +72,7 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="railhil-") as private:
         folder = Path(private) / "run"
         words = ["run", *run.words]
-        command = [sys.executable, "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
+        command = [sys.executable, "-P", "-m", "railhil.cli", *words, "--out", str(folder), "--json"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode not in (PASS, FAIL):
             complaint = " ".join(done.stderr.split()) or "no word"

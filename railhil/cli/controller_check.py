@@ -43,7 +43,7 @@ def check_controllers(wanted: Sequence[RunSpec]) -> list[Checked]:
     with ExitStack() as stack:
         started = []
         for spec in wanted:
-            command = [sys.executable, "-m", "railhil.controller_node", *spec.scenario_words]
+            command = [sys.executable, "-P", "-m", "railhil.controller_node", *spec.scenario_words]
             command += [*spec.law.words, "--check"]
             process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             stack.callback(process.wait)

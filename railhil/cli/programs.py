@@ -63,4 +63,4 @@ def _become(module: str, arguments: list[str]) -> int:
     sys.stdout.flush()
     sys.stderr.flush()
     hold_back_interrupts()
-    os.execv(sys.executable, [sys.executable, "-m", module, *arguments])
+    os.execv(sys.executable, [sys.executable, "-P", "-m", module, *arguments])

@@ -87,7 +87,7 @@ class Nodes:
         self._before: set[int] = set()
 
     def start(self, role: str, module: str, arguments: Sequence[str], watches: Sequence[str] = ()) -> Node:
-        """Start ``python -m module arguments`` with its output in ``<role>.txt``.
+        """Start ``python -P -m module arguments`` with its output in ``<role>.txt``.
 
         :param watches: this command (``supervisor``) and nodes that are started later, whose end it notices at once.
         """
@@ -102,7 +102,7 @@ class Nodes:
         try:
             with output.open("wb") as stream:
                 process = subprocess.Popen(
-                    [sys.executable, "-m", module, *arguments, *words],
+                    [sys.executable, "-P", "-m", module, *arguments, *words],
                     stdin=subprocess.DEVNULL,
                     stdout=stream,
                     stderr=subprocess.STDOUT,

@@ -14,8 +14,7 @@ from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
-from railhil.common.patience import LATER_S
-from railhil.common.scheduling import RECORDER_PRIORITY, Scheduling, cycle, said_in
+from railhil.common.scheduling import said_in
 from railhil.faults.parsed import parsed
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -33,7 +32,8 @@ from railhil.supervisor.jitter import (
 )
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.launch import longest_stop_s, needs_orders, start_hub, start_nodes
-from railhil.supervisor.processes import Node, Nodes, process_start_ns
+from railhil.supervisor.processes import Nodes, process_start_ns
+from railhil.supervisor.recorder import AFTER_LOSS_S, SILENCE_S, Recorder
 from railhil.supervisor.recorder_link import open_recorder, refuse_occupied
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.senders import Senders
@@ -43,18 +43,8 @@ from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Told, Trace, trace_of
 
-#: Real time: wall time without a tick after which a started run counts as dead, outages of the interface excluded.
-#: In lockstep the limit is slightly longer than the plant's patience.
-SILENCE_S = 4.0
-#: Time for the other nodes to stop by themselves after a node was lost; while the plant ticks, the record goes on.
-AFTER_LOSS_S = 4.0
-#: Real time: wall time for which the controller may be suspended by a signal; then it counts as lost. For how long a
-#: fault of the run stops it comes on top.
-SUSPENDED_S = 5.0
-_LOOK_S = 0.05
-#: Interval (wall time) at which the log is flushed to the kernel: roughly what a killed recorder can lose.
-FLUSH_S = 0.2
 _REAP_S = 1.0
+_LOOK_S = 0.05
 
 
 class Run:
@@ -85,7 +75,6 @@ class Run:
         self.choice = choice
         self.folder = folder
         self._open_bus = open_bus
-        self._silence_s = silence_s
         self._after_loss_s = after_loss_s
         self.log = FrameLog(folder)
         self.session = Session(scenario, self.log.write, spec, fd=choice.fd, on_progress=on_progress)
@@ -97,13 +86,20 @@ class Run:
         self.stopped_exit_code = 0
         #: Also used by code that writes results after :meth:`execute`, so that no signal interrupts it.
         self.stop = StopSignals()
-        self._lost = ""
-        # For how long a fault of the run stops the controller, on the wall clock.
-        self._stopped_s = longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0)
-        self._scheduling = Scheduling()
         # The hub has one order for all clients; a kernel bus has one per processor.
         in_order = choice.config.get("interface") == HUB_INTERFACE or spec.is_realtime
-        self._order = None if in_order else BusOrder(fd=choice.fd, contract=contract)
+        self.recorder = Recorder(
+            self.session,
+            self.log.flush,
+            spec,
+            start_up,
+            choice.transport,
+            None if in_order else BusOrder(fd=choice.fd, contract=contract),
+            # On the wall clock.
+            stopped_s=longest_stop_s(scenario.faults) / (spec.wall_rate or 1.0),
+            silence_s=silence_s,
+            after_loss_s=after_loss_s,
+        )
 
     def execute(self) -> RunResult:
         """Make the complete run. A signal (Ctrl-C, SIGTERM, SIGHUP) during recording ends it as INVALID, with the
@@ -120,33 +116,33 @@ class Run:
                 with self.stop.at_once():
                     link = self._join(nodes)
                 try:
-                    self._record_until_stopped(link, nodes)
+                    self.recorder.record_until_stopped(link, nodes, self.stop)
                 except BusLost as error:
                     # A killed process closes its sockets slightly before its end can be detected.
                     nodes.wait(("hub",), _REAP_S)
-                    self._lost = self._who_died(nodes) or str(error)
+                    self.recorder.lost = self.recorder.who_died(nodes) or str(error)
                 except (KeyboardInterrupt, SystemExit):
                     if not self.session.recording:
                         raise
                     number = signal.Signals(self.stop.number)
                     self.stopped_exit_code = 128 + number
-                    self._lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
+                    self.recorder.lost = f"stopped by {number.name} at simulation time {self.session.sim_time_s:.2f} s"
                 finally:
                     link.close()
                     link.tell_trouble()
                 if self.session.ended is not None:
-                    self._await_stopped(nodes)
+                    self.recorder.await_continued(nodes, self.stop)
                 counters = dict(link.counters) | self.session.counters
                 if self.session.ended is not None:
                     nodes.wait(("plant", "controller"), self._after_loss_s)
                     if self.start_up.attach:
                         self._await_fault_logs()
                 if self.session.ended is Event.ENDED_CONTROLLER_LOST and nodes.suspended():
-                    self._lost = self._lost or self._who_died(nodes)
+                    self.recorder.lost = self.recorder.lost or self.recorder.who_died(nodes)
                 faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if self.session.recording else []
                 if self.session.ended is not None and self._was_killed(nodes, faults):
                     # As asked for: the run is judged by what the train did.
-                    self._lost = ""
+                    self.recorder.lost = ""
                 line, refused = self._verdict_line(nodes, counters)
         finally:
             sha256 = self.log.close()
@@ -185,129 +181,6 @@ class Run:
         if not self.start_up.attach:
             start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=bool(self.scenario.faults))
 
-    def _record_until_stopped(self, link: Link, nodes: Nodes) -> None:
-        priority = RECORDER_PRIORITY if self.start_up.realtime_scheduling(self.spec) else 0
-        with cycle("supervisor", priority, aloud=False) as self._scheduling:
-            link.while_waiting = self.stop.check
-            try:
-                self._record(link, nodes, self.stop)
-            except BusLost:
-                # Ctrl-C also ends the other nodes, which may end sooner.
-                self.stop.check()
-                raise
-            self.stop.check()
-
-    def _record(self, link: Link, nodes: Nodes, stop: StopSignals) -> None:
-        session = self.session
-        look_s = time.monotonic() + _LOOK_S
-        flush_s = time.monotonic() + FLUSH_S
-        opened_s = open_s = time.monotonic()
-        give_up_s: float | None = None
-        # Looks in a row, not wall time: this process may have been suspended together with the others.
-        suspended_looks = 0
-        silence_s = self._silence_s if self.spec.is_realtime else self.spec.patience_s + LATER_S
-        # The supervisor knows more about nodes that it has started itself; in real time the reaction ladder has its
-        # time.
-        told = self.start_up.attach and not self.spec.is_realtime
-        apart = not self.spec.is_realtime and bool(nodes.nodes)
-        while session.ended is None:
-            heard = self._take(link, _LOOK_S)
-            stop.check()
-            if told and self._has_left(link, heard):
-                return
-            now_s = time.monotonic()
-            if link.is_down:
-                # The link gives up by itself after a time.
-                open_s = now_s
-            if apart and session.recording:
-                nodes.keep_together()
-                apart = False
-            if now_s < look_s:
-                continue
-            look_s = now_s + _LOOK_S
-            if now_s >= flush_s:
-                self.log.flush()
-                flush_s = now_s + FLUSH_S
-            if give_up_s is None:
-                ended = nodes.ended()
-                failed = any(node.exit_code() for node in ended)
-                # A node may end normally just before its last frames are read here.
-                if failed or (ended and not self._drain(link, stop, ended)):
-                    self._lost = self._who_died(nodes)
-                    give_up_s = now_s + self._after_loss_s
-                    # Without a train in motion there is nothing more to record.
-                    if ended[0].role != "controller" or not session.recording:
-                        return
-            elif now_s > max(give_up_s, session.heard_ns / 1e9 + self._after_loss_s):
-                # The plant ends the run when its train stands; until then it ticks.
-                return
-            if self.spec.is_realtime:
-                suspended_looks = suspended_looks + 1 if nodes.suspended() == "controller" else 0
-                if suspended_looks * _LOOK_S > SUSPENDED_S + self._stopped_s:
-                    self._lost = self._who_died(nodes)
-                    return
-            # Only the plant's ticks count: on a shared bus there may always be frames of other nodes.
-            if not session.recording and now_s - opened_s > self.start_up.appear_s + LATER_S:
-                self._lost = self._lost or f"no plant on {self.choice.transport} within {self.start_up.appear_s:g} s"
-                return
-            if session.recording and now_s - max(open_s, session.heard_ns / 1e9) > silence_s:
-                stuck = f"no tick for {silence_s:g} s of wall time: bench is deadlocked"
-                self._lost = self._lost or self._who_died(nodes) or stuck
-                return
-
-    def _await_stopped(self, nodes: Nodes) -> None:
-        """A controller that a fault has stopped continues by itself, and then writes what the fault did."""
-        give_up_s = time.monotonic() + self._stopped_s
-        while nodes.suspended() == "controller" and time.monotonic() < give_up_s and not self.stop.number:
-            time.sleep(_LOOK_S)
-
-    def _has_left(self, link: Link, heard: bool) -> bool:
-        """Record which node was the first to leave an unfinished run; True if nothing more can come."""
-        gone = [node for node in ("controller", "plant") if link.has_ended(node)] if self.session.recording else []
-        over = "plant" in gone and not heard
-        if gone and not self._lost and (over or self.session.ending is None):
-            self._lost = f"{gone[0]} left the bus at simulation time {self.session.sim_time_s:.2f} s"
-        return over
-
-    def _drain(self, link: Link, stop: StopSignals, ended: list[Node]) -> bool:
-        """Read the frames still queued after nodes have ended; True if the run ended normally with them.
-
-        Frames of other nodes may keep arriving, and a hub that stands still delivers later.
-        """
-        give_up_s = time.monotonic() + self._after_loss_s
-        while self.session.ended is None and time.monotonic() < give_up_s:
-            heard = self._take(link, _LOOK_S)
-            stop.check()
-            if not heard and not any(link.may_deliver(node.role) for node in ended):
-                break
-        return self.session.ended is not None
-
-    def _take(self, link: Link, timeout_s: float) -> bool:
-        """Pass arrived frames to the recorder and send its answers; False when nothing came."""
-        frames = arrived = link.receive(timeout_s)
-        if gap_ns := link.take_gap_ns():
-            self.session.was_out(gap_ns)
-        if self._order is not None:
-            frames = [item for frame in arrived for item in self._order.feed(frame)] if arrived else self._order.flush()
-        for frame in frames:
-            answers = self.session.handle(frame)
-            if answers:
-                link.send(answers)
-        return bool(frames or arrived)
-
-    def _who_died(self, nodes: Nodes) -> str:
-        dead = nodes.blamed()
-        at = f"at simulation time {self.session.sim_time_s:.2f} s" if self.session.recording else "before the run"
-        if (dead is None or not dead.was_killed) and (role := nodes.suspended()):
-            return f"{role} lost {at}: suspended by a signal (SIGSTOP) or a debugger"
-        if dead is None:
-            return ""
-        if dead.exit_code() == PASS:
-            return f"{dead.role} lost {at}: it has ended, but the end of the run has not arrived here"
-        # A node that ends by itself names the node that it waited for, so it is not itself the missing one.
-        how = "gave up" if dead.exit_code() == INVALID else "lost"
-        return f"{dead.role} {how} {at}: {dead.last_words()}"
-
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""
         blamed = nodes.blamed()
@@ -317,7 +190,7 @@ class Run:
             return refusals[0].last_words(), True
         if self.session.ended is Event.ENDED_REFUSED:
             return "; ".join(self.session.disagreements) or "the plant did not start the run", True
-        return "; ".join(filter(None, (self._lost, self._hole(counters)))), False
+        return "; ".join(filter(None, (self.recorder.lost, self._hole(counters)))), False
 
     def _hole(self, counters: dict[str, int]) -> str:
         """Why the record is incomplete, if it is."""
@@ -393,5 +266,5 @@ class Run:
         arrivals = arrivals_of(session.wall_ticks, session.wall_ns, self.scenario.timing.base_tick_ns / rate)
         paths = [self.folder / f"{role}.txt" for role in ("hub", "plant", "controller")]
         said = {path.stem: said_in(path.read_text(errors="replace"), path.stem) for path in paths if path.is_file()}
-        scheduling = {**said, "supervisor": self._scheduling.sentence}
+        scheduling = {**said, "supervisor": self.recorder.scheduling.sentence}
         return realtime_timing(self.folder, self.trace, arrivals, scheduling, pace)

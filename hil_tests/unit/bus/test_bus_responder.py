@@ -13,7 +13,7 @@ from railhil.bus import clock, store
 from railhil.bus.clock import to_time_sync
 from railhil.bus.frame import ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.bus.layout import Telegram
-from railhil.bus.mvb import TelegramSource, check_sequence, master_frame, parse_device_status
+from railhil.bus.mvb import TelegramSource, check_sequence, master_frame, parse_device_status, single_frame_fault
 from railhil.bus.responder import Reading, Responder
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import NEVER_NS
@@ -215,7 +215,13 @@ def test_ports_of_one_layout_have_each_its_own_mailbox_and_handler() -> None:
 def test_a_check_sequence_is_computed_once_for_a_frame(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also of the clock port, whose frames two take: the store and the clock."""
     blocks: list[bytes] = []
+
+    def single(payload: bytes, data_bytes: int, tail: bytes) -> str:
+        blocks.append(payload[:data_bytes])
+        return single_frame_fault(payload, data_bytes, tail)
+
     monkeypatch.setattr(store, "check_sequence", lambda block: blocks.append(block) or check_sequence(block))
+    monkeypatch.setattr(store, "single_frame_fault", single)
     node = Node()
     node.feed(TrnSpeed(5, life=1))
     node.feed(TrnPos(7))

@@ -80,8 +80,8 @@ def run(tmp_path: Path) -> Run:
 
 def test_frames_of_somebody_else_do_not_keep_the_end_open(run: Run) -> None:
     bus = Bus(FOREIGN)
-    assert run._drain(bus, StopSignals(), []) is False
-    assert run._drain(Bus([]), StopSignals(), []) is False
+    assert run.recorder.drain(bus, StopSignals(), []) is False
+    assert run.recorder.drain(Bus([]), StopSignals(), []) is False
 
 
 @pytest.mark.parametrize(("delivered", "looks"), [(True, 1), (False, 3)])
@@ -96,13 +96,13 @@ def test_what_a_hub_still_holds_is_waited_for(run: Run, tmp_path: Path, delivere
 
     bus = Bus([], looked)
     bus.may_deliver = lambda role: not delivered and role == "plant"  # type: ignore[method-assign]
-    assert run._drain(bus, StopSignals(), [node_that(0, "", tmp_path, "plant")]) is not delivered
+    assert run.recorder.drain(bus, StopSignals(), [node_that(0, "", tmp_path, "plant")]) is not delivered
     assert len(seen) == looks
 
 
 def test_the_end_of_a_run_can_be_stopped(run: Run) -> None:
     with StopSignals() as stop, pytest.raises(KeyboardInterrupt):
-        run._drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop, [])
+        run.recorder.drain(Bus(FOREIGN, lambda: signal.raise_signal(signal.SIGINT)), stop, [])
 
 
 @pytest.mark.parametrize("is_down", [False, True])
@@ -122,11 +122,11 @@ def test_an_outage_of_the_recorder_is_no_deadlock(run: Run, is_down: bool) -> No
     with Nodes(run.folder) as nodes:
         if is_down:
             with pytest.raises(BusLost):
-                run._record(bus, nodes, StopSignals())
-            assert run._lost == ""
+                run.recorder.record(bus, nodes, StopSignals())
+            assert run.recorder.lost == ""
         else:
-            run._record(bus, nodes, StopSignals())
-            assert run._lost == "no tick for 0.1 s of wall time: bench is deadlocked"
+            run.recorder.record(bus, nodes, StopSignals())
+            assert run.recorder.lost == "no tick for 0.1 s of wall time: bench is deadlocked"
 
 
 def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(tmp_path: Path) -> None:
@@ -142,7 +142,7 @@ def test_the_log_is_handed_to_the_kernel_while_the_run_goes_on(tmp_path: Path) -
     run.session.recording = True
     run.session.first_frame_ns = time.monotonic_ns()
     with Nodes(run.folder) as nodes, pytest.raises(BusLost):
-        run._record(Bus(FOREIGN, killed_when_it_is_there), nodes, StopSignals())
+        run.recorder.record(Bus(FOREIGN, killed_when_it_is_there), nodes, StopSignals())
     assert run.log.path.read_text().startswith(line)
 
 
@@ -163,8 +163,8 @@ def test_without_a_controller_the_record_goes_on_while_the_plant_ticks(tmp_path:
     nodes = Nodes(tmp_path)
     nodes.nodes = [node_that(None, "", tmp_path, "plant"), node_that(-9, "", tmp_path)]
     nodes.nodes[0].process.pid = 0
-    run._record(Bus([], tick), nodes, StopSignals())
-    assert run._lost == "controller lost at simulation time 0.00 s: killed by SIGKILL"
+    run.recorder.record(Bus([], tick), nodes, StopSignals())
+    assert run.recorder.lost == "controller lost at simulation time 0.00 s: killed by SIGKILL"
     assert session.ended is (Event.ENDED_CONTROLLER_LOST if ticks else None)
 
 
@@ -231,7 +231,7 @@ def test_a_node_that_gives_up_is_not_the_one_that_is_missing(
 ) -> None:
     nodes = Nodes(tmp_path)
     nodes.nodes = [node_that(code, said, tmp_path, "plant")]
-    assert run._who_died(nodes) == line
+    assert run.recorder.who_died(nodes) == line
 
 
 def test_a_suspended_node_is_blamed_unless_one_was_killed(run: Run, tmp_path: Path) -> None:
@@ -241,38 +241,50 @@ def test_a_suspended_node_is_blamed_unless_one_was_killed(run: Run, tmp_path: Pa
         hangs.process.send_signal(signal.SIGSTOP)
         wait_for(lambda: hangs.is_suspended)
         line = "controller lost before the run: suspended by a signal (SIGSTOP) or a debugger"
-        assert run._who_died(nodes) == line
+        assert run.recorder.who_died(nodes) == line
         nodes.nodes.append(node_that(3, "plant: gave up\n", tmp_path, "plant"))
-        assert run._who_died(nodes) == line
+        assert run.recorder.who_died(nodes) == line
         assert nodes.wait(("controller",), BOUND_S) is False, "nobody waits for its end"
         nodes.nodes[1] = node_that(-9, "", tmp_path, "plant")
-        assert run._who_died(nodes) == "plant lost before the run: killed by SIGKILL"
+        assert run.recorder.who_died(nodes) == "plant lost before the run: killed by SIGKILL"
     assert hangs.exit_code() is not None
     assert not hangs.is_suspended
+
+
+def test_a_railhil_folder_in_the_current_directory_is_no_node(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A checkout of another version, for example: the nodes are those of the command that starts them."""
+    other = tmp_path / "railhil"
+    other.mkdir()
+    (other / "__init__.py").write_text("raise SystemExit('another railhil')")
+    monkeypatch.chdir(tmp_path)
+    with Nodes(tmp_path) as nodes:
+        node = nodes.start("hub", "railhil.bus.hub", ["--help"])
+        assert nodes.wait(("hub",), BOUND_S)
+        assert (node.exit_code(), "another railhil" in node.output.read_text()) == (0, False)
 
 
 @pytest.mark.parametrize("is_suspended", [True, False])
 def test_in_real_time_a_suspended_controller_is_not_waited_for_forever(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_suspended: bool
 ) -> None:
-    monkeypatch.setattr("railhil.supervisor.run.SUSPENDED_S", 0.1)
+    monkeypatch.setattr("railhil.supervisor.recorder.SUSPENDED_S", 0.1)
     run = made(tmp_path, 0.5)
     run.session.recording = True
     run.session.first_frame_ns = time.monotonic_ns()
     nodes = Nodes(tmp_path)
     monkeypatch.setattr(nodes, "suspended", lambda: "controller" if is_suspended else "")
-    run._record(Bus(FOREIGN), nodes, StopSignals())
+    run.recorder.record(Bus(FOREIGN), nodes, StopSignals())
     blame = "controller lost at simulation time 0.00 s: suspended by a signal (SIGSTOP) or a debugger"
-    assert run._lost == (blame if is_suspended else "no tick for 0.5 s of wall time: bench is deadlocked")
+    assert run.recorder.lost == (blame if is_suspended else "no tick for 0.5 s of wall time: bench is deadlocked")
 
 
 @pytest.mark.parametrize("faults", [(), ("controller stop @1s for 30s", "plant stop @2s for 40s")])
 def test_a_controller_that_a_fault_has_stopped_is_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, faults: tuple[str, ...]
 ) -> None:
-    monkeypatch.setattr("railhil.supervisor.run.SUSPENDED_S", 0.1)
+    monkeypatch.setattr("railhil.supervisor.recorder.SUSPENDED_S", 0.1)
     run = made(tmp_path, BOUND_S, faults)
-    assert run._stopped_s == (30 if faults else 0)
+    assert run.recorder.stopped_s == (30 if faults else 0)
     run.session.recording = True
     run.session.first_frame_ns = time.monotonic_ns()
     nodes = Nodes(tmp_path)
@@ -285,11 +297,11 @@ def test_a_controller_that_a_fault_has_stopped_is_waited_for(
         return "controller" if len(looks) < 15 else ""
 
     monkeypatch.setattr(nodes, "suspended", suspended)
-    run._record(Bus(FOREIGN), nodes, StopSignals())
-    assert bool(run._lost) is not bool(faults)
+    run.recorder.record(Bus(FOREIGN), nodes, StopSignals())
+    assert bool(run.recorder.lost) is not bool(faults)
     if faults:
         assert len(looks) == 10
-        run._await_stopped(nodes)
+        run.recorder.await_continued(nodes, StopSignals())
         assert len(looks) == 15
 
 
@@ -303,7 +315,7 @@ def test_a_controller_that_refuses_its_input_ends_a_run_that_has_not_begun(tmp_p
         node_that(2, "controller: parameters: no such file\n", tmp_path),
     ]
     nodes.nodes[0].process.pid = 0
-    run._record(Bus([]), nodes, StopSignals())
+    run.recorder.record(Bus([]), nodes, StopSignals())
     assert run._verdict_line(nodes, {}) == ("controller: parameters: no such file", True)
 
 
@@ -315,7 +327,7 @@ def test_who_ends_because_the_hub_was_killed_has_refused_nothing(run: Run, tmp_p
         node_that(2, "plant: no hub at hub.sock\n", tmp_path, "plant"),
     ]
     nodes.nodes[0].process.pid = 0
-    run._lost = run._who_died(nodes)
+    run.recorder.lost = run.recorder.who_died(nodes)
     line = "hub lost before the run: killed by SIGKILL" if killed else "plant: no hub at hub.sock"
     assert run._verdict_line(nodes, {}) == (line, not killed)
     if killed:
