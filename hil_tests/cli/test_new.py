@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import tomllib
 from dataclasses import replace
@@ -262,6 +263,28 @@ def test_what_is_written_is_typed(made: Path, tmp_path: Path) -> None:
 def test_their_tests_pass(made: Path, law_site: Path, system_site: Path) -> None:
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mylaw", site=law_site)
     run("pytest", "-q", "-p", "no:cacheprovider", cwd=made / "mysystem", site=system_site)
+
+
+_NO_TRUTH = """
+import pytest
+
+
+def test_waits(bench):
+    with bench.start(scenario="mysystem.toml") as live:
+        for words in ({"speed": 1.0}, {"position": lambda metres: metres > 1}):
+            with pytest.raises(ValueError, match="system mysystem does not say where it is sent; wait for a port"):
+                live.wait_until(timeout_s=1, **words)
+        assert live.time_s == 0
+"""
+
+
+@pytest.mark.slow
+def test_a_users_test_cannot_wait_for_a_truth_that_the_system_does_not_name(
+    made: Path, system_site: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "test_waits.py").write_text(_NO_TRUTH)
+    shutil.copy(made / "mysystem" / "mysystem.toml", tmp_path)
+    run("pytest", "-q", "-p", "no:cacheprovider", cwd=tmp_path, site=system_site)
 
 
 @pytest.mark.slow

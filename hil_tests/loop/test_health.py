@@ -12,6 +12,8 @@ import pytest
 from hil_tests.support import health
 from hil_tests.support.health import disturbed_runs
 from railhil.bench import BenchRun
+from railhil.supervisor.events.event import RecordedEvent
+from railhil.testing.health import disturbed_events
 
 
 @pytest.mark.parametrize(
@@ -36,6 +38,18 @@ def test_what_is_disturbed(
     run = {"pace": pace, "counters": counters, "timing": {"missed_polls": missed_polls}}
     (place / "run" / "score.json").write_text(json.dumps({"run": run}))
     assert disturbed_runs(place) == ({"run": found} if found else {})
+
+
+def test_events_of_a_disturbed_bus() -> None:
+    events = [
+        RecordedEvent(1.0, "TRN_SPEED", "refused", "out_of_order", count=3),
+        RecordedEvent(9.0, "TRN_SPEED", "refused", "out_of_order"),
+        RecordedEvent(2.0, "BALISE", "lost", "gap", count=2),
+        RecordedEvent(3.0, "plant", "milestone", "departed"),
+        RecordedEvent(4.0, "NOTCH_CMD", "missed_poll", "no_answer"),
+    ]
+    assert disturbed_events(events) == {"refused TRN_SPEED (out_of_order)": 4, "lost BALISE (gap)": 2}
+    assert disturbed_events(events[3:]) == {}
 
 
 def test_folders_of_a_test_are_looked_into(tmp_path: Path, request: pytest.FixtureRequest) -> None:

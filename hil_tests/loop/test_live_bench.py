@@ -62,6 +62,11 @@ def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
     assert run.reasons[0].startswith("ended by the test at simulation time ")
 
 
+def test_the_record_shows_what_was_lost_as_well(bench: Bench) -> None:
+    run = bench.run(faults=["TRN_SPEED loss @3s x2"])
+    assert run.disturbed["lost TRN_SPEED (gap)"] == 2
+
+
 def test_what_does_not_come_is_said(bench: Bench) -> None:
     with bench.start() as live:
         with pytest.raises(AssertionError, match=r"not within 0.5 s of simulation time, at 0.50 s: true speed .* 50"):

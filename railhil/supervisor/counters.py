@@ -29,7 +29,9 @@ REPORTING = ("controller", "plant")
 #: Causes that the record shows; a node may refuse for others.
 _SHOWN = ("duplicate", "out_of_order", "check_variable", "out_of_range")
 #: Causes of the traffic store that it finds in the frames of a port alone.
-_OF_FRAMES = ("wrong_length", "wrong_check_sequence", "wrong_block_count", "missing_block", "assembly_timeout")
+_OF_FRAMES = (
+    "wrong_length", "wrong_check_sequence", "wrong_block_count", "missing_block", "assembly_timeout", "no_answer",
+)  # fmt: skip
 
 
 def unreconciled(scenario: Scenario, trace: Trace) -> list[str]:
@@ -144,11 +146,9 @@ def _frames(trace: Trace, node: str, counts: Mapping[str, Any]) -> Iterator[str]
     """Frames refused by the traffic store; during a gap the node did not get them."""
     own = set(counts["ports"])
     for cause in _OF_FRAMES:
-        shown = sum(noted.cause == cause and noted.source in own for noted in trace.refused)
+        noted = (*trace.refused, *trace.no_answers)
+        shown = sum(one.cause == cause and one.source in own for one in noted)
         counted = counts["frames"].get(cause, 0)
-        if cause == "wrong_length":
-            # An empty frame says that there is no answer.
-            counted += counts["frames"].get("no_answer", 0)
         if counted > shown or (counted < shown and not counts["gaps"]):
             words = cause.replace("_", " ")
             yield f"invariant 6: the {node} refused {counted} frames ({words}), the record shows {shown}"

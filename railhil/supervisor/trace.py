@@ -60,6 +60,8 @@ class Trace:
         self.polls = 0
         #: Refused frames and telegrams, in the order of the record.
         self.refused: list[Noted] = []
+        #: Empty frames, with which a source says that it does not answer.
+        self.no_answers: list[Noted] = []
         #: What the nodes themselves have counted; None: it is not known.
         self.told: Told | None = None
         #: Time of the last frame, in ns.
@@ -177,6 +179,7 @@ def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = No
     contract = trace.contract
     store = TrafficStore(contract.ports)
     polls = {master_tail(port.f_code, port.address): port.name for port in contract.ports if port.mode == "poll"}
+    silences = {port.can_ids[-1]: port.name for port in contract.ports if port.mode == "poll"}
     poll_id, check, feed = contract.poll_id, store.check, store.feed
     names = {can_id: port.name for port in contract.ports for can_id in (*port.can_ids, port.fd_id)}
     time_ns, counted = 0, Counter(store.counters)
@@ -196,6 +199,9 @@ def trace_of(frames: Iterable[tuple[int, Frame]], contract: Contract | None = No
             # A block that only waits for its trailer is not refused.
             cause = checked.cause or next(iter(store.counters - counted))
             counted[cause] += 1
+            if not data and not flags and can_id in silences:
+                trace.no_answers.append(Noted(time_ns, silences[can_id], "no_answer"))
+                continue
             source = names.get(can_id, f"{BUS} {can_id:03X}") if cause not in _OF_THE_BUS else BUS
             trace.refuse(source, time_ns, cause)
     trace.end_ns = time_ns

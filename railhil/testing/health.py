@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+
+from railhil.supervisor.events.event import LOST, REFUSED, RecordedEvent
 
 #: Counters of a node that do not indicate a fault.
 _HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox", "send_retries")
@@ -13,6 +16,18 @@ _HEALTHY = ("sent", "received", "accepted", "polls", "unknown_id", "no_mailbox",
 def disturbed(counters: Mapping[str, int]) -> dict[str, int]:
     """The counters that must be 0 on a healthy bus but are not."""
     return {cause: count for cause, count in counters.items() if count and cause not in _HEALTHY}
+
+
+def disturbed_events(events: Iterable[RecordedEvent]) -> dict[str, int]:
+    """Telegrams that the record shows as lost or refused, by what, port and cause; empty for a healthy bus.
+
+    No counter of a node shows what was changed before all of them, or what another node of the bus should have taken.
+    """
+    found: Counter[str] = Counter()
+    for event in events:
+        if event.kind in (LOST, REFUSED):
+            found[f"{event.kind} {event.source} ({event.cause})"] += event.count
+    return dict(found)
 
 
 def disturbed_run(folder: Path) -> dict[str, int]:

@@ -13,7 +13,7 @@ from railhil.scenarios.run_spec import RunSpec
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import RecordedRun, recorded_run
-from railhil.testing.health import disturbed_run
+from railhil.testing.health import disturbed_events, disturbed_run
 from railhil.testing.reactions import Injected, Reaction, injected, watch_times_s
 
 
@@ -150,8 +150,13 @@ class Run:
 
     @property
     def disturbed(self) -> dict[str, int]:
-        """Frames lost, refused or out of order, by cause; empty on a healthy bus."""
-        return disturbed_run(self.folder)
+        """Frames lost, refused or out of order, by cause; empty on a healthy bus.
+
+        From the counters of the nodes, and in lockstep from the events of the record too: in real time a frame may be
+        late because the machine is busy.
+        """
+        shown = {} if self.spec.is_realtime else disturbed_events(self.events)
+        return {**disturbed_run(self.folder), **shown}
 
     def __repr__(self) -> str:
         reasons = "".join(f", {reason}" for reason in self.reasons)

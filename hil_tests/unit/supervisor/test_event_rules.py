@@ -134,6 +134,14 @@ def test_polls_without_an_answer(scenario: Scenario) -> None:
     assert [(event.cause, event.time_s) for event in found] == [("no_answer", 0.0), ("answer_refused", 0.02)]
 
 
+def test_an_empty_frame_says_that_there_is_no_answer(scenario: Scenario) -> None:
+    port = NotchCmd.port()
+    asked, silence = master_frame(port.f_code, port.address), Frame(port.can_ids[-1], b"")
+    record = [(0, asked), (0, silence), (2 * TICK_NS, asked), (2 * TICK_NS, silence)]
+    (found,) = events_in(scenario, record)
+    assert (found.kind, found.source, found.cause, found.count) == ("missed_poll", "NOTCH_CMD", "no_answer", 2)
+
+
 def commands(*modes: tuple[CtlMode, CtlCause]) -> list[tuple[int, Frame]]:
     return frames_of(
         *((2 * step, NotchCmd(0, mode, cause, life=step & 0xF)) for step, (mode, cause) in enumerate(modes))
