@@ -102,6 +102,8 @@ def test_speed_and_position_are_continuous_at_every_node(steps: list[tuple[float
         (((0.0, 1.0), (2.0, 1.0), (2.0, -1.0)), "increase"),
         (((0.0, 1.0), (2.0, 1.0)), "never comes to a stop"),
         (((0.0, -1.0), (2.0, -1.0)), "never comes to a stop"),
+        (((0.0, 1.0),), "never comes to a stop"),
+        (((0.0, -1.0),), "never comes to a stop"),
     ],
 )
 def test_what_is_no_curve_is_refused(nodes: tuple[tuple[float, float], ...], words: str) -> None:
@@ -213,3 +215,23 @@ def test_stops_in_pieces_of_every_slope() -> None:
         searched_s = float(times[int(np.argmax(target.speed_mps(times) <= 0.0))])
         assert target.stop_time_s == pytest.approx(searched_s, abs=2e-4)
         assert target.speed_mps(target.stop_time_s) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_speed_that_rounding_may_leave_counts_as_rest() -> None:
+    """1 m/s at 2 s, then -1 m/s2 until just before 3 s."""
+    for gap_s, stop_s in ((5e-10, 3.0 - 5e-10), (5e-9, 3.0)):
+        target = Target(TargetCurve(((0.0, 1.0), (1.0, 1.0), (2.0, -1.0), (3.0 - gap_s, -1.0), (4.0, -1.0))))
+        assert target.stop_time_s == pytest.approx(stop_s, abs=5e-11)
+
+
+def test_soft_stops() -> None:
+    """1 m/s at 2 s, and a deceleration that fades until 4 s: to rest there, to what counts as rest, and before."""
+    for more_s, stop_s in ((0.0, 4.0), (2e-10, 4.0), (-0.05, 2.0 + 1.9 / (1 + 0.05**0.5))):
+        nodes = (0.0, 1.0), (1.0 + more_s, 1.0), (2.0 + more_s, -1.0), (4.0 + more_s, 0.0), (5.0, 0.0), (6.0, -1.0)
+        target = Target(TargetCurve(nodes))
+        assert target.stop_time_s == pytest.approx(stop_s + more_s, abs=1e-7 if not more_s else 1e-11)
+    # Also of a weak run inside of one piece, and behind the last node.
+    assert Target(TargetCurve(((0.0, 0.4), (10.0, -0.4)))).stop_time_s == pytest.approx(10.0, abs=1e-9)
+    behind = Target(TargetCurve(((0.0, 1.0), (4.0, 1.0), (6.0, -1.0))))
+    assert behind.stop_time_s == 10.0
+    assert behind.time_s(behind.position_m(9.0)) == pytest.approx(9.0, abs=1e-9)
