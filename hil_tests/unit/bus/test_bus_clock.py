@@ -344,3 +344,132 @@ def test_silence_goes_on_at_the_pace_of_the_run() -> None:
     new = BusClock(TICK_NS)
     new.silence(1_000_000_000)
     assert (new.tick, new.running) == (0, False)
+
+
+# -- the edges of the count -------------------------------------------------------------------------------------------
+
+
+def test_times_of_time_sync_at_the_end_of_their_range() -> None:
+    """TIME_SYNC counts seconds in 32 bits."""
+    assert to_time_sync(10**6, TICK_NS) == TimeSync(10**4, 0)
+    assert from_time_sync(TimeSync(4 * 10**9, 0), TICK_NS) == 4 * 10**11
+    # 4 and 6 ms: the nearest tick.
+    assert [from_time_sync(TimeSync(0, fraction), TICK_NS) for fraction in (262, 393)] == [0, 1]
+
+
+def test_a_frame_that_looks_old_is_confirmed_by_the_next_one_only() -> None:
+    clock = started(0)
+    assert not clock.feed(TELEGRAMS[10])
+    for life in (1, 2, 3):
+        assert clock.feed(TELEGRAMS[life])
+    # It would have been the next one of the first.
+    assert not clock.feed(TELEGRAMS[11])
+    assert clock.tick == 3
+
+
+def test_frames_behind_the_polls_open_no_tick() -> None:
+    clock = started(0)
+    clock.polled(POLL_TICKS)
+    clock.polled(POLL_TICKS)
+    assert clock.tick == 2
+    assert [clock.feed(TELEGRAMS[life]) for life in (1, 2, 3)] == [False, False, True]
+    assert clock.tick == 3
+
+
+def test_a_clock_port_that_opens_every_second_tick() -> None:
+    clock = BusClock(TICK_NS, 2)
+    assert [clock.feed(TELEGRAMS[life]) for life in (5, 6, 9)] == [True] * 3
+    assert clock.tick == 8
+    for _ in range(10):
+        clock.polled(4)
+    assert clock.tick == 8 + 36
+    # 18 frames lost: nearest to the polls.
+    assert clock.feed(TELEGRAMS[(9 + 19) % 16])
+    assert clock.tick == 8 + 38
+    # Life signs bridge seven frames: 14 ticks.
+    assert not clock.synchronise(to_time_sync(46 + 15, TICK_NS, life=0))
+    assert clock.counters == {"time_ahead": 1}
+    clock.polled(2)
+    assert clock.synchronise(to_time_sync(46 + 14, TICK_NS, life=0))
+    # The clock frames have been missing since before the poll: their life sign continues.
+    assert not clock.feed(TELEGRAMS[(9 + 19 + 7) % 16])
+    assert clock.tick == 46 + 14
+
+
+@pytest.mark.parametrize("ahead", [1, 7])
+def test_a_time_sync_between_a_poll_and_lost_frames(ahead: int) -> None:
+    """The life sign of the clock frames continues from its last value, also from 0."""
+    clock = started(0)
+    clock.polled(POLL_TICKS)
+    assert clock.synchronise(to_time_sync(ahead, TICK_NS, life=0)) is True
+    assert not clock.feed(TELEGRAMS[ahead])
+    assert clock.tick == ahead
+    assert clock.feed(TELEGRAMS[ahead + 1])
+    assert clock.tick == ahead + 1
+
+
+def test_after_a_time_sync_polls_count_from_it() -> None:
+    clock = started(0)
+    # Without a poll nobody knows whether the clock frame of this tick was lost.
+    assert clock.synchronise(to_time_sync(2, TICK_NS, life=0))
+    clock.polled(4)
+    assert clock.tick == 4
+    clock = started(0)
+    assert clock.synchronise(to_time_sync(2, TICK_NS, life=0))
+    clock.polled(2)
+    assert clock.synchronise(to_time_sync(5, TICK_NS, life=1))
+    clock.polled(2)
+    assert clock.tick == 6
+    # Also after one from far ahead.
+    clock = started(0)
+    clock.polled(2)
+    assert not clock.synchronise(to_time_sync(1000, TICK_NS, life=0))
+    assert clock.synchronise(to_time_sync(1000, TICK_NS, life=1))
+    clock.polled(30)
+    assert clock.tick == 1020
+
+
+@pytest.mark.parametrize("begins", [0, 40])
+@pytest.mark.parametrize("silent", [True, False])
+def test_an_outage_in_parts_is_one_estimate(begins: int, silent: bool) -> None:
+    """By the wall clock, or by the node's own timer."""
+    clock = started(begins)
+    assert clock.synchronise(to_time_sync(begins, TICK_NS, life=0, rate_10th=10))
+    outage = clock.silence if silent else clock.elapsed
+    outage(2_009_999_999)
+    outage(1_000_000_000)
+    assert (clock.tick, clock.now_ns) == (begins + 300, (begins + 300) * TICK_NS)
+    assert not clock.synchronise(to_time_sync(begins, TICK_NS, life=1, rate_10th=10))
+    assert clock.synchronise(to_time_sync(begins + 50, TICK_NS, life=1, rate_10th=10))
+    assert clock.tick == begins + 50
+    # From then on it is no estimate.
+    assert not clock.synchronise(to_time_sync(begins + 49, TICK_NS, life=2, rate_10th=10))
+
+
+def test_without_an_outage_no_time_sync_leads_back() -> None:
+    clock = started(40)
+    assert not clock.synchronise(to_time_sync(39, TICK_NS, life=0))
+    clock.elapsed(10**9)
+    assert not clock.synchronise(to_time_sync(40, TICK_NS, life=0))
+    assert clock.synchronise(to_time_sync(41, TICK_NS, life=0))
+
+
+def test_nothing_elapses_before_the_first_frame() -> None:
+    clock = BusClock(TICK_NS)
+    assert (clock.tick, clock.now_ns, clock.rate) == (0, 0, 0.0)
+    clock.elapsed(10**9)
+    assert (clock.tick, clock.now_ns, clock.running) == (0, 0, False)
+
+
+def test_a_pacer_at_the_edges_of_its_deadlines() -> None:
+    wall = SetClock(0)
+    # Lockstep unless it is told a rate; before its start the clock's own 0 counts.
+    assert Pacer(wall=wall).wait(10**12) == 0
+    assert wall.now_ns == 0
+    pacer = Pacer(1.0, wall)
+    assert pacer.deadline_ns(5) == 5
+    assert pacer.wait(1) == 0
+    assert wall.now_ns == 1
+    assert pacer.wait(10**11) == 0
+    assert len(wall.slept_s) == 2
+    assert pacer.wait(10**11 - 7) == 7

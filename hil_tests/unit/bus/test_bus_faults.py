@@ -213,10 +213,15 @@ def test_the_controller_comes_back_after_the_last_fault_and_not_before() -> None
 def test_one_fault_that_needs_the_hub_is_enough() -> None:
     assert need_orders(map(parse, ("bus off @0s", "bus passive @0s")))
     assert not need_orders([])
+    # None of the plant's faults is about the hub.
+    injection = Injection((parse("bus off @0s"),), np.random.default_rng)
+    contract = wire_contract()
+    node = NodeFaults(injection, contract, Schedule.from_contract(10_000_000, {}, contract), "plant")
+    assert BusFaults.of(node, Told(), contract) is None
 
 
 def test_a_cut_off_counts_before_anything_is_sent() -> None:
-    bus = Bus("bus.a open @0s")
+    bus = Bus("bus.a open @0s", "bus.b open @9s")
     bus.at(0.0)
     bus.hub.cut_off = "controller"
     bus.faults.heard([])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from railhil.bus.injector.node_faults import NodeFaults
 from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.schedule import Schedule
 from railhil.bus.telegrams import CtlStat, NotchCmd, RunEvent, SupCmd, TimeSync, TrnSpeed
-from railhil.dbc import Port, wire_contract
+from railhil.dbc import Contract, Port, wire_contract
 from railhil.faults.language import parse
 from railhil.faults.model import Injection
 
@@ -62,7 +63,7 @@ class Bench:
 
     def __init__(
         self, *faults: str, lockstep: bool = True, fd: bool = False, tells: bool = True, folder: Path | None = None,
-        kills: bool = False, pauses: bool = False,
+        kills: bool = False, pauses: bool = False, contract: Contract = CONTRACT,
     ) -> None:  # fmt: skip
         self.nodes: list[Node] = []
         self.killed: list[bool] = []
@@ -77,7 +78,7 @@ class Bench:
         node_faults = NodeFaults(injection, CONTRACT, schedule, "controller", folder)
         self.log = node_faults.activities.log
         self.under = FaultyController(
-            make, node_faults, CONTRACT,
+            make, node_faults, contract,
             (lambda: self.killed.append(bool(folder and list(folder.glob("faults-*"))))) if kills else None,
             self.paused_s.append if pauses else None,
         )  # fmt: skip
@@ -250,6 +251,13 @@ def test_what_came_meanwhile_is_delivered() -> None:
     assert [frame.can_id for frame in bench.nodes[0].got] == [0x118, 0x118, 0x118, 0x80, 0x118, 0x118, 0x118]
     assert bench.nodes[0].stopped_ns == []
     assert bench.gaps() == []
+
+
+def test_only_polls_of_its_own_ports_are_answered_with_none() -> None:
+    ports = (replace(port, mode="publish") if port.name == STATUS.name else port for port in CONTRACT.ports)
+    bench = Bench("node.controller stop @0s", contract=replace(CONTRACT, ports=tuple(ports)))
+    bench.tick()
+    assert (bench.poll(), bench.poll(POLL_STATUS)) == ([NO_NOTCH], [])
 
 
 def test_two_stops_of_which_one_delivers() -> None:

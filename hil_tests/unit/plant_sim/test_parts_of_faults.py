@@ -433,6 +433,7 @@ def test_what_faults_make_of_a_side() -> None:
     for faults, state in (
         ((), SideState()),
         ((fault(AT, "weak", 9.0, {"share": 0.5}),), SideState()),
+        ((fault(AT, "ok"),), SideState()),
         ((fault(AT, "weak", 0.0, {"share": 0.5}), fault(AT, "scale", 0.0, {"factor": 3.0})), SideState(share=1.5)),
         ((fault(AT, "weak", 0.0, {"share": 0.5}), fault(AT, "off")), SideState(share=0.0)),
         ((fault(AT, "slow", 0.0, half), fault(AT, "slow", 0.0, half)), SideState(pole=0.25)),
