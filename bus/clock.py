@@ -115,6 +115,7 @@ class BusClock:
             self._life = life
             self.tick = self._frame_tick = tick = self.tick + self._ticks_per_frame
             self.now_ns = tick * self.base_tick_ns
+            self.own_ns = (tick - self._began_tick) * self.base_tick_ns
             self._expected = -1
             self._polls = 0
             return True
