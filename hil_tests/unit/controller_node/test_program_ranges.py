@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hil_tests.support.cli import railhil
 from hil_tests.support.plug import plug_in
 from railhil.bus.mvb import TelegramSource, master_frame
-from railhil.bus.telegrams import NotchCmd, TrnPos, TrnSpeed
+from railhil.bus.telegrams import NotchCmd, TimeSync, TrnPos, TrnSpeed
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Constant, Curve
@@ -255,7 +255,7 @@ def test_the_node_hands_no_position_beyond_the_bounds_to_the_law(odometer_mm: in
 
     controller = Watched(SCENARIO, LawSpec(indexing="distance"))
     node = ControllerNode(SCENARIO, LawSpec(indexing="distance"), controller)
-    for telegram in (TrnSpeed(10_000, life=1), TrnPos(odometer_mm, life=1)):
+    for telegram in (TrnSpeed(10_000, life=1), TimeSync(), TrnPos(odometer_mm, life=1)):
         for frame in TelegramSource(telegram.port()).frames(telegram.encode()):
             node.handle(frame)
     node.handle(master_frame(NotchCmd.port().f_code, NotchCmd.port().address))
