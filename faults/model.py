@@ -19,6 +19,9 @@ LEVELS = ("train", "sensor", "actuator", "command", "clock", "telegram", "node",
 #: Levels of the watches, weakest first, as people read them.
 WATCH_LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 
+#: Event ``braking``: the train decelerates by at least this much.
+BRAKING_MPS2 = 0.3
+
 TriggerKind = Literal["time", "position", "speed", "event", "telegram", "manual"]
 
 

@@ -102,7 +102,9 @@ def bench(
     made.close()
     disturbances = [] if item.get_closest_marker("expect_loss") else made.disturbances
     if item.stash.get(_FAILED, False) or disturbances:
-        for line in made.reported():
+        names = [name for mark in item.iter_markers(requirements.PROPERTY) for name in mark.args]
+        shows = f", which shows requirement {', '.join(names)}" if names else ""
+        for line in made.reported(f"Test {item.nodeid}{shows}: failed."):
             print(line)
     elif railhil_config.runs is None:
         made.keep_certificates()

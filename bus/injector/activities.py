@@ -18,6 +18,7 @@ class Activities:
     """
 
     def __init__(self, faults: Iterable[tuple[int, Fault]]) -> None:
+        #: In the order of their numbers.
         self.all = [Activity(fault, number) for number, fault in faults]
         self.log = InjectionLog()
         self.now_ns = 0
@@ -27,9 +28,7 @@ class Activities:
         """Begin and end faults at an instant, by the truth."""
         self.now_ns = now_ns
         for number, inject in self._orders:
-            for one in self.all:
-                if one.number == number:
-                    one.order(inject, now_ns)
+            self.order_now(number, inject)
         self._orders = []
         for one in self.all:
             if one.look(now_ns, position_m, speed_mps) and one.fault.what == CLEAR:
@@ -45,6 +44,12 @@ class Activities:
         """Orders by hand (number of the fault, inject or clear); they act from the next instant on."""
         self._orders += orders
 
+    def order_now(self, number: int, inject: bool) -> None:
+        """An order by hand that acts from the present instant on; numbers of faults elsewhere are ignored."""
+        for one in self.all:
+            if one.number == number:
+                one.order(inject, self.now_ns)
+
     def note(self, activity: Activity, before: str, after: str) -> None:
         """A fault has changed something at the present instant."""
         self.log.note(activity, self.now_ns, before, after)
@@ -55,6 +60,7 @@ class Activities:
             self.log.write(folder, node, self.all)
 
     def _clear(self, order: Activity) -> None:
+        """End what is active at the place of a fault that clears it."""
         place = order.fault.place
         for one in self.all:
             if one.active and one is not order and one.fault.place == place:

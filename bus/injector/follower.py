@@ -12,11 +12,8 @@ from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
 from railhil.bus.telegrams import RunEvent, SupCmd, TimeSync
 from railhil.dbc import Contract, Port, Signal
-from railhil.faults.model import Injection
+from railhil.faults.model import BRAKING_MPS2, Injection
 from railhil.faults.ports import life_signal
-
-#: Event ``braking``: the train decelerates by at least this much.
-BRAKING_MPS2 = 0.3
 
 
 def raw_of(data: bytes, signal: Signal) -> int:

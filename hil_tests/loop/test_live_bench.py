@@ -62,6 +62,7 @@ def test_waiting_for_speed_place_and_telegrams(bench: Bench) -> None:
     assert run.reasons[0].startswith("ended by the test at simulation time ")
 
 
+@pytest.mark.faults
 def test_the_record_shows_what_was_lost_as_well(bench: Bench) -> None:
     run = bench.run(faults=["TRN_SPEED loss @3s x2"])
     assert run.disturbed["lost TRN_SPEED (gap)"] == 2

@@ -181,6 +181,7 @@ def test_a_failed_test_keeps_its_folder_and_attaches_the_report(suite: pytest.Py
     report = Path(attached.removeprefix("[[ATTACHMENT|").removesuffix("]]"))
     assert report.is_absolute()
     assert (report.parent / "frames.log").is_file()
+    assert "<p>Test test_suite.py::test_strict, which shows requirement ATO-1: failed.</p>" in report.read_text()
 
 
 def test_health_is_asserted_after_each_test(suite: pytest.Pytester) -> None:

@@ -6,14 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from railhil.bus.injector.activities import Activities
 from railhil.bus.injector.activity import Activity
-from railhil.bus.injector.log import InjectionLog
-from railhil.faults.model import Fault
-from railhil.faults.words import CLEAR
+from railhil.faults.model import BRAKING_MPS2, Fault
 from railhil.scenarios import streams
-
-#: Event ``braking``: the train decelerates by at least this much.
-BRAKING_MPS2 = 0.3
 
 
 class MotionEvents:
@@ -39,10 +35,9 @@ class Injections:
     """
 
     def __init__(self, faults: Sequence[tuple[int, Fault]], seed: int, tick_ns: int) -> None:
-        self.activities = [Activity(fault, number) for number, fault in faults]
-        self.log = InjectionLog()
-        #: Simulation time of the tick that was last looked at.
-        self.now_ns = 0
+        self._all = Activities(faults)
+        self.activities = self._all.all
+        self.log = self._all.log
         self._seed = seed
         self._tick_ns = tick_ns
         self._active: list[bool] = []
@@ -59,36 +54,22 @@ class Injections:
 
     def look(self, tick: int, position_m: float, speed_mps: float) -> bool:
         """Decide which faults are active at a tick, by the truth at its instant; True if any began or ended."""
-        self.now_ns = tick * self._tick_ns
-        for one in self.activities:
-            if one.look(self.now_ns, position_m, speed_mps) and one.fault.what == CLEAR:
-                self._clear(one)
+        self._all.look(tick * self._tick_ns, position_m, speed_mps)
         # Compared with the last tick: a fault may also have ended by its count or an order since then.
         before, self._active = self._active, [one.active for one in self.activities]
         return self._active != before
 
-    def _clear(self, order: Activity) -> None:
-        """End what is active at the place of a fault that clears it."""
-        for one in self.activities:
-            if one.active and one is not order and one.fault.place == order.fault.place:
-                one.order(False, self.now_ns)
-                self.hit(order, one.fault.what, CLEAR)
-        order.order(False, self.now_ns)
-
     def happened(self, event: str) -> None:
         """An event of the run at the present tick, in lower case; a fault that waits for it begins with the next."""
-        for one in self.activities:
-            one.happened(event, self.now_ns)
+        self._all.happened((event,))
 
     def order(self, number: int, inject: bool) -> None:
         """An order by hand for the fault of that number; numbers of faults elsewhere are ignored."""
-        for one in self.activities:
-            if one.number == number:
-                one.order(inject, self.now_ns)
+        self._all.order_now(number, inject)
 
     def hit(self, activity: Activity, before: str, after: str) -> None:
         """A fault has changed one sample or command at the present tick."""
-        self.log.note(activity, self.now_ns, before, after)
+        self._all.note(activity, before, after)
 
     def effect(self, activity: Activity, acts: bool, before: str, after: str) -> None:
         """Whether a lasting fault changes anything at the present tick: a hit each time that it begins to."""

@@ -138,12 +138,15 @@ class Bench:
             found += [(name + end, str(value)) for name, value in facts.items() if value != ""]
         return found
 
-    def reported(self) -> list[str]:
-        """Write the report of each run, for a test that has failed; lines that attach it to the test in a CI server."""
+    def reported(self, note: str) -> list[str]:
+        """Write the report of each run, for a test that has failed; lines that attach it to the test in a CI server.
+
+        :param note: sentence in each report.
+        """
         lines = []
         for run in self.runs:
             lines.append(f"run folder {run.folder}: {run.verdict} {'; '.join(run.reasons)}".rstrip())
-            line = report_line([run.recorded], run.folder)
+            line = report_line([run.recorded], run.folder, [note])
             report = (run.folder / REPORT).resolve()
             lines.append(f"[[ATTACHMENT|{report}]]" if report.is_file() else line)
         return lines

@@ -104,7 +104,7 @@ def test_polls_before_the_first_frame_are_no_time() -> None:
     clock = BusClock(TICK_NS)
     for _ in range(10):
         clock.polled(POLL_TICKS)
-    assert (clock.running, clock.tick) == (False, 0)
+    assert (clock.running, clock.tick, clock.own_ns, clock.is_set) == (False, 0, 0, False)
 
 
 @pytest.mark.parametrize("back", range(1, 8))
