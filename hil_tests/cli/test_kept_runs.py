@@ -92,6 +92,7 @@ sys.exit(main())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
     (tmp_path / "short.toml").write_text(QUICK_TOML)
@@ -107,6 +108,7 @@ def test_ctrl_c_while_results_are_written_waits_until_they_are_whole(tmp_path):
     assert railhil("score", "run", cwd=tmp_path).exit_code in (0, 1)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_run_whose_terminal_is_gone_is_recorded(tmp_path):
     """The progress bar and the verdict find no terminal any more; SIGHUP reaches every process of the run."""
@@ -149,6 +151,7 @@ def on_small_disk(disk: Path, size_kib: int, *words: str | Path) -> Done:
     return Done(done.returncode, done.stdout, done.stderr)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_disk_that_is_full_in_the_run(tmp_path):
     """The log is kept up to its last whole line, and nothing looks like a result."""

@@ -86,6 +86,7 @@ def test_begins_at_an_instant(runs: Runs, when: str, begun_s: float) -> None:
     assert runs(f"TRN_SPEED loss x1 {when}").faults[0].begun_s == begun_s
 
 
+@pytest.mark.slow
 def test_begins_at_a_place_a_speed_and_an_event(runs: Runs) -> None:
     clean = runs(moving=True)
     time_s = clean.trace.times_s("SIM_TRUTH")

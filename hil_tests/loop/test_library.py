@@ -52,6 +52,7 @@ def test_every_name_is_there_and_typed() -> None:
         assert all(one.annotation is not inspect.Parameter.empty for one in parameters)
 
 
+@pytest.mark.slow
 def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     page = (ROOT / "docs/library.md").read_text(encoding="utf-8").replace("```", "")
@@ -106,6 +107,7 @@ def test_signals_are_those_of_the_file(short: Path, tmp_path: Path) -> None:
     assert np.array_equal(table["true_position_m"].to_numpy(), made.signals["true_position_m"])
 
 
+@pytest.mark.slow
 def test_values_of_parameters_stand_in_the_run_folder(short: Path, tmp_path: Path) -> None:
     """The certificate's command needs a file: it is the one that the folder holds, for processes too."""
     given = {"softening_max": 0.8}

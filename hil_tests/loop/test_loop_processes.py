@@ -225,6 +225,7 @@ def test_the_hub_is_waited_for_while_its_process_lives(short, tmp_path, monkeypa
         assert done.one_line() == "railhil: no memory for the hub"
 
 
+@pytest.mark.slow
 def test_lockstep_waits_for_processes_that_stand_still(short, short_sha256, tmp_path):
     """On a loaded machine, longer than any of them would wait in realtime: the record is whole and the same."""
     runs, stopped = {}, []
@@ -248,6 +249,7 @@ def test_lockstep_waits_for_processes_that_stand_still(short, short_sha256, tmp_
         assert certificate(tmp_path / starved)["frames_sha256"] == short_sha256, starved
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 @pytest.mark.parametrize("pace", [(), ("--pace", "realtime", "--rate", "20")])
 def test_killed_supervisor_stops_the_nodes(tmp_path, pace):

@@ -16,6 +16,7 @@ from railhil.bus import lifesign
 ALL_SWEEPS = {**STORE_SWEEPS, **SWEEPS}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("module", ALL_SWEEPS, ids=lambda module: module.__name__)
 def test_every_mutant_is_noticed(module: ModuleType) -> None:
     count, alive = survivors(module, ALL_SWEEPS[module])

@@ -363,13 +363,14 @@ def command_ramp(elapsed_ms: int) -> int:
     return min(ladder.service_code, ladder.ramp_code_per_s * elapsed_ms // 1000)
 
 
+#: The quick ones first: a mutant meets them up to the first that notices it.
 GUARD_SWEEPS = (
-    sweep_guard_boundaries,
-    sweep_guard_findings,
-    sweep_guard_order,
     sweep_guard_wait,
     sweep_guard_samples,
     sweep_guard_position,
+    sweep_guard_order,
     sweep_guard_safe,
+    sweep_guard_findings,
+    sweep_guard_boundaries,
     sweep_guard_random,
 )

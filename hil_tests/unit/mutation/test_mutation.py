@@ -73,6 +73,7 @@ def command(folder: Path, *arguments: str) -> tuple[int, list[str]]:
     return done.returncode, done.stdout.splitlines()
 
 
+@pytest.mark.slow
 def test_what_no_test_notices_is_named(subject: Path) -> None:
     """Inside functions and outside."""
     for only, count, alive in (
@@ -123,6 +124,7 @@ def test_every_explained_survivor_is_a_mutant(module: str) -> None:
     assert all(why.strip() for why in known.values())
 
 
+@pytest.mark.slow
 def test_some_mutants_of_the_bench() -> None:
     """A fixed sample; all of them: ``make mutants``."""
     subjects = ("railhil.supervisor.measures", "railhil.supervisor.witness", "railhil.bus.acceptance")
@@ -131,6 +133,7 @@ def test_some_mutants_of_the_bench() -> None:
     assert [line.partition(":")[0] for line in said] == list(subjects)
 
 
+@pytest.mark.slow
 def test_a_changed_constant_of_the_bench_is_seen() -> None:
     """Its modules must come from the changed tree although they belong to a plugin of pytest."""
     code, said = command(ROOT, "railhil.controller_node.channel", "--only", "WINDOW_MS = 10_000", "--jobs", "2")
