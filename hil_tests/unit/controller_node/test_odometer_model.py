@@ -135,6 +135,7 @@ def ride(draw: random.Random) -> set[CtlCause]:
             assert odometer.lost(look) == plain.lost(look)
             seen.add(plain.lost(look))
             assert (odometer._place, odometer._slack) == (plain.place, plain.slack)
+            assert (odometer._tolerance(), odometer._run) == (plain.tolerance, plain.good)
             assert odometer.fitted == (plain.reading, plain.fitted)
             assert (odometer.accepted, odometer.counters) == (plain.accepted, plain.counters)
     return seen
@@ -169,3 +170,38 @@ def test_without_a_task_a_telegram_is_in_time_for_its_period() -> None:
     odometer.position(TrnPos(500, life=1), 0)
     assert odometer.at(20 * MS) == 5000
     assert odometer.at(20 * MS + 1) == 5200
+
+
+def test_the_edge_of_the_tolerance_and_of_the_period() -> None:
+    """0.112 m at rest, and ten telegrams each exactly a period after the other."""
+    sensors = replace(SCENARIO.sensors, odometer_lsb_m=0.012, speed_lsb_mps=0.0, speed_noise_sigma_mps=0.0)
+    odometer = Odometer(replace(SCENARIO, sensors=sensors))
+    odometer.speed(0, 0)
+    odometer.position(TrnPos(0, life=0), 0)
+    odometer.position(TrnPos(113, life=1), 0)
+    assert odometer.counters == {"position_jump": 1}
+    odometer.position(TrnPos(112, life=2), 0)
+    assert odometer.counters == {"position_jump": 1}
+    for number in range(1, 11):
+        assert odometer._run == number
+        odometer.position(TrnPos(100, life=(2 + number) % 16), 20 * MS * number)
+    assert odometer.at(200 * MS) == 1000
+
+
+def test_a_position_without_any_speed() -> None:
+    odometer = Odometer(SCENARIO, needed=True)
+    odometer.position(TrnPos(0, life=1, check=0), 0)
+    odometer.position(TrnPos(0, life=2), 0)
+    odometer.position(TrnPos(10**6, life=3), 0)
+    assert odometer.lost(S) is CtlCause.NONE
+    assert odometer.lost(S + 1) is CtlCause.POSITION_IMPLAUSIBLE
+
+
+def test_the_units_of_the_sensors() -> None:
+    """Values so large that the last digit of each factor counts."""
+    sensors = replace(SCENARIO.sensors, odometer_lsb_m=9.9, speed_lsb_mps=20.0, speed_noise_sigma_mps=0.0)
+    odometer = Odometer(replace(SCENARIO, sensors=sensors))
+    assert odometer.reckoned(0) == (0, 100_000)
+    odometer.speed(1, 0)
+    # 10 m/s of the sensor and 2 m/s of a change within a second.
+    assert odometer.reckoned(S)[1] == 100_000 + 100_000 + 20_000
