@@ -86,6 +86,29 @@ def test_weak_sides_have_shares_of_their_limits() -> None:
     assert Forces(weak(PULL, 0.5)).allowed(window=window).window == window
 
 
+def test_strong_sides_have_more() -> None:
+    for factor in (1.5, 1.01):
+        pull, push = (fault(where, "scale", 0.0, {"factor": factor}) for where in (PULL, PUSH))
+        assert Forces(pull).allowed().constants == HEALTHY._replace(traction=shared(HEALTHY.traction, factor))
+        wanted = HEALTHY._replace(brake=shared(HEALTHY.brake, factor))
+        assert Forces(push).allowed(window=Window(True, 100.0)) == Allowed(wanted, Window(True, 100.0 * factor), 0.0)
+
+
+def test_before_the_first_tick_there_is_no_force() -> None:
+    forces = FaultyForces(Injections([], 0, TICK_NS), TICK_S)
+    assert (forces.runaway_n, forces.demanded_n) == (0.0, 0.0)
+    forces.moved(dynamics.AT_REST, 0)
+    assert forces.axle.slip_mps == 0.0
+
+
+def test_small_forces_that_are_stuck() -> None:
+    for where in (PULL, PUSH):
+        assert Forces(fault(where, "stuck")).allowed().extra_n == 0.0
+    found = Forces(fault(PULL, "stuck", 0.1))
+    found.next(Motion(0.0, 10.0, 0.5, 0.0), 0.5)
+    assert found.allowed().constants.resistance_a_n == HEALTHY.resistance_a_n - 0.5
+
+
 def test_the_side_that_acts_moves_the_train() -> None:
     slow = fault(PUSH, "slow", 0.0, {"factor": 0.25})
     found = Forces(weak(PULL, 0.5), slow).forces
@@ -99,6 +122,7 @@ def test_the_side_that_acts_moves_the_train() -> None:
 def test_a_force_that_is_present_follows_its_side_at_once() -> None:
     for actuator_n, faults, wanted_n in (
         (100.0, (weak(PULL, 0.5),), 50.0),
+        (0.4, (weak(PULL, 0.5),), 0.2),
         (100.0, (weak(PUSH, 0.5),), 100.0),
         (-100.0, (weak(PUSH, 0.5),), -50.0),
         (-100.0, (weak(PULL, 0.5),), -100.0),
@@ -113,6 +137,9 @@ def test_a_force_that_is_present_follows_its_side_at_once() -> None:
         found = Forces(*waiting)
         motion = Motion(1.0, 2.0, actuator_n, 3.0)
         assert found.next(motion, actuator_n) == Motion(1.0, 2.0, wanted_n, 3.0)
+    # Each side compares with its own share.
+    found = Forces(weak(PULL, 0.5), replace(weak(PUSH, 0.5), trigger=fault(PUSH, "off", 0.1).trigger))
+    assert found.next(Motion(0.0, 0.0, -100.0, 0.0), -100.0).actuator_n == -50.0
     # At its end the force is again what it was; from nothing it builds up anew.
     for share, before_n, after_n in ((0.5, 50.0, 100.0), (0.0, 50.0, 0.0)):
         found = Forces(weak(PULL, share, duration_s=0.1))
@@ -242,6 +269,12 @@ def test_the_axle_slips_by_what_the_rail_does_not_carry() -> None:
     fast.forces.moved(motion._replace(actuator_n=500.0), 500)
     # At 25 m/s of the rim 200 N: as much as the rail carries.
     assert fast.forces.axle.slip_mps == pytest.approx(15.0)
+    # A standing axle: 500 N, of which at walking pace little would be left.
+    still = slippery()
+    falling = replace(TRAIN, traction=Effort(500.0, curve=((0.0, 500.0), (1.0, 100.0))))
+    still.forces.allowed(train_constants(falling), FREE, Demand(500, 0.0, True, False))
+    still.forces.moved(motion._replace(speed_mps=0.0, actuator_n=500.0), 500)
+    assert still.forces.axle.slip_mps == pytest.approx(0.3)
     # When the adhesion is good again it rolls at once.
     back = slippery()
     back.injections.activities[0].order(False, 0)

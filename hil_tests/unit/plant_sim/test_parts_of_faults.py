@@ -14,6 +14,8 @@ from hil_tests.support.scripted import Scripted
 from railhil.bus.injector.activity import Activity
 from railhil.bus.injector.log import Hit
 from railhil.bus.telegrams import TrnSpeed
+from railhil.common.errors import InputError
+from railhil.faults.language import parse
 from railhil.faults.model import Fault, Trigger
 from railhil.plant_sim.faults.adhesion import AxleSlip
 from railhil.plant_sim.faults.balises import FaultyReader, UnreadBalise
@@ -21,10 +23,14 @@ from railhil.plant_sim.faults.drive import Side, SideState, capped, shared
 from railhil.plant_sim.faults.equipment import FaultyEquipment
 from railhil.plant_sim.faults.injections import Injections, MotionEvents
 from railhil.plant_sim.faults.mismatch import Mismatch
+from railhil.plant_sim.faults.plants import constant_mismatches, in_plant, make_plant, needs_nodes
 from railhil.plant_sim.faults.readings import FaultySensor, Quantity, Reading
+from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.forces import EffortLimit
 from railhil.plant_sim.status import TrainStatus
+from railhil.scenarios.fault_list import drawn
 from railhil.scenarios.model import Balise
+from railhil.scenarios.run_spec import RunSpec
 
 TICK_NS = 10_000_000
 MANUAL = Trigger("manual")
@@ -520,3 +526,44 @@ def test_what_is_noted_of_an_actuator() -> None:
     found.remember(300)
     found.note(injections, True, 300, 1000.0, None)
     assert len(said(injections)) == 1
+
+
+# -- the plant of a run -----------------------------------------------------------------------------------------------
+
+
+def test_the_plant_of_a_run() -> None:
+    assert in_plant([fault("bus.", "off"), fault("train.mass", "scale"), fault("sensor.speed", "off")]) == [
+        (2, fault("train.mass", "scale")), (3, fault("sensor.speed", "off")),
+    ]  # fmt: skip
+    assert in_plant([fault("actuator.brake", "off"), fault("node.plant", "kill")]) == [
+        (1, fault("actuator.brake", "off"))
+    ]
+    for faults in ((), ("TRN_SPEED loss @0s",)):
+        plant, injections = make_plant(replace(SCENARIO, faults=faults), RunSpec())
+        assert not isinstance(plant, FaultyTrain)
+        assert injections is None
+    spec = RunSpec(seed=7, perturbed=True)
+    plant, injections = make_plant(replace(SCENARIO, faults=("TRN_SPEED loss @0s", "sensor.speed garbage @0s")), spec)
+    assert isinstance(plant, FaultyTrain)
+    assert injections is plant.injections
+    (one,) = plant.injections.activities
+    assert (one.number, one.fault.what) == (2, "garbage")
+    # With the seed and the perturbation of the run.
+    assert plant.injections.samples(one).random() == Injections([(2, one.fault)], 7, TICK_NS).samples(one).random()
+    assert plant._healthy.train != SCENARIO.train
+
+
+def test_faults_without_nodes() -> None:
+    heavy, up = "train.mass scale 1.1 @0s", "train.gradient offset uniform(1,5) @0s"
+    assert [needs_nodes(replace(SCENARIO, faults=faults)) for faults in ((), (heavy,), (heavy, "bus off @0s"))] == [
+        False, False, True,
+    ]  # fmt: skip
+    first, second = constant_mismatches(replace(SCENARIO, faults=(heavy, up)), (3, 4))
+    assert (first.mass, second.mass) == (1.1, 1.1)
+    assert 1.0 <= first.grade_permil <= 5.0
+    assert first.grade_permil != second.grade_permil
+    # Drawn as the second fault of its run.
+    assert first == Mismatch.of([parse(heavy), drawn(parse(up), 2, 3)])
+    with pytest.raises(InputError, match="mass, gradient or resistance from the start to the end") as raised:
+        constant_mismatches(replace(SCENARIO, faults=(heavy, "bus off @0s")), (3,))
+    assert f"{heavy}; bus off @0s" in str(raised.value)

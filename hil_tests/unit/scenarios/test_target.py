@@ -230,6 +230,10 @@ def test_soft_stops() -> None:
         nodes = (0.0, 1.0), (1.0 + more_s, 1.0), (2.0 + more_s, -1.0), (4.0 + more_s, 0.0), (5.0, 0.0), (6.0, -1.0)
         target = Target(TargetCurve(nodes))
         assert target.stop_time_s == pytest.approx(stop_s + more_s, abs=1e-7 if not more_s else 1e-11)
+    # A train that is pushed back first has not stopped when it stands again.
+    pushed = Target(TargetCurve(((0.0, -1.0), (0.1, 1.0), (2.1, 1.0), (4.1, -1.0), (9.0, -1.0))))
+    assert pushed.stop_time_s == pytest.approx(6.1, abs=1e-9)
+    assert Target(TargetCurve(((0.0, 1.0), (1.0, -1.0)))).stop_time_s == pytest.approx(1.0, abs=1e-9)
     # Also of a weak run inside of one piece, and behind the last node.
     assert Target(TargetCurve(((0.0, 0.4), (10.0, -0.4)))).stop_time_s == pytest.approx(10.0, abs=1e-9)
     behind = Target(TargetCurve(((0.0, 1.0), (4.0, 1.0), (6.0, -1.0))))
