@@ -11,8 +11,10 @@ import pytest
 from hil_tests.support.cli import railhil
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
+from railhil.controller_node.vector.node import ports_of
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
 from railhil.vector_bench import direct_run
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
@@ -66,3 +68,14 @@ def test_three_processes_over_the_hub_send_the_same_bytes(hst1: Both, tmp_path: 
     assert done.exit_code == 0, done.err
     log = (tmp_path / "run" / "frames.log").read_bytes()
     assert hashlib.sha256(log).hexdigest() == hst1.local.frames_sha256
+
+
+def test_no_controller_has_a_mailbox_for_the_mutation() -> None:
+    """The controller's node takes neither MUTATION nor TRUTH, and its law reads neither."""
+    for system in map(system_named, ("hst1",)):
+        received, _ = ports_of(system.contract, system.part("interface"))
+        names = {port.name for port in received}
+        assert not names & {"MUTATION", "TRUTH"}
+        assert names == {"TIME_SYNC", "RUN_EVENT", "UNIT1_FB", "REF", "EVENT"}
+        node = system.part("controller")(load_any("hst_short"), SPEC.law)
+        assert {*node.responder.store.ports} == names

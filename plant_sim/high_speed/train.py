@@ -63,13 +63,15 @@ class PowerUnit:
 
     def acting_mps2(self, step: int, command_mps2: float) -> float:
         """The delayed traction and the delayed braking, added, when a command is sent at a step."""
+        traction, braking = self.delayed_mps2(step, command_mps2)
+        return (traction if traction > 0.0 else 0.0) + (braking if braking < 0.0 else 0.0)
+
+    def delayed_mps2(self, step: int, command_mps2: float) -> tuple[float, float]:
+        """The commands that come out of the delays of traction and braking when one is sent at a step."""
         sent = self._sent
         sent[step % _REMEMBERED] = command_mps2
-        traction, braking = (
-            sent[(step - self._traction_steps) % _REMEMBERED],
-            sent[(step - self._braking_steps) % _REMEMBERED],
-        )
-        return (traction if traction > 0.0 else 0.0) + (braking if braking < 0.0 else 0.0)
+        traction = sent[(step - self._traction_steps) % _REMEMBERED]
+        return traction, sent[(step - self._braking_steps) % _REMEMBERED]
 
 
 class HighSpeedTrain:

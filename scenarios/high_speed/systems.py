@@ -8,6 +8,9 @@ from railhil.scenarios.system import System
 #: Milestones of both systems.
 EVENTS = {"emergency_called": 32, "arrived": 33}
 
+#: Places of faults inside their plants: mutations of the dynamics, sensors, traction and brakes.
+INJECTS = ("train.gain", "train.lag", "train.delay", "sensor.speed", "actuator.traction", "actuator.brake")
+
 HST1 = System(
     name="hst1",
     title="high-speed train as one power unit",
@@ -23,6 +26,7 @@ HST1 = System(
         "task": "railhil.scenarios.high_speed.task:SingleUnitTask",
         "interface": "railhil.controller_node.laws.high_speed.interface:HST1",
         "direct": "railhil.vector_bench:direct_run",
+        "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
     },
     truth=Truth(
         "TRUTH",
@@ -31,4 +35,5 @@ HST1 = System(
         acceleration="TrueAccel",
         beside=("MUTATION",),
     ),
+    injects=INJECTS,
 )
