@@ -31,9 +31,9 @@ _FAR_MPS = 20.0
 class PidParameters(HighSpeedParameters):
     """Gains on the error of the speed (m/s)."""
 
-    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.5
-    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
-    kd: Annotated[float, Field(ge=0, le=10)] = 0.1
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.66
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.157
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.135
 
 
 class PidState(NamedTuple):
