@@ -83,6 +83,9 @@ def test_limits_and_units_that_act_alone_fail(run: BenchRun, scenario: Any) -> N
         load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.emergency_stop_max_m=1000"]), run.trace
     )
     assert short.failures[0].startswith("emergency stop ")
+    assert judging.EMU3.checks(scenario, run.score) == [("emergency_stop", "")]
+    early = coupled_run(load_any("jinan_xuzhou_emu3_emergency", [*SETTINGS, "task.duration_s=90"]), proportional, SPEC)
+    assert early.score.failures == ("no emergency stop, allowed at most 4500 m",)
 
 
 def test_every_port_of_a_column_is_in_the_contract(run: BenchRun, scenario: Any) -> None:

@@ -20,10 +20,8 @@ from railhil.supervisor.trace import Trace
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
 )
-EMERGENCY_STOP = Criterion(
-    "emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m,
-    limit=Limit(lambda scenario: scenario.task.emergency_stop_max_m, 1),
-)  # fmt: skip
+#: Its limit is not that of a criterion: most scenarios have no emergency, and a run without one has not failed it.
+EMERGENCY_STOP = Criterion("emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m)
 CRITERIA = (
     RMSE,
     Criterion("max_error_kmh", "largest error", "km/h", 3, Ride.max_error_kmh),
@@ -58,12 +56,28 @@ def score(scenario: Any, trace: Trace) -> Score:
     ride = Ride.of(scenario, trace)
     measured = {criterion.key: criterion.measure(ride) for criterion in criteria}
     missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]
-    if ride.emergency is not None and ride.arrived is None:
-        missed.append("did not stop after the emergency was triggered")
+    missed += filter(None, [_emergency_missed(scenario, measured[EMERGENCY_STOP.key])])
     missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
     missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
     verdict = "FAIL" if missed else "PASS"
     return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
+
+
+def _emergency_missed(scenario: Any, stop_m: float | None) -> str:
+    """How the run misses the limit of the emergency stop, in words; empty if it does not."""
+    if scenario.task.emergency is None:
+        return ""
+    most_m = scenario.task.emergency_stop_max_m
+    if stop_m is None:
+        return f"no emergency stop, allowed at most {most_m:g} m"
+    return "" if stop_m <= most_m else f"emergency stop {stop_m:.1f} m, allowed at most {most_m:g} m"
+
+
+def _checks(scenario: Any, score: Score) -> list[tuple[str, str]]:
+    """The emergency stop as a JUnit case, in a scenario that has one."""
+    if scenario.task.emergency is None:
+        return []
+    return [("emergency_stop", _emergency_missed(scenario, score.values.get(EMERGENCY_STOP.key)))]
 
 
 def _alone(trace: Trace, truth: str, unit: int) -> str:
@@ -129,6 +143,7 @@ def _judging(units: int) -> Judging:
         ),
         published="figures of the NGPC papers, which print no RMSE of the speed",
         facts=_facts,
+        checks=_checks,
         watches=tuple(
             Watch(
                 f"unit{unit}",
