@@ -20,7 +20,8 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.reactions.catalogue import Entry, catalogue
+from railhil.scenarios.system import System
+from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.reactions.evaluate import Row, evaluated
 from railhil.supervisor.reactions.facts import seen_in
 from railhil.supervisor.start_up import StartUp
@@ -56,11 +57,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _entries(only: str) -> list[Entry]:
+def _entries(only: str, system: System) -> list[Entry]:
+    known = catalogue_of(system)
     wanted = [item.strip() for item in only.split(",") if item.strip()]
-    found = [entry for entry in catalogue() if not wanted or any(entry.id.startswith(item) for item in wanted)]
+    found = [entry for entry in known if not wanted or any(entry.id.startswith(item) for item in wanted)]
     if not found:
-        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in catalogue()))
+        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in known))
     return found
 
 
@@ -136,7 +138,7 @@ def work(namespace: argparse.Namespace) -> int:
     console = Output(stderr=namespace.json)
     if namespace.pairs is not None:
         return pairs(namespace, how, base, system, jobs, console)
-    entries = _entries(namespace.only)
+    entries = _entries(namespace.only, system)
     rows: list[Row] = []
     stopped = 0
     try:

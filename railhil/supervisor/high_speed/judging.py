@@ -1,0 +1,174 @@
+"""The criteria by which runs of high-speed trains are judged."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from railhil.bus.codes import Event
+from railhil.bus.high_speed import UnitLevel, Wire, wire
+from railhil.bus.telegrams import RunEvent
+from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.supervisor.events.declared import Watch
+from railhil.supervisor.high_speed.ride import Ride
+from railhil.supervisor.judging import Judging
+from railhil.supervisor.score import Score
+from railhil.supervisor.status import Status, wrap_failure
+from railhil.supervisor.trace import Trace
+
+RMSE = Criterion(
+    "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
+)
+#: Its limit is not that of a criterion: most scenarios have no emergency, and a run without one has not failed it.
+EMERGENCY_STOP = Criterion("emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m)
+CRITERIA = (
+    RMSE,
+    Criterion("max_error_kmh", "largest error", "km/h", 3, Ride.max_error_kmh),
+    Criterion("slope_mps3", "command slope", "m/s3", 4, Ride.slope_mps3),
+    Criterion("energy_kwh", "energy", "kWh", 1, Ride.energy_kwh),
+    Criterion("arrival_m", "arrival error", "m", 2, Ride.arrival_error_m, signed="arrival_error_m"),
+    Criterion("emergency_rmse_kmh", "emergency RMSE", "km/h", 4, Ride.emergency_rmse_kmh),
+    EMERGENCY_STOP,
+)
+#: Further criteria of a train of several units.
+OF_UNITS = (
+    Criterion("units_rmse_kmh", "RMSE of units", "km/h", 4, Ride.units_rmse_kmh),
+    Criterion("spread_kmh", "speed spread", "km/h", 3, Ride.spread_kmh),
+    Criterion("coupler_peak_kn", "coupler force", "kN", 1, Ride.coupler_peak_kn),
+)
+#: Where the controller reports on its arithmetic.
+_STATUS = Status("LAW_STAT", "LawFlags")
+#: No unit has this level of the ladder.
+_HOLD = 1
+#: How a complete record may end, with the failure that it means.
+_ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_CONTROLLER_LOST: "controller lost"}
+
+
+def score(scenario: Any, trace: Trace) -> Score:
+    """PASS or FAIL by the limits of the scenario; INVALID for a record without a normal end."""
+    criteria = _criteria(len(scenario.task.unit))
+    codes = trace.raw(RunEvent.PORT, "RunEvent")
+    ended = next((event for event in _ENDINGS if event in codes), None)
+    truth = wire(len(scenario.task.unit)).truth.PORT
+    if ended is None or trace.count(truth) < 2:
+        return Score("INVALID", *unscored(criteria), ("run did not come to its end",), "record_incomplete")
+    ride = Ride.of(scenario, trace)
+    measured = {criterion.key: criterion.measure(ride) for criterion in criteria}
+    missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]
+    missed += filter(None, [_emergency_missed(scenario, measured[EMERGENCY_STOP.key])])
+    missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
+    missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
+    verdict = "FAIL" if missed else "PASS"
+    return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
+
+
+def _emergency_missed(scenario: Any, stop_m: float | None) -> str:
+    """How the run misses the limit of the emergency stop, in words; empty if it does not."""
+    if scenario.task.emergency is None:
+        return ""
+    most_m = scenario.task.emergency_stop_max_m
+    if stop_m is None:
+        return f"no emergency stop, allowed at most {most_m:g} m"
+    return "" if stop_m <= most_m else f"emergency stop {stop_m:.1f} m, allowed at most {most_m:g} m"
+
+
+def _checks(scenario: Any, score: Score) -> list[tuple[str, str]]:
+    """The emergency stop as a JUnit case, in a scenario that has one."""
+    if scenario.task.emergency is None:
+        return []
+    return [("emergency_stop", _emergency_missed(scenario, score.values.get(EMERGENCY_STOP.key)))]
+
+
+def _alone(trace: Trace, truth: str, unit: int) -> str:
+    """The failure of a unit that had to act by itself; empty if it never had."""
+    levels = trace.raw(truth, f"Level{unit}")
+    rows = np.flatnonzero(levels != UnitLevel.NORMAL)
+    if not len(rows):
+        return ""
+    cause = trace.word(truth, f"Cause{unit}", int(trace.raw(truth, f"Cause{unit}")[rows[0]])).replace("_", " ")
+    return f"unit {unit} acted by itself from {trace.times_s(truth)[rows[0]]:.2f} s ({cause})"
+
+
+def _criteria(units: int) -> tuple[Criterion, ...]:
+    return CRITERIA if units == 1 else CRITERIA + OF_UNITS
+
+
+def _said(scenario: Any, level: str, cause: str) -> str:
+    """Why a unit acted by itself, in words."""
+    if cause == "command_age":
+        return "no new command for three periods"
+    words = {"controller_safe": "the controller has no readings", "brake_not_answering": "its brake does not answer"}
+    return words.get(cause, cause)
+
+
+def _facts(run: Any) -> list[tuple[str, str]]:
+    """Train and drive of a run, for the report."""
+    task = run.scenario.task
+    delays = ", ".join(f"{unit.traction_delay_s:g} / {unit.braking_delay_s:g} s" for unit in task.unit)
+    between = task.between_units
+    couplers = "none" if between is None else f"{between.stiffness_kn_per_m:g} kN/m, slack {between.slack_mm:g} mm"
+    units = [("Couplers", couplers)] if len(task.unit) > 1 else []
+    return [
+        ("Train", f"{task.mass_t:g} t, {task.power_kw:g} kW, {len(task.unit)} power unit{'s' * (len(task.unit) > 1)}"),
+        ("Delay of traction / braking", delays),
+        *units,
+        ("Disturbances", f"grades within {task.gradient_permil:g} permil, wind {task.wind_sigma_mps2:g} m/s2, "
+                         f"noise {task.noise_sigma_mps:g} m/s, all drawn with the seed"),
+    ]  # fmt: skip
+
+
+def _judging(units: int) -> Judging:
+    ports = wire(units)
+    truth, reference = ports.truth.PORT, ports.reference.PORT
+    command = ports.commands[0]
+    signal = command.signals()[0][1].name
+    return Judging(
+        criteria=_criteria(units),
+        score=score,
+        truth=truth,
+        columns=(
+            ("position_m", truth, "TruePos"),
+            ("true_speed_mps", truth, "TrueSpeed"),
+            ("target_mps", truth, "Target"),
+            ("accel_mps2", truth, "TrueAccel"),
+            ("drive_mps2", truth, "TrueDrive"),
+            ("speed_kmh", ports.feedback[0].PORT, ports.feedback[0].signals()[0][1].name),
+            ("target_sent_kmh", reference, "RefNow"),
+            ("command_mps2", command.PORT, signal),
+            *_unit_columns(ports),
+        ),
+        asked=lambda scenario: (
+            f"{scenario.task.duration_s:g} s; RMSE of the speed at most {scenario.task.rmse_max_kmh:g} km/h"
+        ),
+        published="figures of the NGPC papers, which print no RMSE of the speed",
+        facts=_facts,
+        checks=_checks,
+        watches=tuple(
+            Watch(
+                f"unit{unit}",
+                f"unit {unit}" if units > 1 else "",
+                truth,
+                f"Level{unit}",
+                f"Cause{unit}",
+                (UnitLevel.NORMAL, _HOLD, UnitLevel.TRACTION_CUT, UnitLevel.SERVICE_BRAKE),
+                said=_said,
+            )
+            for unit in range(1, units + 1)
+        ),
+    )
+
+
+def _unit_columns(ports: Wire) -> list[tuple[str, str, str]]:
+    """Columns of the units of a train that has several."""
+    truth, found = ports.truth.PORT, []
+    if len(ports.commands) > 1:
+        for unit, command in enumerate(ports.commands, 1):
+            found.append((f"true_speed{unit}_mps", truth, f"TrueSpeed{unit}"))
+            found.append((f"command{unit}_mps2", command.PORT, command.signals()[0][1].name))
+        found += [(f"coupler{unit}_kn", truth, f"Coupler{unit}") for unit in range(1, len(ports.commands))]
+    return found
+
+
+HST1 = _judging(1)
+EMU3 = _judging(3)
