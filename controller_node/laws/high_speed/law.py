@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from railhil.bus.high_speed import PREVIEW, PREVIEW_STEP_S
+from railhil.bus.high_speed import ACCEL_PER_MPS2, PREVIEW, PREVIEW_STEP_S
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.high_speed.base import (
@@ -62,6 +63,7 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         )
         self._power = re.number("power", task.power_w_per_kg, "scenario, power_kw by mass")
         self._crawl = re.number("crawl", _CRAWL_MPS)
+        self._per_count = re.number("per_count", 1.0 / ACCEL_PER_MPS2, "port table")
         steps = self.sample_s / PREVIEW_STEP_S
         horizon = max(core.horizon for core in self.cores)
         if horizon * steps > PREVIEW + 1e-9:
@@ -100,5 +102,8 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         after, move = self.cores[loop].step(state, self._sample(inputs))
         return after, LoopAnswer(move.command, LoopNotes(move.model_error, move.xi, move.gain, move.delay))
 
-    def loop_sent(self, loop: int, state: Any, accel: T) -> Any:
-        return self.cores[loop].sent(state, accel)
+    def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
+        """The commands really sent are those that the model has to know; the law's own come with the next sample."""
+        told = [self.re.mul(count, self._per_count) for count in commands[::2]]
+        loops = zip(self.cores, state.loops, told, strict=False)
+        return state._replace(loops=tuple(core.sent(old, accel) for core, old, accel in loops))
