@@ -1,4 +1,4 @@
-"""A-GPC, the adaptive comparator of 004 ([25] there, cited wrongly, D10): GPC on an integrated model, identified by RLS.
+"""A-GPC, the adaptive comparator of 004 ([25] there, cited wrongly, D10): GPC on an identified, integrated model.
 
 It is read as explicit CARIMA GPC with recursive least squares on differences: the integrator of the train is known, and
 an unknown constant (running resistance, grade) is removed by the differences.
@@ -114,9 +114,7 @@ class ACore(Core[T, AState[T]]):
         x = (*(re.neg(change) for change in changes[:2]), *falls(re, track.commands))
         rls = rls_step(re, state.rls, x, error, self._forgetting, self._most)
         theta = self._theta._replace(alpha=rls.theta[:2], b=rls.theta[2:])
-        found = increments(
-            re, coefficients(re, theta), theta.b, given.horizon, given.control_horizon, self._weight
-        )
+        found = increments(re, coefficients(re, theta), theta.b, given.horizon, given.control_horizon, self._weight)
         command = command_of(re, found, sample, track)
         gain = re.mul(re.add(*theta.b), self._per_b_sum)
         return AState(tracked(track, sample.speed, command), rls), Move(command, error, re.zero, gain, re.zero)

@@ -86,7 +86,9 @@ class DelayCore(Core[T, DelayState[T]]):
         self._half = max(1, round(given.slope_span_s / period_s))
         self._per_span = re.number("per_span", 0.5 / (self._half * period_s), "parameters")
         self.horizon = given.horizon
-        self._shares = [re.numbers(f"{name}_share", (1.0 - c % 1.0, c % 1.0)) for name, c in zip(_SIDES, self._centres, strict=True)]
+        self._shares = [
+            re.numbers(f"{name}_share", (1.0 - c % 1.0, c % 1.0)) for name, c in zip(_SIDES, self._centres, strict=True)
+        ]
 
     def start(self, sample: Sample[T]) -> DelayState[T]:
         re, zero = self.re, self.re.zero
@@ -131,7 +133,9 @@ class DelayCore(Core[T, DelayState[T]]):
         """w - v over the horizon if the plans are carried out, m/s."""
         re, ar, lines = self.re, self.re.ar, self._lines
         traction, braking = plans
-        planned = [(ar.maximum(up, re.zero), ar.minimum(down, re.zero)) for up, down in zip(traction, braking, strict=True)]
+        planned = [
+            (ar.maximum(up, re.zero), ar.minimum(down, re.zero)) for up, down in zip(traction, braking, strict=True)
+        ]
         old_up, old_down = lines.parts(past)
         ups = (*(up for up, _ in reversed(planned)), *old_up)
         downs = (*(down for _, down in reversed(planned)), *old_down)

@@ -1,4 +1,4 @@
-"""Laws made of one :class:`.core.Core` for each loop: samples in SI units from the inputs of a loop, limits by speed."""
+"""Laws made of one :class:`.core.Core` for each loop: samples in SI units, limits by speed."""
 
 from __future__ import annotations
 
@@ -56,9 +56,7 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         self.re = re = Reals(arithmetic)
         task = scenario.task
         self.cores: tuple[Core[T, Any], ...] = tuple(
-            self.core(
-                re, Unit(model.traction_delay_s, model.braking_delay_s, model.lag_s, self.sample_s), self.given
-            )
+            self.core(re, Unit(model.traction_delay_s, model.braking_delay_s, model.lag_s, self.sample_s), self.given)
             for model in self.models
         )
         self._power = re.number("power", task.power_w_per_kg, "scenario, power_kw by mass")
@@ -69,7 +67,10 @@ class CoreLaw(HighSpeedLaw[T, Any]):
         if horizon * steps > PREVIEW + 1e-9:
             span_s = PREVIEW * PREVIEW_STEP_S
             raise InputError(
-                "controller", f"{self.name}, horizon", f"{horizon} * {self.sample_s:g} s", f"at most {span_s:g} s, the preview"
+                "controller",
+                f"{self.name}, horizon",
+                f"{horizon} * {self.sample_s:g} s",
+                f"at most {span_s:g} s, the preview",
             )
         self._instants = [
             (places, re.numbers(f"preview_{i}", shares))
