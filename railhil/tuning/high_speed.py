@@ -27,7 +27,6 @@ from railhil.controller_node.arithmetic import make
 from railhil.controller_node.vector.controller import VectorLoop
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
 from railhil.scenarios.load import load_any
-from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.system import system_named
 
@@ -80,7 +79,7 @@ class Journey:
         return self.rmse_kmh + SLOPE_WEIGHT * self.slope_mps3
 
 
-def journey(scenario: AnyScenario, law: str, seed: int, values: Mapping[str, Any] | None = None) -> Journey:
+def journey(scenario: Any, law: str, seed: int, values: Mapping[str, Any] | None = None) -> Journey:
     """One run of a train of one unit in float64.
 
     :param scenario: of the system ``hst1``.
@@ -108,7 +107,7 @@ def journey(scenario: AnyScenario, law: str, seed: int, values: Mapping[str, Any
     return Journey(np.array(errors), np.array(commands), period_s)
 
 
-def tuned(scenario: AnyScenario, law: str) -> tuple[dict[str, float], list[float]]:
+def tuned(scenario: Any, law: str) -> tuple[dict[str, float], list[float]]:
     """Best parameters of a law and J of each evaluation, in order."""
     start = TUNED[law]
     costs: list[float] = []
