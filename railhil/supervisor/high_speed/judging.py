@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import wire
+from railhil.bus.high_speed import UnitLevel, Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.high_speed.ride import Ride
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
+from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
 
 RMSE = Criterion(
@@ -29,8 +33,18 @@ CRITERIA = (
     Criterion("emergency_rmse_kmh", "emergency RMSE", "km/h", 4, Ride.emergency_rmse_kmh),
     EMERGENCY_STOP,
 )
+#: Further criteria of a train of several units.
+OF_UNITS = (
+    Criterion("units_rmse_kmh", "RMSE of units", "km/h", 4, Ride.units_rmse_kmh),
+    Criterion("spread_kmh", "speed spread", "km/h", 3, Ride.spread_kmh),
+    Criterion("coupler_peak_kn", "coupler force", "kN", 1, Ride.coupler_peak_kn),
+)
+#: Where the controller reports on its arithmetic.
+_STATUS = Status("LAW_STAT", "LawFlags")
+#: No unit has this level of the ladder.
+_HOLD = 1
 #: How a complete record may end, with the failure that it means.
-_ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_NOT_STOPPED: "no commands from the controller any more"}
+_ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_CONTROLLER_LOST: "controller lost"}
 
 
 def score(scenario: Any, trace: Trace) -> Score:
@@ -46,13 +60,32 @@ def score(scenario: Any, trace: Trace) -> Score:
     missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]
     if ride.emergency is not None and ride.arrived is None:
         missed.append("did not stop after the emergency was triggered")
-    missed += filter(None, [_ENDINGS[ended]])
+    missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
+    missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
     verdict = "FAIL" if missed else "PASS"
     return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
 
 
+def _alone(trace: Trace, truth: str, unit: int) -> str:
+    """The failure of a unit that had to act by itself; empty if it never had."""
+    levels = trace.raw(truth, f"Level{unit}")
+    rows = np.flatnonzero(levels != UnitLevel.NORMAL)
+    if not len(rows):
+        return ""
+    cause = trace.word(truth, f"Cause{unit}", int(trace.raw(truth, f"Cause{unit}")[rows[0]])).replace("_", " ")
+    return f"unit {unit} acted by itself from {trace.times_s(truth)[rows[0]]:.2f} s ({cause})"
+
+
 def _criteria(units: int) -> tuple[Criterion, ...]:
-    return CRITERIA
+    return CRITERIA if units == 1 else CRITERIA + OF_UNITS
+
+
+def _said(scenario: Any, level: str, cause: str) -> str:
+    """Why a unit acted by itself, in words."""
+    if cause == "command_age":
+        return "no new command for three periods"
+    words = {"controller_safe": "the controller has no readings", "brake_not_answering": "its brake does not answer"}
+    return words.get(cause, cause)
 
 
 def _judging(units: int) -> Judging:
@@ -73,12 +106,37 @@ def _judging(units: int) -> Judging:
             ("speed_kmh", ports.feedback[0].PORT, ports.feedback[0].signals()[0][1].name),
             ("target_sent_kmh", reference, "RefNow"),
             ("command_mps2", command.PORT, signal),
+            *_unit_columns(ports),
         ),
         asked=lambda scenario: (
             f"{scenario.task.duration_s:g} s; RMSE of the speed at most {scenario.task.rmse_max_kmh:g} km/h"
         ),
         published="figures of the papers",
+        watches=tuple(
+            Watch(
+                f"unit{unit}",
+                f"unit {unit}" if units > 1 else "",
+                truth,
+                f"Level{unit}",
+                f"Cause{unit}",
+                (UnitLevel.NORMAL, _HOLD, UnitLevel.TRACTION_CUT, UnitLevel.SERVICE_BRAKE),
+                said=_said,
+            )
+            for unit in range(1, units + 1)
+        ),
     )
 
 
+def _unit_columns(ports: Wire) -> list[tuple[str, str, str]]:
+    """Columns of the units of a train that has several."""
+    truth, found = ports.truth.PORT, []
+    if len(ports.commands) > 1:
+        for unit, command in enumerate(ports.commands, 1):
+            found.append((f"true_speed{unit}_mps", truth, f"TrueSpeed{unit}"))
+            found.append((f"command{unit}_mps2", command.PORT, command.signals()[0][1].name))
+        found += [(f"coupler{unit}_kn", truth, f"Coupler{unit}") for unit in range(1, len(ports.commands))]
+    return found
+
+
 HST1 = _judging(1)
+EMU3 = _judging(3)
