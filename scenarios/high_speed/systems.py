@@ -22,6 +22,8 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
         controller="railhil.controller_node.vector.node:VectorNode",
         laws="railhil.laws_high_speed",
         law="pid",
+        # Most of its laws have no formats for fixed point.
+        arithmetic="float64",
         judging=f"railhil.supervisor.high_speed.judging:{constant}",
         pictures="railhil.supervisor.high_speed.panels:pictures",
         events=EVENTS,
