@@ -27,6 +27,7 @@ INPUTS = 6
 HIDDEN_MAX = 100
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
+Seconds = Annotated[float, Field(gt=0, le=60)]
 Six = Annotated[tuple[Number, ...], Field(min_length=INPUTS, max_length=INPUTS)]
 Row = Annotated[tuple[Number, ...], Field(min_length=1, max_length=HIDDEN_MAX)]
 
@@ -35,14 +36,17 @@ Row = Annotated[tuple[Number, ...], Field(min_length=1, max_length=HIDDEN_MAX)]
 class Network:
     """The numbers of a trained network; in a parameter file the table ``[parameters.network]``.
 
-    ``sample_period_s``: between the samples of the inputs, that of the law that uses it. ``offset`` and ``scale``: of
-    the inputs. ``hidden``: a row of six for each hidden node; ``bias``, ``output``: a number for each.
+    ``sample_period_s``, ``model_delay_s``, ``model_lag_s``: of the linear model whose residual it has learned; a law
+    with another model refuses it. ``offset`` and ``scale``: of the inputs. ``hidden``: a row of six for each hidden
+    node; ``bias``, ``output``: a number for each.
 
     :raises ValueError: the rows have different lengths.
     """
 
     kind: Literal["elm", "bp"]
-    sample_period_s: Annotated[float, Field(gt=0, le=60)]
+    sample_period_s: Seconds
+    model_delay_s: Seconds
+    model_lag_s: Seconds
     offset: Six
     scale: Six
     hidden: Annotated[tuple[Six, ...], Field(min_length=1, max_length=HIDDEN_MAX)]

@@ -22,7 +22,7 @@ from railhil.scenarios.streams import generator
 FloatArray = NDArray[np.float64]
 
 #: Stream of the random numbers of a training, beside those of a run (:mod:`railhil.scenarios.streams`).
-TRAINING = 8
+TRAINING = 20
 #: Iterations of BP at most, and its weight decay: without one its weights grow until it fits the noise.
 BP_ITERATIONS = 500
 BP_DECAY = 1e-3
@@ -58,9 +58,10 @@ class Recipe:
     seed: int = 1
 
 
-def train(rows: Rows, recipe: Recipe, sample_period_s: float) -> Network:
+def train(rows: Rows, recipe: Recipe, sample_period_s: float, model_delay_s: float, model_lag_s: float) -> Network:
     """The trained network.
 
+    :param sample_period_s, model_delay_s, model_lag_s: of the linear model whose residual the rows contain.
     :raises ValueError: fewer rows than hidden nodes, or a ridge that leaves the linear system singular.
     """
     if len(rows) < recipe.hidden:
@@ -78,6 +79,8 @@ def train(rows: Rows, recipe: Recipe, sample_period_s: float) -> Network:
     return Network(
         recipe.kind,
         sample_period_s,
+        model_delay_s,
+        model_lag_s,
         middle,
         scale,
         tuple(tuple(row) for row in hidden.tolist()),
