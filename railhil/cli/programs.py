@@ -27,6 +27,7 @@ PROGRAMS = {
     ),
     "completion": ("railhil.cli.completion", "print a completion script for bash or zsh"),
     "export-c": ("railhil.cli.export_c", "write a control law as C99 for the target"),
+    "train-model": ("railhil.learning", "train the network of a law for high-speed trains on a recorded run"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),
     "vcan": (
         "railhil.machines.vcan",

@@ -12,7 +12,6 @@ from pydantic import Field
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.laws.high_speed.dither import Dithered
 from railhil.controller_node.laws.high_speed.reals import Reals
 from railhil.controller_node.vector.law import Answer, VectorLaw
 from railhil.scenarios.system import system_named
@@ -41,9 +40,6 @@ class LawParameters:
     loop: Literal["units", "mean"] = "units"
     #: Run also a horizon that ends before the command acts, and a loop that is not stable.
     override: bool = False
-    #: D14: a square wave added to each command, for a record to train a network on; half a period in samples.
-    dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
-    dither_samples: Annotated[int, Field(ge=1, le=100)] = 3
 
 
 def between(place: float) -> tuple[tuple[int, ...], tuple[float, ...]]:
@@ -90,8 +86,6 @@ class HighSpeedLaw(VectorLaw[T, State[T]]):
         if given.loop == "mean":
             units = [_mean(units)]
         self.cores: tuple[Core[T, Any], ...] = tuple(self.core(re, unit, given) for unit in units)
-        if given.dither_mps2:
-            self.cores = tuple(Dithered(core, given.dither_mps2, given.dither_samples) for core in self.cores)
         self._lowest = re.number("lowest", -task.braking_max_mps2, "scenario, braking_max_mps2")
         self._traction = re.number("traction", task.traction_max_mps2, "scenario, traction_max_mps2")
         self._power = re.number("power", task.power_w_per_kg, "scenario, power_kw by mass")

@@ -1,91 +1,97 @@
-"""PID on the speed error, and the same with the acceleration of the reference added: the baselines.
+"""PID control of the speed, the comparator of both papers, which print no gains.
 
-The papers give no gains; the defaults come from ``tune.py`` of this folder.
+::
+
+    u(k) = clip(kp e(k) + i(k) + kd (e(k) - e(k-1)) / T0)        i(k) = clip(i(k-1) + ki T0 e(k))        e = w - v
+
+It also drives the runs whose records networks are trained on: a square wave can be added to its commands. Without it the
+record holds only what the law's own feedback does, and a network trained on it controls badly (reading D14).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from pydantic import Field
 
-from railhil.controller_node.arithmetic.base import T
-from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.laws.high_speed.law import HighSpeedLaw, LawParameters
-from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.arithmetic.base import Arithmetic, T
+from railhil.controller_node.laws.high_speed.base import (
+    ACCEL_Q,
+    SPEED_Q,
+    HighSpeedLaw,
+    HighSpeedParameters,
+    LoopAnswer,
+    LoopInputs,
+)
+
+_GAIN_Q = 20
+#: Errors are limited to this, m/s: beyond it every command is at its limit.
+_FAR_MPS = 20.0
 
 
-@dataclass(frozen=True, slots=True)
-class PidParameters(LawParameters):
-    """Gains of the law; the error is w(k) - v(k)."""
+@dataclass(frozen=True)
+class PidParameters(HighSpeedParameters):
+    """Gains on the error of the speed (m/s)."""
 
-    gain_per_s: Annotated[float, Field(ge=0, le=10)] = 0.4
-    integral_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
-    derivative: Annotated[float, Field(ge=0, le=10)] = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class PidFfParameters(PidParameters):
-    """Gains of the law with the acceleration of the reference."""
-
-    #: Weight of (w(k+2) - w(k+1)) / T0.
-    feed_forward: Annotated[float, Field(ge=0, le=2)] = 1.0
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.5
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.1
+    #: Square wave added to each command, and half its period in samples.
+    dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    dither_samples: Annotated[int, Field(ge=1, le=100)] = 3
 
 
-class PidState(NamedTuple, Generic[T]):
-    """``errors``: e(k-1), e(k-2), m/s. ``command``: u(k-1) as limited, ``rise``: the feed-forward in it, m/s^2."""
+class PidState(NamedTuple):
+    """Integral part (m/s2) and last error (m/s); with dither also samples since the wave changed, and the wave (m/s2)."""
 
-    errors: tuple[T, ...]
-    command: T
-    rise: T
-
-
-class PidCore(Core[T, PidState[T]]):
-    """The incremental form, u(k) = u(k-1) + ...: with the limited u(k-1) it does not wind up."""
-
-    def __init__(self, re: Reals[T], unit: Unit, parameters: PidParameters) -> None:
-        super().__init__(re, unit, parameters)
-        given, period_s = parameters, unit.sample_period_s
-        proportional, derivative = given.gain_per_s, given.derivative / period_s
-        on_now = proportional + given.integral_per_s2 * period_s + derivative
-        self._gains = re.numbers("gain", (on_now, -proportional - 2.0 * derivative, derivative), "parameters")
-        self._ahead = isinstance(given, PidFfParameters)
-        self.horizon = 2 if self._ahead else 0
-        weight = given.feed_forward if isinstance(given, PidFfParameters) else 0.0
-        self._feed = re.number("feed_forward", weight / period_s, "parameters")
-
-    def start(self, sample: Sample[T]) -> PidState[T]:
-        zero = self.re.zero
-        return PidState((zero, zero), zero, zero)
-
-    def step(self, state: PidState[T], sample: Sample[T]) -> tuple[PidState[T], Move[T]]:
-        re = self.re
-        error = re.sub(sample.reference[0], sample.speed)
-        errors = (error, *state.errors)
-        command, rise = re.add(state.command, re.dot(self._gains, errors)), re.zero
-        if self._ahead:
-            rise = re.mul(self._feed, re.sub(sample.reference[2], sample.reference[1]))
-            command = re.add(command, re.sub(rise, state.rise))
-        command = re.clip(command, sample.lowest, sample.highest)
-        return PidState(errors[:2], command, rise), Move(command, re.zero, re.zero, re.one, re.zero)
-
-    def sent(self, state: PidState[T], command: T) -> PidState[T]:
-        return state._replace(command=command)
+    integral: Any
+    error: Any
+    wave: tuple[Any, ...] = ()
 
 
-class Pid(HighSpeedLaw[T]):
-    """PID, without any preview of the reference."""
+class Pid(HighSpeedLaw[T, PidState]):
+    """See the module."""
 
     name = "pid"
-    parameters_type = PidParameters
+    parameters_type: ClassVar[type[Any]] = PidParameters
+    parameters_origin = "ours; the papers print none"
 
-    def core(self, re: Reals[T], unit: Unit, parameters: Any) -> PidCore[T]:
-        return PidCore(re, unit, parameters)
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:
+        super().__init__(arithmetic, scenario, parameters)
+        given, sample_s = self.given, self.sample_s
+        self._proportional = self.hold("kp", given.kp_per_s, _GAIN_Q, "parameters")
+        self._integral = self.hold("ki_sample", given.ki_per_s2 * sample_s, _GAIN_Q, "parameters")
+        self._differential = self.hold("kd_by_sample", given.kd / sample_s, _GAIN_Q, "parameters")
+        self._wave: tuple[T, ...] = ()
+        if given.dither_mps2:
+            self._wave = self.zero, self.hold("dither", given.dither_mps2, ACCEL_Q, "parameters")
+            self._samples = self.hold("dither_samples", given.dither_samples, 0, "parameters")
+            self._next = self.hold("next_sample", 1.0, 0, "law")
+        self._far = self.hold("far", _FAR_MPS, SPEED_Q, "law"), self.hold("minus_far", -_FAR_MPS, SPEED_Q, "law")
 
+    def loop_start(self, loop: int, inputs: LoopInputs[T]) -> PidState:
+        return PidState(self.zero, self._error(inputs), self._wave)
 
-class PidFf(Pid[T]):
-    """PID with the acceleration of the reference."""
+    def _error(self, inputs: LoopInputs[T]) -> T:
+        return self.ar.clip(self.ar.sub(inputs.target, inputs.speed), *self._far)
 
-    name = "pid_ff"
-    parameters_type = PidFfParameters
+    def loop_step(self, loop: int, state: PidState, inputs: LoopInputs[T]) -> tuple[PidState, LoopAnswer[T]]:
+        ar = self.ar
+        error = ar.note(f"error[{loop}]", self._error(inputs), SPEED_Q, "m/s")
+        part = ar.mpy_iqx(error, SPEED_Q, self._integral, _GAIN_Q, ACCEL_Q)
+        integral = ar.clip(ar.add(state.integral, ar.clip(part, self.most, self.least)), self.most, self.least)
+        ar.note(f"integral[{loop}]", integral, ACCEL_Q, "m/s2")
+        accel = ar.add(integral, self._limited(ar.mpy_iqx(error, SPEED_Q, self._proportional, _GAIN_Q, ACCEL_Q)))
+        change = ar.sub(error, state.error)
+        accel = ar.add(accel, self._limited(ar.mpy_iqx(change, SPEED_Q, self._differential, _GAIN_Q, ACCEL_Q)))
+        if not state.wave:
+            return PidState(integral, error), LoopAnswer(accel, self.no_notes())
+        samples, wave = state.wave
+        counted = ar.minimum(ar.add(samples, self._next), self._samples)
+        over = ar.gt(self._samples, counted)
+        after = ar.where(over, counted, self.zero), ar.where(over, wave, ar.neg(wave))
+        return PidState(integral, error, after), LoopAnswer(ar.add(accel, wave), self.no_notes())
+
+    def _limited(self, part: T) -> T:
+        return part

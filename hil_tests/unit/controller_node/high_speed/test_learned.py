@@ -10,8 +10,7 @@ import pytest
 
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
-from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.laws.high_speed.dither import Dithered
+from railhil.controller_node.laws.high_speed.core import Unit
 from railhil.controller_node.laws.high_speed.elm_ngpc import ElmNgpc
 from railhil.controller_node.laws.high_speed.estimators import Past
 from railhil.controller_node.laws.high_speed.identification import residual, theta_of
@@ -65,35 +64,6 @@ def test_the_held_out_samples_are_300_spread_over_the_journey() -> None:
     assert set(gaps.tolist()) == {12, 13}
     with pytest.raises(ValueError, match="599 samples"):
         held_out(599)
-
-
-class Constant(Core[float, tuple[float, ...]]):
-    """Always the same command; its state is the commands that it was told."""
-
-    horizon = 0
-
-    def start(self, sample: Sample[float]) -> tuple[float, ...]:
-        return ()
-
-    def step(self, state: tuple[float, ...], sample: Sample[float]) -> tuple[tuple[float, ...], Move[float]]:
-        return state, Move(0.1, 0.0, 0.0, 1.0, 0.0)
-
-    def sent(self, state: tuple[float, ...], command: float) -> tuple[float, ...]:
-        return (*state, command)
-
-
-def test_dither_is_a_square_wave_that_the_law_is_told_and_that_keeps_the_limits() -> None:
-    re: Reals[float] = Reals(make("float64"))
-    core = Dithered(Constant(re, UNIT, None), 0.05, 3)
-    sample = Sample(10.0, (10.0,), -1.0, 0.12)
-    state = core.start(sample)
-    commands = []
-    for _ in range(8):
-        state, move = core.step(state, sample)
-        commands.append(move.command)
-    assert commands == pytest.approx([0.12] * 3 + [0.05] * 3 + [0.12] * 2)
-    assert state.inner == tuple(commands)
-    assert core.sent(state, 0.3).inner[-1] == 0.3
 
 
 @pytest.fixture
