@@ -22,6 +22,7 @@ HST1 = System(
     own={
         "task": "railhil.scenarios.high_speed.task:SingleUnitTask",
         "interface": "railhil.controller_node.laws.high_speed.interface:HST1",
+        "direct": "railhil.vector_bench:direct_run",
     },
     truth=Truth(
         "TRUTH",

@@ -1,4 +1,4 @@
-"""Laws of the high-speed trains and their mathematics (nonlinear generalized predictive control).
+"""Laws for high-speed trains, one a module; :mod:`.base` is what they share. Most are nonlinear predictive control.
 
 Two papers are read here: "004", Xu et al. 2024 (one power unit, extreme learning machine), and "002", Geng et al. 2021
 (three power units, BP network). D1 to D17 are the readings of what they leave open or misprint; each is a named option.

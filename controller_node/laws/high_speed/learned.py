@@ -46,7 +46,7 @@ def shipped_networks(law: str, system: str, folder: Path = WEIGHTS) -> tuple[Net
         raise InputError(path, key, first["input"], sentence(first), _HINT) from None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LearnedParameters(GpcParameters):
     """Parameters of a law with networks."""
 

@@ -24,7 +24,7 @@ from railhil.controller_node.laws.high_speed.identification import (
     residual,
     theta_of,
 )
-from railhil.controller_node.laws.high_speed.law import HighSpeedLaw, LawParameters
+from railhil.controller_node.laws.high_speed.law import CoreLaw, LawParameters
 from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon, refuse_unstable
 from railhil.controller_node.laws.high_speed.model import Sampled, bilinear_without_direct, pade_zoh
 from railhil.controller_node.laws.high_speed.predictor import Weights, first_row, predictions, weights
@@ -33,7 +33,7 @@ from railhil.controller_node.laws.high_speed.reals import Reals
 _DISCRETISATIONS = {"zoh": pade_zoh, "bilinear": bilinear_without_direct}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class GpcParameters(LawParameters):
     """Parameters of generalized predictive control; the defaults are the repaired set of the specification."""
 
@@ -162,7 +162,7 @@ class NgpcCore(Core[T, NgpcState[T]]):
         return state._replace(past=past._replace(commands=(command, *past.commands[1:])))
 
 
-class NgpcLaw(HighSpeedLaw[T]):
+class NgpcLaw(CoreLaw[T]):
     """A law of the family: the core with an estimator of xi."""
 
     parameters_type = GpcParameters

@@ -15,7 +15,7 @@ from railhil.controller_node.laws.high_speed.os_elm import Sequential, Sequentia
 from railhil.controller_node.laws.high_speed.reals import Reals
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OsElmParameters(LearnedParameters):
     """Parameters of the law."""
 

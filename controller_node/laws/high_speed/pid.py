@@ -4,8 +4,8 @@
 
     u(k) = clip(kp e(k) + i(k) + kd (e(k) - e(k-1)) / T0)        i(k) = clip(i(k-1) + ki T0 e(k))        e = w - v
 
-It also drives the runs whose records networks are trained on: a square wave can be added to its commands. Without it the
-record holds only what the law's own feedback does, and a network trained on it controls badly (reading D14).
+It also drives the runs whose records networks are trained on: a square wave can be added to its commands. Without it
+the record holds only what the law's own feedback does, and a network trained on it controls badly (D14).
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class PidParameters(HighSpeedParameters):
 
 
 class PidState(NamedTuple):
-    """Integral part (m/s2) and last error (m/s); with dither also samples since the wave changed, and the wave (m/s2)."""
+    """Integral part (m/s2), last error (m/s); with dither also the samples since the wave changed, and the wave."""
 
     integral: Any
     error: Any

@@ -14,7 +14,7 @@ from railhil.controller_node.laws.high_speed.ngpc import GpcParameters, NgpcLaw
 from railhil.controller_node.laws.high_speed.reals import Reals
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ResNgpcParameters(GpcParameters):
     """Parameters of the law."""
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hil_tests.support import shipped
 from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
@@ -27,9 +28,6 @@ from railhil.scenarios.profiles import MeanGrade, front_speed_limit
 from railhil.scenarios.reference import PAGE, keys, page
 from railhil.scenarios.schema import PORTS
 
-#: Shipped scenarios of the system ``ato``, and of others.
-NAMES = [name for name in names() if "system" not in Layers(RUNS / f"{name}.toml").merged()]
-OTHERS = sorted({*names()} - {*NAMES})
 YIZHUANG_DATA = DATA / "sources" / "yizhuang_line"
 
 
@@ -39,7 +37,7 @@ def write(folder: Path, text: str, name: str = "mine.toml") -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_every_shipped_scenario_loads_and_says_what_is_assumed(name: str) -> None:
     scenario = load(name)
     assert scenario.name == name
@@ -48,7 +46,7 @@ def test_every_shipped_scenario_loads_and_says_what_is_assumed(name: str) -> Non
     assert scenario.plan.stop_error_max_m > 0
 
 
-@pytest.mark.parametrize("name", OTHERS)
+@pytest.mark.parametrize("name", shipped.OTHERS)
 def test_shipped_scenarios_of_other_systems_load_and_say_what_is_assumed(name: str) -> None:
     scenario = load_any(name)
     assert scenario.name == name
@@ -57,11 +55,11 @@ def test_shipped_scenarios_of_other_systems_load_and_say_what_is_assumed(name: s
 
 def test_names_are_the_two_lvshun_and_thirteen_yizhuang_runs() -> None:
     assert names() == sorted(names())
-    assert [name.split("_")[0] for name in NAMES] == ["lvshun"] * 2 + ["yizhuang"] * 13
-    assert {"hst_short", "jinan_xuzhou"} <= {*OTHERS}
+    assert [name.split("_")[0] for name in shipped.ATO] == ["lvshun"] * 2 + ["yizhuang"] * 13
+    assert {"hst_short", "jinan_xuzhou"} <= {*shipped.OTHERS}
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_the_limit_of_the_stop_has_a_source(name: str) -> None:
     """The standard that the precise-stopping paper names, and a leeway that an operator publishes."""
     scenario = load(name)
@@ -333,7 +331,7 @@ def test_a_balise_number_may_come_again_behind_fifteen_others(tmp_path: Path, di
 
 
 def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -> None:
-    assert all(load(name).watch.weakened == "" for name in NAMES)
+    assert all(load(name).watch.weakened == "" for name in shipped.ATO)
     path = tmp_path / "weak.toml"
     head = 'extends = "lvshun_tieshan"\nname = "weak"\n[watch]\n'
     for lines, said in (
@@ -358,7 +356,7 @@ def test_the_reference_of_all_keys_is_current_and_whole() -> None:
     assert (by_name["plan.distance_m"].unit, by_name["plan.distance_m"].allowed) == ("m", "number above 0 to 400000")
     assert (by_name["timing.loop_delay_s"].unit, by_name["timing.loop_delay_s"].default) == ("s", "0.04")
     # Every key of every shipped scenario is one of them.
-    for name in NAMES:
+    for name in shipped.ATO:
         path = RUNS / f"{name}.toml"
         for keys_there in leaves(Layers(path).merged()):
             assert keys_there in by_name, keys_there
