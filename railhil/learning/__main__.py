@@ -38,6 +38,8 @@ def main(words: Sequence[str] | None = None) -> int:
         record = checked_record(namespace.record, None)
         if record.invalid:
             raise InputError(record.log, "verdict", Words(f"INVALID: {record.invalid}"), "a run that can be trusted")
+        if not record.certificate:
+            raise InputError(record.log, "certificate.json", Words("no such file"), "a run that came to its end")
         law = LAWS[namespace.kind]
         file = Path(namespace.out or f"{law}_{record.scenario.name}.toml")
         # Check before the work, not after it.

@@ -8,7 +8,6 @@ from dataclasses import fields
 from importlib.metadata import version
 from typing import Any
 
-from railhil.bus.ident import PltIdent
 from railhil.controller_node.laws.high_speed.modelling import HELD_OUT
 from railhil.controller_node.laws.high_speed.network import Network
 from railhil.controller_node.laws.high_speed.training import BP_DECAY, BP_ITERATIONS, Recipe
@@ -23,14 +22,17 @@ _DIGITS = 5
 
 def notes(record: Record, recipe: Recipe, period_s: float, learned: Learned) -> dict[str, Any]:
     """How the networks were made; no date and no path. Errors in km/h, by sampling period in s."""
+    solver = "" if recipe.kind == "bp" else " --pinv" if recipe.ridge is None else f" --ridge {recipe.ridge:g}"
+    options = f"--hidden {recipe.hidden}{solver} --seed {recipe.seed} --period {period_s:g}"
     method: dict[str, Any] = {"ridge": recipe.ridge} if recipe.ridge is not None else {"pinv": True}
     if recipe.kind == "bp":
         method = {"method": f"L-BFGS-B of scipy {version('scipy')}", "decay": BP_DECAY, "iterations": BP_ITERATIONS}
     return {
         "railhil": version("railhil"),
+        "options": options,
         "record_sha256": log_sha256(record.log),
         "scenario_sha256": record.scenario.sha256,
-        "driver": str(record.certificate.get("controller", "")),
+        "driver": record.certificate["controller"],
         "sample_period_s": period_s,
         "hidden": recipe.hidden,
         "seed": recipe.seed,
@@ -49,12 +51,10 @@ def _rounded(value: float) -> float:
 
 def document(law: str, record: Record, learned: Learned, noted: Mapping[str, Any]) -> str:
     """The text of the file."""
-    ident = record.trace.ident(PltIdent)
-    seeds = [ident.seed] if ident is not None else []
     return (
         f"{_HEAD}law = {_toml(law)}\n"
         + "".join(_network(network) for network in learned.networks)
-        + _table("training", {"scenario": record.scenario.name, "seeds": seeds})
+        + _table("training", {"scenario": record.scenario.name, "seeds": [record.certificate["seed"]]})
         + _table("training.notes", noted)
     )
 

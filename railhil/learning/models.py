@@ -59,9 +59,9 @@ def learn(record: Record, recipe: Recipe, period_s: float) -> Learned:
     """
     units = units_of(record)
     phases = [unit.series.phase_s(period_s) for unit in units]
-    networks = (
+    networks = [
         _trained(record, unit, recipe, period_s, phase_s)[0] for unit, phase_s in zip(units, phases, strict=True)
-    )
+    ]
     first = units[0]
     errors = {at_s: _trained(record, first, recipe, at_s, phases[0])[1] for at_s in PERIODS_S}
     return Learned(tuple(networks), errors, len(first.rows(period_s, phases[0])))

@@ -42,9 +42,10 @@ class Series:
 
         Between two telegrams the speed is interpolated.
         """
-        end_s = min(self.speed_s[-1], self.command_s[-1])
-        first = int(np.ceil((max(self.speed_s[0], self.command_s[0]) - phase_s) / period_s - 1e-9))
-        instants = phase_s + period_s * np.arange(first, int(np.floor((end_s - phase_s) / period_s + 1e-9)) + 1)
+        begin_s = max(self.speed_s[0], self.command_s[0]) + _LOOK_S
+        end_s = min(self.speed_s[-1], self.command_s[-1]) - _LOOK_S
+        first, last = np.ceil((begin_s - phase_s) / period_s), np.floor((end_s - phase_s) / period_s)
+        instants = phase_s + period_s * np.arange(int(first), int(last) + 1)
         looks = max(1, round(period_s / _LOOK_S))
         within_s = period_s / looks * (np.arange(looks) + 0.5)
         places = np.searchsorted(self.command_s, instants[:-1, None] + within_s, side="right") - 1
