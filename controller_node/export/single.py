@@ -16,10 +16,17 @@ from railhil.controller_node.program.model import Kind, LawProgram, Operation, P
 from railhil.controller_node.vector.law import Interface
 
 #: Operations whose formats mean nothing here.
-_CALLS = {
-    **{"add": "f32_add", "sub": "f32_sub", "neg": "f32_neg", "abs": "f32_abs", "sqrt": "f32_sqrt", "div": "f32_div"},
-    **{"mpy": "f32_mul", "rmpy": "f32_mul", "rsmpy": "f32_mul", "mpy_iqx": "f32_mul"},
-    **{"minimum": "f32_min", "maximum": "f32_max", "sat": "f32_clip", "clip": "f32_clip"},
+_CALLS = dict.fromkeys(("mpy", "rmpy", "rsmpy", "mpy_iqx"), "f32_mul") | {
+    "add": "f32_add",
+    "sub": "f32_sub",
+    "neg": "f32_neg",
+    "abs": "f32_abs",
+    "sqrt": "f32_sqrt",
+    "div": "f32_div",
+    "minimum": "f32_min",
+    "maximum": "f32_max",
+    "sat": "f32_clip",
+    "clip": "f32_clip",
 }
 
 
@@ -103,7 +110,8 @@ class SingleSource:
 
 
 def single_source(name: str, programs: LawProgram, interface: Interface, origin: str) -> SingleSource:
-    """The law as C: ``<name>_start(raw, state)``, ``<name>_step(state, raw, commands, notes)``, ``<name>_sent(state, told)``.
+    """The law as C: ``start(raw, state)``, ``step(state, raw, commands, notes)``, ``sent(state, told)``, each with the
+    name before it.
 
     :param name: prefix in C.
     :param programs: recorded without formats (``wide``).
