@@ -34,6 +34,7 @@ NAMES = (
     "codec",
     "memory",
     "predictive_peer",
+    "training",
 )
 #: Width of the tables when the output is not a terminal.
 _FILE_COLUMNS = 150

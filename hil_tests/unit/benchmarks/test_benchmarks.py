@@ -35,6 +35,7 @@ EXPECTED = {
     "campaign": "joblib: 2 processes",
     "codec": "SIM_TRUTH (3 frames): receive, all checks and decode",
     "predictive_peer": "do-mpc: step, median",
+    "training": "BP",
     "memory": "controller: peak resident set",
 }
 
