@@ -69,6 +69,7 @@ class Responder:
         polled.
     :param module: the node's CAN module; None: every frame of its ports is read at once.
     :param contract: of the run's system; None: that of railhil's own train.
+    :param paced: the polls of its own ports are the second time base of its clock; False: another one is.
     """
 
     def __init__(
@@ -81,6 +82,7 @@ class Responder:
         fd: bool = False,
         module: CanModule | None = None,
         contract: Contract | None = None,
+        paced: bool = True,
     ) -> None:
         contract = contract or wire_contract()
         clock_port = contract.clock_port
@@ -104,11 +106,10 @@ class Responder:
         }
         # The polls of the fastest own port are the clock's second time base: period in ticks, and master word. A port
         # slower than the life sign can bridge is not used: its extra polls would be taken for lost time.
-        paced = [
-            port for port in map(contract.port, answers) if port.period_ns and schedule.ticks(port.name) <= MAX_STEP
-        ]
+        own = [port for port in map(contract.port, answers) if port.period_ns] if paced else []
+        fast = [port for port in own if schedule.ticks(port.name) <= MAX_STEP]
         self._pace = min(
-            ((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in paced), default=(0, -1)
+            ((schedule.ticks(port.name), port.f_code << 12 | port.address) for port in fast), default=(0, -1)
         )
 
     def on(self, telegram: type[T], handler: Callable[[Reading[T]], None], port: str = "") -> None:

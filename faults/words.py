@@ -71,6 +71,9 @@ PLACES: dict[str, dict[str, str]] = {
         "doors": "doors closed and locked",
         "parking_brake": "parking brake released",
         "safety_loop": "safety loop closed",
+        "gain": "achieved share of a commanded acceleration",
+        "lag": "time constant of traction and brake",
+        "delay": "delay from a command to its force",
         "model": "the simulation itself",
     },
     "sensor": {
@@ -107,7 +110,9 @@ _RAIL = "railway"
 
 _TRAIN = (
     Word("scale", "train", "multiplied", _RAIL, (Parameter("factor", NUMBER, None, "factor", low=0.01, high=100.0),),
-         names=("mass", "gradient", "resistance")),
+         names=("mass", "gradient", "resistance", "gain", "lag")),
+    Word("longer", "train", "longer", _RAIL,
+         (Parameter("extra_s", TIME, None, "added to the delay", low=0.0, high=5.0),), names=("delay",)),
     Word("offset", "train", "shifted", _RAIL, (Parameter("permil", NUMBER, None, "per mil", low=-100.0, high=100.0),),
          names=("gradient",)),
     Word("low", "train", "wheels slip and slide", _RAIL,

@@ -18,6 +18,10 @@ TUNING = 5
 FAULT_VALUES = 6
 #: Whatever a fault draws while it is active.
 FAULT_SAMPLES = 7
+#: Wind on a high-speed train.
+WIND = 8
+#: Grades of a high-speed line.
+GRADES = 9
 
 
 def generator(seed: int, stream: int) -> np.random.Generator:

@@ -136,7 +136,7 @@ def test_names_of_distributions(here, tmp_path, kind, name, allowed):
     ("words", "said"),
     [
         (("law", "ipfc"), "NAME: found 'ipfc', allowed a name that no installed law has (ipfc, "),
-        (("system", "ato"), "NAME: found 'ato', allowed a name that no installed system has (ato)"),
+        (("system", "ato"), "NAME: found 'ato', allowed a name that no installed system has (ato, "),
         (("law", "constant"), "NAME: found 'constant', allowed another name: Constant has another meaning"),
         (("law", "false"), "NAME: found 'false', allowed another name: False has another meaning"),
         (

@@ -48,10 +48,14 @@ class Injections:
         self._active: list[bool] = []
         self._acting: dict[int, bool] = {}
 
-    def at(self, level: str, *names: str) -> list[Activity]:
-        """The faults of a level, and of these places if any are named."""
+    def at(self, level: str, *names: str, unit: int = 0) -> list[Activity]:
+        """The faults of a level, and of these places if any are named.
+
+        :param unit: only those of this unit of the train, from 1; 0: of any.
+        """
         places = [(one, one.fault.place) for one in self.activities]
-        return [one for one, place in places if place.level == level and (not names or place.name in names)]
+        found = [one for one, place in places if place.level == level and (not names or place.name in names)]
+        return [one for one in found if not unit or not one.fault.units or unit in one.fault.units]
 
     def samples(self, activity: Activity) -> np.random.Generator:
         """The random numbers that a fault uses while it is active."""

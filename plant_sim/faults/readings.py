@@ -200,13 +200,14 @@ class FaultySensor:
     """The readings of one sensor with its faults, in the order of their numbers.
 
     :param names: names of the place of its faults.
+    :param unit: the unit that has the sensor, from 1; 0: the train has one.
     """
 
-    def __init__(self, injections: Injections, quantity: Quantity, tick_s: float, *names: str) -> None:
+    def __init__(self, injections: Injections, quantity: Quantity, tick_s: float, *names: str, unit: int = 0) -> None:
         self._injections = injections
         self._faults = [
             WORDS[one.fault.what](one, quantity, injections.samples(one), tick_s)
-            for one in injections.at("sensor", *names)
+            for one in injections.at("sensor", *names, unit=unit)
             if one.fault.what in WORDS
         ]
         #: The reading at the present tick.

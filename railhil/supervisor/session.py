@@ -72,6 +72,15 @@ class Session:
         clock_port = contract.clock_port
         sinks = [clock_port, *(contract.port(telegram.PORT) for telegram in (TimeSync, RunEvent, PltIdent, CtlIdent))]
         schedule = Schedule.from_contract(scenario.timing.base_tick_ns, scenario.timing.port_period_ns, contract)
+        # A fault may touch the clock port and TIME_SYNC, but not the truth.
+        truth = system.truth if scenario.faults else None
+        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
+        # Without faults the fastest poll, whoever is asked, keeps the time going while the clock port is missing.
+        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
+        self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
+        self._pace: Frame | None = None
+        if self._truth_clock is None and self._pace_ticks <= MAX_STEP:
+            self._pace = master_frame(fastest.f_code, fastest.address)
         self._responder = Responder(
             Role.SUPERVISOR,
             schedule,
@@ -79,6 +88,7 @@ class Session:
             {SupCmd.PORT: self._command, SupIdent.PORT: self._own_ident},
             fd=fd,
             contract=contract,
+            paced=self._pace is None,
         )
         self._responder.on(PltIdent, self._take_ident)
         self._responder.on(CtlIdent, self._take_ident)
@@ -89,17 +99,8 @@ class Session:
         self._clock_ids = {clock_port.address, clock_port.fd_id}
         opening = contract.port(PltIdent.PORT)
         self._opening_ids = {opening.address, opening.fd_id}
-        # A fault may touch the clock port and TIME_SYNC, but not the truth.
-        truth = system.truth if scenario.faults else None
-        self._truth_clock = None if truth is None else TruthClock(contract, schedule, truth.port)
         self._time = self._truth_clock or self._clock
         self._truth_ids = self._truth_clock.truth_ids if self._truth_clock is not None else set()
-        # Otherwise the fastest poll, whoever is asked, keeps the time going while the clock port is missing.
-        polled = [port for port in contract.ports if port.mode == "poll" and port.period_ns]
-        self._pace_ticks, fastest = min(((schedule.ticks(port.name), port) for port in polled), key=itemgetter(0))
-        self._pace: Frame | None = None
-        if self._truth_clock is None and self._pace_ticks <= MAX_STEP:
-            self._pace = master_frame(fastest.f_code, fastest.address)
         # All other frames, which are the majority, are recorded without inspection.
         self._seen_ids = {self._status_id, self._poll_id}
         self._seen_ids |= self._truth_ids

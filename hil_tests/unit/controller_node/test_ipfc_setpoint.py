@@ -8,11 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hil_tests.support import shipped
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.base import SPEED_Q
 from railhil.controller_node.setpoint import SetPoints
-from railhil.scenarios.load import load, names
+from railhil.scenarios.load import load
 from railhil.scenarios.model import TargetCurve
 from railhil.scenarios.target import Target
 
@@ -46,7 +47,7 @@ def test_set_point_at_the_stop_is_exactly_zero_in_float64() -> None:
     assert (set_point, preview[0] < 0.0) == (0.0, True)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_sign_of_every_set_point_is_the_same_in_float64_and_fixed_point(name: str) -> None:
     scenario = load(name)
     wide, fixed = (SetPoints(make(arithmetic), scenario, "time", 1) for arithmetic in ("float64", "iq"))

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil_tests.support import shipped
 from hil_tests.support.cli import railhil
 from hil_tests.support.plug import plug_in
 from railhil.bus.mvb import TelegramSource, master_frame
@@ -30,7 +31,6 @@ from railhil.controller_node.program.ranges import WIRE, analyse, analyse_law
 from railhil.controller_node.program.record import leaves, record
 from railhil.controller_node.program.tracer import Tracer
 from railhil.scenarios.load import load
-from railhil.scenarios.load import names as shipped_names
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec
 
@@ -126,7 +126,7 @@ def test_no_operation_of_a_law_can_wrap(name: str, period_s: float, indexing: st
 
 
 @pytest.mark.parametrize("indexing", ["time", "distance"])
-@pytest.mark.parametrize("name", shipped_names())
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_no_operation_can_wrap_on_any_shipped_scenario_and_a_long_overtime(name: str, indexing: str) -> None:
     scenario = load(name)
     scenario = replace(scenario, plan=replace(scenario.plan, overtime_max_s=600.0))

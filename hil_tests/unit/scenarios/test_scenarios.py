@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hil_tests.support import shipped
 from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
 from railhil.dbc import wire_contract
@@ -20,7 +21,7 @@ from railhil.scenarios.canonical import canonical_json, scenario_sha256
 from railhil.scenarios.json_schema import scenario_json_schema
 from railhil.scenarios.keys import MEANING
 from railhil.scenarios.layers import DATA, Layers
-from railhil.scenarios.load import RUNS, load, names
+from railhil.scenarios.load import RUNS, load, load_any, names
 from railhil.scenarios.model import Line, Perturbations, Scenario, Uniform, profile_value
 from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.profiles import MeanGrade, front_speed_limit
@@ -36,7 +37,7 @@ def write(folder: Path, text: str, name: str = "mine.toml") -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_every_shipped_scenario_loads_and_says_what_is_assumed(name: str) -> None:
     scenario = load(name)
     assert scenario.name == name
@@ -45,12 +46,20 @@ def test_every_shipped_scenario_loads_and_says_what_is_assumed(name: str) -> Non
     assert scenario.plan.stop_error_max_m > 0
 
 
+@pytest.mark.parametrize("name", shipped.OTHERS)
+def test_shipped_scenarios_of_other_systems_load_and_say_what_is_assumed(name: str) -> None:
+    scenario = load_any(name)
+    assert scenario.name == name
+    assert scenario.assumptions
+
+
 def test_names_are_the_two_lvshun_and_thirteen_yizhuang_runs() -> None:
     assert names() == sorted(names())
-    assert [name.split("_")[0] for name in names()] == ["lvshun"] * 2 + ["yizhuang"] * 13
+    assert [name.split("_")[0] for name in shipped.ATO] == ["lvshun"] * 2 + ["yizhuang"] * 13
+    assert {"hst_short", "jinan_xuzhou"} <= {*shipped.OTHERS}
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_the_limit_of_the_stop_has_a_source(name: str) -> None:
     """The standard that the precise-stopping paper names, and a leeway that an operator publishes."""
     scenario = load(name)
@@ -322,7 +331,7 @@ def test_a_balise_number_may_come_again_behind_fifteen_others(tmp_path: Path, di
 
 
 def test_a_watch_is_weaker_when_a_limit_is_above_the_usual_one(tmp_path: Path) -> None:
-    assert all(load(name).watch.weakened == "" for name in names())
+    assert all(load(name).watch.weakened == "" for name in shipped.ATO)
     path = tmp_path / "weak.toml"
     head = 'extends = "lvshun_tieshan"\nname = "weak"\n[watch]\n'
     for lines, said in (
@@ -347,7 +356,8 @@ def test_the_reference_of_all_keys_is_current_and_whole() -> None:
     assert (by_name["plan.distance_m"].unit, by_name["plan.distance_m"].allowed) == ("m", "number above 0 to 400000")
     assert (by_name["timing.loop_delay_s"].unit, by_name["timing.loop_delay_s"].default) == ("s", "0.04")
     # Every key of every shipped scenario is one of them.
-    for path in RUNS.glob("*.toml"):
+    for name in shipped.ATO:
+        path = RUNS / f"{name}.toml"
         for keys_there in leaves(Layers(path).merged()):
             assert keys_there in by_name, keys_there
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from hil_tests.support import shipped
 from railhil.scenarios import regenerate
 from railhil.scenarios.effort import force_limit_n, resistance_n
 from railhil.scenarios.envelope import CurveError
@@ -83,7 +84,7 @@ def test_yizhuang_runs_meet_distance_limits_and_jerk(name: str) -> None:
     assert_curve_keeps_everything(scenario.target, scenario.line, scenario.train, LIMITS)
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", shipped.ATO)
 def test_perturbed_trains_have_the_force_to_follow(name: str) -> None:
     """Tracking error must be the controller's, not the curve's: heavy, stiff trains stay below their limits."""
     scenario = load(name)

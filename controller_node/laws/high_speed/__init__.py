@@ -1,0 +1,1 @@
+"""Laws for high-speed trains, one a module; :mod:`.base` is what they share."""

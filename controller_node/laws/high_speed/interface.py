@@ -1,0 +1,50 @@
+"""What the laws of high-speed trains read and write on the bus.
+
+Readings, in this order: ``speed`` of each unit (``speed_1``, ... with several), ``ref1`` to ``ref14`` (target speeds in
+steps of 0.25 s), ``ref0`` (the present one), ``emergency``. Commands, for each unit: ``u`` and ``mode``.
+"""
+
+from __future__ import annotations
+
+from railhil.bus.high_speed import NOTES, PREVIEW, SAFE, wire
+from railhil.controller_node.vector.law import Command, Interface, Note, Reading
+
+#: Q of the commands (0.001 m/s2) and of the notes' counts inside a law.
+COMMAND_Q = 16
+NOTE_COUNT_Q = 8
+#: Bounds of the commands, 0.001 m/s2; scenarios may allow less.
+_LOWEST, _HIGHEST = -2000, 2000
+#: Largest age of readings: some of them come every 200 ms, and one of these may be lost.
+_AGE_MAX_MS = 600
+
+
+def interface_of(units: int) -> Interface:
+    """The interface for a train of one unit or three."""
+    ports = wire(units)
+    tails = [""] if units == 1 else [f"_{unit}" for unit in range(1, units + 1)]
+    speeds = zip(tails, ports.feedback, strict=True)
+    commands = zip(tails, ports.commands, strict=True)
+    return Interface(
+        readings=(
+            *(Reading(f"speed{tail}", kind, "speed", unit="0.01 km/h") for tail, kind in speeds),
+            *(Reading(f"ref{j}", ports.reference, f"ref{j}", unit="0.01 km/h") for j in (*range(1, PREVIEW + 1), 0)),
+            Reading("emergency", ports.event, "emergency"),
+        ),
+        commands=tuple(
+            command
+            for tail, kind in commands
+            for command in (
+                Command(f"u{tail}", kind, "accel", COMMAND_Q, 0, "0.001 m/s2", _LOWEST, _HIGHEST),
+                Command(f"mode{tail}", kind, "mode", 0, safe=SAFE),
+            )
+        ),
+        notes=tuple(
+            Note(f"{note}{tail}", f"{note}{unit}", NOTE_COUNT_Q) for unit, tail in enumerate(tails, 1) for note in NOTES
+        ),
+        status=ports.status,
+        age_max_ms=_AGE_MAX_MS,
+    )
+
+
+HST1 = interface_of(1)
+EMU3 = interface_of(3)

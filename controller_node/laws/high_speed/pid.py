@@ -1,0 +1,79 @@
+"""PID control of the speed, the comparator of both papers, which print no gains.
+
+::
+
+    u(k) = clip(kp e(k) + i(k) + kd (e(k) - e(k-1)) / T0)        i(k) = clip(i(k-1) + ki T0 e(k))        e = w - v
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+from pydantic import Field
+
+from railhil.controller_node.arithmetic.base import Arithmetic, T
+from railhil.controller_node.laws.high_speed.base import (
+    ACCEL_Q,
+    SPEED_Q,
+    HighSpeedLaw,
+    HighSpeedParameters,
+    LoopAnswer,
+    LoopInputs,
+)
+
+_GAIN_Q = 20
+#: Errors are limited to this, m/s: beyond it every command is at its limit.
+_FAR_MPS = 20.0
+
+
+@dataclass(frozen=True)
+class PidParameters(HighSpeedParameters):
+    """Gains on the error of the speed (m/s)."""
+
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.5
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.1
+
+
+class PidState(NamedTuple):
+    """Integral part (m/s2) and last error (m/s)."""
+
+    integral: Any
+    error: Any
+
+
+class Pid(HighSpeedLaw[T, PidState]):
+    """See the module."""
+
+    name = "pid"
+    parameters_type: ClassVar[type[Any]] = PidParameters
+    parameters_origin = "ours; the papers print none"
+
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:
+        super().__init__(arithmetic, scenario, parameters)
+        given, sample_s = self.given, self.sample_s
+        self._proportional = self.hold("kp", given.kp_per_s, _GAIN_Q, "parameters")
+        self._integral = self.hold("ki_sample", given.ki_per_s2 * sample_s, _GAIN_Q, "parameters")
+        self._differential = self.hold("kd_by_sample", given.kd / sample_s, _GAIN_Q, "parameters")
+        self._far = self.hold("far", _FAR_MPS, SPEED_Q, "law"), self.hold("minus_far", -_FAR_MPS, SPEED_Q, "law")
+
+    def loop_start(self, loop: int, inputs: LoopInputs[T]) -> PidState:
+        return PidState(self.zero, self._error(inputs))
+
+    def _error(self, inputs: LoopInputs[T]) -> T:
+        return self.ar.clip(self.ar.sub(inputs.target, inputs.speed), *self._far)
+
+    def loop_step(self, loop: int, state: PidState, inputs: LoopInputs[T]) -> tuple[PidState, LoopAnswer[T]]:
+        ar = self.ar
+        error = ar.note(f"error[{loop}]", self._error(inputs), SPEED_Q, "m/s")
+        part = ar.mpy_iqx(error, SPEED_Q, self._integral, _GAIN_Q, ACCEL_Q)
+        integral = ar.clip(ar.add(state.integral, ar.clip(part, self.most, self.least)), self.most, self.least)
+        ar.note(f"integral[{loop}]", integral, ACCEL_Q, "m/s2")
+        accel = ar.add(integral, self._limited(ar.mpy_iqx(error, SPEED_Q, self._proportional, _GAIN_Q, ACCEL_Q)))
+        change = ar.sub(error, state.error)
+        accel = ar.add(accel, self._limited(ar.mpy_iqx(change, SPEED_Q, self._differential, _GAIN_Q, ACCEL_Q)))
+        return PidState(integral, error), LoopAnswer(accel, self.no_notes())
+
+    def _limited(self, part: T) -> T:
+        return part

@@ -1,0 +1,1 @@
+"""High-speed trains of one or several power units: dynamics, surroundings, plant."""

@@ -1,0 +1,169 @@
+"""A high-speed train on the bus: its units, the wayside, and the bench's own look at the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from math import isfinite
+from typing import Any
+
+from railhil.bus.high_speed import (
+    ACCEL_PER_MPS2,
+    CAUSE_COMMAND_AGE,
+    CAUSE_NO_COMMAND,
+    CAUSE_NONE,
+    LEVEL_BRAKE,
+    LEVEL_COAST,
+    LEVEL_NORMAL,
+    TRUE_PER_UNIT,
+    wire,
+)
+from railhil.bus.layout import Telegram
+from railhil.plant_sim.any_plant import PlantError
+from railhil.plant_sim.high_speed.dynamics import available_of
+from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
+from railhil.plant_sim.timed_run import TimedPlant
+
+#: Periods of a command without a new life sign after which the unit acts by itself.
+STALE_PERIODS = 3
+#: The train has arrived when it stands and the target is below this speed.
+_ARRIVED_MPS = 0.5
+_MM, _CM = 1000.0, 100.0
+_POSITION_MAX_CM = 2**32 - 1
+
+
+class HighSpeedPlant(TimedPlant):
+    """See :class:`railhil.plant_sim.any_plant.AnyPlant`.
+
+    A unit whose command has had no new life sign for :data:`STALE_PERIODS` periods coasts or brakes, as the scenario
+    says, until the next accepted command.
+    """
+
+    def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
+        task = scenario.task
+        self._task = task
+        self._wire = contract = wire(len(task.unit))
+        numbers = range(len(task.unit))
+        makers: dict[str, Callable[[], Telegram]] = {
+            contract.feedback[unit].PORT: partial(self._feedback, unit) for unit in numbers
+        }
+        makers |= {contract.forces[unit].PORT: partial(self._force, unit) for unit in numbers}
+        makers |= {
+            contract.reference.PORT: self._reference,
+            contract.event.PORT: self._event,
+            contract.place.PORT: self._place,
+            contract.truth.PORT: self._truth,
+            contract.mutation.PORT: self._mutation,
+        }
+        super().__init__(scenario, rate, makers)
+        tick_s = self.tick_ns / 1e9
+        self.train = HighSpeedTrain(task, seed, tick_s)
+        self.wayside = Wayside(task, tick_s)
+        self._commands = {kind.PORT: kind for kind in contract.commands}
+        self._unit_of = {kind.PORT: unit for unit, kind in enumerate(contract.commands)}
+        periods_ns = {port.name: port.period_ns for port in contract.contract.ports} | dict(
+            scenario.timing.port_period_ns
+        )
+        self._stale_ticks = [STALE_PERIODS * periods_ns[kind.PORT] // self.tick_ns for kind in contract.commands]
+        self._heard = [-1] * len(task.unit)
+        self._levels = [LEVEL_NORMAL] * len(task.unit)
+        self._samples = 0
+        self._has_moved = False
+        self._look()
+
+    @property
+    def commands(self) -> Mapping[str, type[Telegram]]:
+        return self._commands
+
+    @property
+    def statuses(self) -> tuple[str, ...]:
+        return (self._wire.status.PORT,)
+
+    @property
+    def position_01mm(self) -> int:
+        return round(self.train.position_m * 1e4)
+
+    # -- telegrams ------------------------------------------------------------------------------------------------
+
+    def _feedback(self, unit: int) -> Telegram:
+        kind = self._wire.feedback[unit]
+        level = self._levels[unit]
+        cause = CAUSE_NONE
+        if level != LEVEL_NORMAL:
+            cause = CAUSE_NO_COMMAND if self._heard[unit] < 0 else CAUSE_COMMAND_AGE
+        return kind(self.train.read_speed_raw(unit), level, cause, life=self.next_life(kind.PORT))
+
+    def _force(self, unit: int) -> Telegram:
+        kind, motion = self._wire.forces[unit], self.train.units[unit].motion
+        available = available_of(self.train.limits, motion.speed_mps)
+        return kind(
+            round(motion.drive_mps2 * ACCEL_PER_MPS2),
+            available=round(available * ACCEL_PER_MPS2),
+            life=self.next_life(kind.PORT),
+        )
+
+    def _reference(self) -> Telegram:
+        kind = self._wire.reference
+        now, *ahead = self.wayside.preview_raw(self.tick)
+        index, self._samples = self._samples & 0xFF, self._samples + 1
+        made: Telegram = kind(*ahead, now, index, life=self.next_life(kind.PORT))
+        return made
+
+    def _event(self) -> Telegram:
+        kind = self._wire.event
+        return kind(int(self.wayside.emergency), life=self.next_life(kind.PORT))
+
+    def _place(self) -> Telegram:
+        kind = self._wire.place
+        position_cm = min(round(self.train.position_m * _CM), _POSITION_MAX_CM)
+        return kind(position_cm, round(self.tick * self.tick_ns / 1e7), life=self.next_life(kind.PORT))
+
+    def _truth(self) -> Telegram:
+        kind, train = self._wire.truth, self.train
+        counts = (train.speed_mps, train.accel_mps2, train.drive_mps2, self.wayside.target_mps(self.tick))
+        more = [unit.motion.speed_mps for unit in train.units] if len(train.units) > 1 else []
+        made: Telegram = kind(
+            round(train.position_m * _MM),
+            *(round(value * TRUE_PER_UNIT) for value in (*counts, *more)),
+            life=self.next_life(kind.PORT),
+        )
+        return made
+
+    def _mutation(self) -> Telegram:
+        kind, train = self._wire.mutation, self.train
+        gain, lag, traction_delay, braking_delay = (round(value * 1000.0) for value in train.units[0].data)
+        grade, wind = round(train.grade_permil * 100.0), round(train.wind.accel_mps2 * TRUE_PER_UNIT)
+        return kind(gain, lag, traction_delay, braking_delay, grade, wind, life=self.next_life(kind.PORT))
+
+    # -- commands and time ----------------------------------------------------------------------------------------
+
+    def act(self, telegram: Any) -> None:
+        unit = self._unit_of[telegram.PORT]
+        self._heard[unit] = self.tick
+        self._levels[unit] = LEVEL_NORMAL
+        self.train.commands_mps2[unit] = telegram.accel / ACCEL_PER_MPS2
+
+    def advance(self) -> None:
+        for unit, heard in enumerate(self._heard):
+            if self.tick - heard >= self._stale_ticks[unit] and self._levels[unit] == LEVEL_NORMAL:
+                self._act_alone(unit)
+        self.train.advance()
+        self.tick += 1
+        if not isfinite(self.train.speed_mps):
+            raise PlantError(f"speed is not finite at tick {self.tick}")
+        self._look()
+
+    def _act_alone(self, unit: int) -> None:
+        """A unit without a command: it coasts or brakes."""
+        brakes = self._task.stale_command == "brake"
+        self._levels[unit] = LEVEL_BRAKE if brakes else LEVEL_COAST
+        self.train.commands_mps2[unit] = -self._task.stale_braking_mps2 if brakes else 0.0
+
+    def _look(self) -> None:
+        """What happens at this instant besides the motion."""
+        if self.wayside.look(self.tick, self.train.position_m):
+            self.milestone("emergency_called", self.position_01mm)
+        if self.train.speed_mps > 0.0:
+            self._has_moved = True
+        elif self._has_moved and self.wayside.target_mps(self.tick) < _ARRIVED_MPS:
+            self.milestone("arrived", self.position_01mm, once=True)

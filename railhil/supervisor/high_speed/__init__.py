@@ -1,0 +1,1 @@
+"""How runs of high-speed trains are judged and shown."""

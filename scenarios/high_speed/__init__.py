@@ -1,0 +1,1 @@
+"""High-speed trains under speed control: systems, task, target curve and emergency profile."""
