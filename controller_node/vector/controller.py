@@ -62,6 +62,9 @@ class VectorLoop(Generic[T]):
         self.name = law
         self.interface: Interface = system.part("interface")
         kind = find(law, system.laws, VectorLaw)
+        if kind.floating and not arithmetic.wide:
+            allowed = "float64 or float32: this law has no fixed-point formats"
+            raise InputError("controller", f"{law}, arithmetic", Words("fixed point"), allowed)
         parameters = law_parameters(law, kind, given)
         try:
             remembered = memory_arguments(law, kind, scenario, memory)

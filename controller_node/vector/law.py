@@ -110,6 +110,8 @@ class VectorLaw(ABC, Generic[T, State]):
     design_seeds: ClassVar[Mapping[str, range]] = {}
     #: Empty: the notes of a vector law are those of its system's interface.
     notes: ClassVar[tuple[Any, ...]] = ()
+    #: True: the law has no fixed-point formats and needs float64 or float32.
+    floating: ClassVar[bool] = False
     #: Set-point indexings with which the law works: only time for vector laws.
     indexings: ClassVar[tuple[str, ...]] = ("time",)
 

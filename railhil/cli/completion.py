@@ -16,6 +16,7 @@ from railhil.scenarios.load import short_names
 #: Module with the command line of a program, if not its ``__main__``.
 _ARGUMENTS = {
     "railhil.campaign": "railhil.campaign.command",
+    "railhil.learning": "railhil.learning.command",
     "railhil.tuning": "railhil.tuning.command",
     "railhil.machines.vcan": "railhil.machines.vcan",
     "railhil.cli.completion": "railhil.cli.completion",

@@ -31,6 +31,7 @@ PROGRAMS = {
         "railhil.reproduce",
         "run the protocol of a paper and print its tables beside the published ones",
     ),
+    "train-model": ("railhil.learning", "train the network of a law for high-speed trains on a recorded run"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),
     "vcan": (
         "railhil.machines.vcan",

@@ -76,9 +76,10 @@ class LoopModel:
 
 
 class _State(NamedTuple, Generic[T, LoopState]):
-    """Periods since the last sample, last commands and notes of each loop, and the loops' own states."""
+    """Periods since the last sample, last reading of the emergency, last commands and notes of each loop, their states."""
 
     period: T
+    urgent: T
     held: tuple[LoopAnswer[T], ...]
     loops: tuple[LoopState, ...]
 
@@ -154,7 +155,7 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         inputs = self._inputs(readings)
         nothing = LoopAnswer(self.zero, self.no_notes())
         loops = tuple(self.loop_start(loop, one) for loop, one in enumerate(inputs))
-        return _State(self.zero, (nothing,) * len(loops), loops)
+        return _State(self.zero, self.zero, (nothing,) * len(loops), loops)
 
     def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
         ar = self.ar
@@ -170,14 +171,17 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
             )
             for loop, (_, answer) in enumerate(stepped)
         )
-        after = _State(self.zero, answers, tuple(loop for loop, _ in stepped))
+        urgent = readings[-1]
+        after = _State(self.zero, urgent, answers, tuple(loop for loop, _ in stepped))
         if self._periods > 1:
-            waits = ar.gt(state.period, self.zero)
+            # The trigger of an emergency is a sample, from which the next ones are counted.
+            since = ar.where(ar.gt(urgent, state.urgent), self.zero, state.period)
+            waits = ar.gt(since, self.zero)
             after = chosen(ar, waits, state, after)
             # The minimum bounds the count for the interval analysis.
-            count = ar.minimum(ar.add(state.period, self._one), self._end)
-            period = ar.where(ar.gt(state.period, self._last), self.zero, count)
-            after = after._replace(period=ar.note("period", period, 0))
+            count = ar.minimum(ar.add(since, self._one), self._end)
+            period = ar.where(ar.gt(since, self._last), self.zero, count)
+            after = after._replace(period=ar.note("period", period, 0), urgent=urgent)
         return after, self._answer(after.held, readings[-1])
 
     def _inputs(self, readings: Sequence[T]) -> list[LoopInputs[T]]:

@@ -3,6 +3,9 @@
 ::
 
     u(k) = clip(kp e(k) + i(k) + kd (e(k) - e(k-1)) / T0)        i(k) = clip(i(k-1) + ki T0 e(k))        e = w - v
+
+It also drives the runs whose records networks are trained on: a square wave can be added to its commands. Without it
+the record holds only what the law's own feedback does, and a network trained on it controls badly (D14).
 """
 
 from __future__ import annotations
@@ -34,13 +37,17 @@ class PidParameters(HighSpeedParameters):
     kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.5
     ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
     kd: Annotated[float, Field(ge=0, le=10)] = 0.1
+    #: Square wave added to each command, and half its period in samples.
+    dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    dither_samples: Annotated[int, Field(ge=1, le=100)] = 3
 
 
 class PidState(NamedTuple):
-    """Integral part (m/s2) and last error (m/s)."""
+    """Integral part (m/s2), last error (m/s); with dither also the samples since the wave changed, and the wave."""
 
     integral: Any
     error: Any
+    wave: tuple[Any, ...] = ()
 
 
 class Pid(HighSpeedLaw[T, PidState]):
@@ -56,10 +63,15 @@ class Pid(HighSpeedLaw[T, PidState]):
         self._proportional = self.hold("kp", given.kp_per_s, _GAIN_Q, "parameters")
         self._integral = self.hold("ki_sample", given.ki_per_s2 * sample_s, _GAIN_Q, "parameters")
         self._differential = self.hold("kd_by_sample", given.kd / sample_s, _GAIN_Q, "parameters")
+        self._wave: tuple[T, ...] = ()
+        if given.dither_mps2:
+            self._wave = self.zero, self.hold("dither", given.dither_mps2, ACCEL_Q, "parameters")
+            self._samples = self.hold("dither_samples", given.dither_samples, 0, "parameters")
+            self._next = self.hold("next_sample", 1.0, 0, "law")
         self._far = self.hold("far", _FAR_MPS, SPEED_Q, "law"), self.hold("minus_far", -_FAR_MPS, SPEED_Q, "law")
 
     def loop_start(self, loop: int, inputs: LoopInputs[T]) -> PidState:
-        return PidState(self.zero, self._error(inputs))
+        return PidState(self.zero, self._error(inputs), self._wave)
 
     def _error(self, inputs: LoopInputs[T]) -> T:
         return self.ar.clip(self.ar.sub(inputs.target, inputs.speed), *self._far)
@@ -73,7 +85,13 @@ class Pid(HighSpeedLaw[T, PidState]):
         accel = ar.add(integral, self._limited(ar.mpy_iqx(error, SPEED_Q, self._proportional, _GAIN_Q, ACCEL_Q)))
         change = ar.sub(error, state.error)
         accel = ar.add(accel, self._limited(ar.mpy_iqx(change, SPEED_Q, self._differential, _GAIN_Q, ACCEL_Q)))
-        return PidState(integral, error), LoopAnswer(accel, self.no_notes())
+        if not state.wave:
+            return PidState(integral, error), LoopAnswer(accel, self.no_notes())
+        samples, wave = state.wave
+        counted = ar.minimum(ar.add(samples, self._next), self._samples)
+        over = ar.gt(self._samples, counted)
+        after = ar.where(over, counted, self.zero), ar.where(over, wave, ar.neg(wave))
+        return PidState(integral, error, after), LoopAnswer(ar.add(accel, wave), self.no_notes())
 
     def _limited(self, part: T) -> T:
         return part

@@ -1,0 +1,1 @@
+"""Models learned from recorded runs: a record in, a weights file out."""
