@@ -186,6 +186,7 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         document["scenario"] = _scenario(document.get("scenario", USUAL_SCENARIO), said.get("scenario"))
         system = system_named(load_any(document["scenario"], settings, faults_given).system)
         document.setdefault("controller", system.law)
+        document.setdefault("arithmetic", system.arithmetic)
         if by := said.get("controller"):
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))
     if "memory_file" in document:

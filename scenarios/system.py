@@ -35,9 +35,10 @@ class System:
     (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant from (scenario, seed, perturbed, rate)
     (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus from
     (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
-    entry point group of its laws. ``law``: the default law. ``events``: its own milestones by name, numbers in
-    :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of
-    its report from (scenario, recorded runs). ``own``: parts used by some modules only: ``task``, ``interface``,
+    entry point group of its laws. ``law``: the default law. ``arithmetic``: the default of its runs. ``events``: its
+    own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`.
+    ``pictures``: makes the figures of its report from (scenario, recorded runs). ``own``: parts used by some modules
+    only: ``task``, ``interface``,
     ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
     and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
     (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``),
@@ -58,6 +59,7 @@ class System:
     judging: str
     pictures: str
     scenarios: str = "railhil.scenarios.task:TaskScenarios"
+    arithmetic: str = "iq"
     events: Mapping[str, int] = field(default_factory=dict)
     own: Mapping[str, str] = field(default_factory=dict)
     truth: Truth | None = None

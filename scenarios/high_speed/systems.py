@@ -19,6 +19,8 @@ HST1 = System(
     controller="railhil.controller_node.vector.node:VectorNode",
     laws="railhil.laws_high_speed",
     law="pid",
+    # Most of its laws have no formats for fixed point.
+    arithmetic="float64",
     judging="railhil.supervisor.high_speed.judging:HST1",
     pictures="railhil.supervisor.high_speed.panels:pictures",
     events=EVENTS,

@@ -1,4 +1,4 @@
-"""A-GPC, the adaptive comparator of 004 ([25] there, cited wrongly, D10): GPC on an integrated model, identified by RLS.
+"""A-GPC, the adaptive comparator of 004 ([25] there, cited wrongly, D10): GPC on an identified, integrated model.
 
 It is read as explicit CARIMA GPC with recursive least squares on differences: the integrator of the train is known, and
 an unknown constant (running resistance, grade) is removed by the differences.

@@ -76,7 +76,7 @@ class LoopModel:
 
 
 class _State(NamedTuple, Generic[T, LoopState]):
-    """Periods since the last sample, last reading of the emergency, last commands and notes of each loop, their states."""
+    """Periods since the last sample, last reading of the emergency; of each loop the last result and its own state."""
 
     period: T
     urgent: T

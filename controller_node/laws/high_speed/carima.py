@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Annotated, Any, Generic, Literal, NamedTuple
 
 from pydantic import Field
@@ -52,7 +53,7 @@ def start_track(re: Reals[T], sample: Sample[T]) -> Track[T]:
 
 def falls(re: Reals[T], values: Sequence[T]) -> tuple[T, ...]:
     """Differences of neighbours, newest first: x(k-1) - x(k-2), ..."""
-    return tuple(re.sub(new, old) for new, old in zip(values, values[1:], strict=False))
+    return tuple(re.sub(new, old) for new, old in pairwise(values))
 
 
 def increments(

@@ -1,4 +1,4 @@
-"""Laws made of one :class:`.core.Core` for each loop: samples in SI units from the inputs of a loop, limits by speed."""
+"""Laws made of one :class:`.core.Core` for each loop: samples in SI units, limits by speed."""
 
 from __future__ import annotations
 

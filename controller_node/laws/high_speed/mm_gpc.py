@@ -29,8 +29,9 @@ from railhil.controller_node.laws.high_speed.reals import Reals
 
 @dataclass(frozen=True)
 class MmGpcParameters(CarimaParameters):
-    """Parameters of the law; its models have each of these gains, once with the traction and once with the braking delay."""
+    """Parameters of the law."""
 
+    #: Gains of its models; each is used once with the traction and once with the braking delay.
     gains: tuple[Annotated[float, Field(gt=0, le=10)], ...] = (1.0,)
     #: Share of the old sum of squared errors in the new one.
     forgetting: Annotated[float, Field(ge=0, lt=1)] = 0.9
