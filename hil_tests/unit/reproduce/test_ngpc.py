@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
+from railhil.controller_node.laws import find
 from railhil.reproduce.ngpc import PAPER, names
 from railhil.reproduce.ngpc.names import ADAPTIVE, BP, ELM, EMERGENCY, LAWS, MULTI_MODEL, MUTATION, NORMAL
 from railhil.reproduce.ngpc.runs import Drawable
@@ -90,6 +92,14 @@ def test_each_situation_has_its_picture() -> None:
     assert [one.name for one in pictures] == ["figures_8_9", "figures_10_11", "figures_12_13"]
     for one in pictures:
         assert all(f">{law}<" in one.svg for law in LAWS)
+
+
+def test_readings_name_parameters_that_the_laws_have() -> None:
+    law = find(ELM, system_named("hst1").laws)
+    known = {item.name for item in fields(law.parameters_type)}
+    named = re.findall(r"`([a-z_]+)(?: = [^`]*)?`", " ".join(f"{one.reading} {one.other}" for one in PAPER.readings()))
+    assert set(named) <= known
+    assert {"ident", "ident_error", "discretisation", "weighting", "reference_start"} <= set(named)
 
 
 def test_a_law_that_never_stops() -> None:

@@ -9,6 +9,7 @@ power unit, DOI 10.12677/mos.2024.135479) and of three power units.
     tables.py      modelling error, tracking, emergency stop, computing effort
     statements.py  what the papers say about them
     pictures.py    figures 8 to 13
+    readings.py    how the papers are read
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from railhil.reproduce.ngpc.readings import readings
 from railhil.reproduce.ngpc.runs import PROTOCOL, curves, measure, planned
 from railhil.reproduce.ngpc.statements import statements
 from railhil.reproduce.ngpc.tables import tables
@@ -48,4 +50,5 @@ PAPER = Paper(
     tables=tables,
     statements=statements,
     figures=figures,
+    readings=readings,
 )
