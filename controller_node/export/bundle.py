@@ -17,6 +17,7 @@ from railhil.controller_node.export.mailboxes import mailbox_header
 from railhil.controller_node.export.node_header import node_header
 from railhil.controller_node.export.note import memory_note
 from railhil.controller_node.export.reference import reference_log
+from railhil.controller_node.export.single_bundle import SingleBundle
 from railhil.controller_node.export.source import SourceWriter, c_name
 from railhil.controller_node.export.templates import template
 from railhil.scenarios.model import AnyScenario
@@ -129,7 +130,7 @@ def make_bundle(scenario: AnyScenario, law: LawSpec, play: Play | None = None) -
     )
 
 
-def write_bundle(bundle: Bundle, folder: Path, *, force: bool = False) -> None:
+def write_bundle(bundle: Bundle | SingleBundle, folder: Path, *, force: bool = False) -> None:
     """Write the files: on return the folder contains all of them, otherwise an error is raised.
 
     :param force: write into a folder that is not empty; other files there are kept.

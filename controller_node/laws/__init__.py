@@ -51,3 +51,8 @@ def find(name: str, group: str, base: type[Any] = object) -> Any:
         allowed = f"an entry point in {group} naming a subclass of {base.__name__}"
         raise InputError("controller", name, found[name].value, allowed)
     return law
+
+
+def is_floating(name: str, group: str) -> bool:
+    """Whether a law has no fixed-point formats. Raises InputError like :func:`find`."""
+    return bool(getattr(find(name, group), "floating", False))

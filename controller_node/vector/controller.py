@@ -193,7 +193,8 @@ class VectorController:
         self.arithmetic = self._number = number = arithmetic or make(law.arithmetic)
         self._loop: VectorLoop[Any] = VectorLoop(system, scenario, name, number, given, law.memory)
         self.law = self._loop.law
-        self._interface = interface = self._loop.interface
+        #: Inputs and outputs of the law.
+        self.interface = interface = self._loop.interface
         self.wire = {reading.name: raw_range(reading.telegram, reading.field) for reading in interface.readings}
         self.commands = tuple(CommandCode(item.name, item.q, item.unit) for item in interface.commands)
         self.program = program = vector_program(system, scenario, name, given, law.memory, number.wide)
@@ -210,13 +211,18 @@ class VectorController:
         """Wraps, saturations and divisions by zero since the controller was made."""
         return self._number.counters
 
+    @property
+    def state(self) -> Any:
+        """State of the law; None before the first step."""
+        return self._loop.state
+
     def kept(self) -> dict[str, Any] | None:
         """See :meth:`railhil.controller_node.controller.Controller.kept`."""
         return self._loop.kept()
 
     def step(self, raws: Sequence[int]) -> VectorOutput:
         """One control period, from one raw integer for each reading."""
-        number, interface = self._number, self._interface
+        number, interface = self._number, self.interface
         try:
             _, answer = self._loop.step(raws)
         except Exception as fault:

@@ -59,6 +59,14 @@ class UnitMotion(NamedTuple):
     accel_mps2: float
 
 
+class Coupler(NamedTuple):
+    """A coupler: stiffness, damping, and half of its slack."""
+
+    stiffness_n_per_m: float
+    damping_ns_per_m: float
+    play_m: float
+
+
 class Grades(NamedTuple):
     """Grade over position, linear between points: ``permil[i] + slope[i] (x - from_m[i])`` from ``from_m[i]`` on."""
 
@@ -91,6 +99,23 @@ def grade_mps2(grades: Grades, position_m: float) -> float:
     row = larger(bisect_right(grades.from_m, position_m) - 1, 0)
     permil = grades.permil[row] + grades.slope_permil_per_m[row] * (position_m - grades.from_m[row])
     return permil * (GRAVITY_MPS2 / 1000.0)
+
+
+@compilable
+def coupler_n(coupler: Coupler, front: UnitMotion, rear: UnitMotion, step_s: float) -> float:
+    """Force between two units at the middle of a step, tension positive; none within the slack.
+
+    Positions of the units are counted from their places in a train at rest.
+    """
+    half_s = 0.5 * step_s
+    apart_mps = front.speed_mps - rear.speed_mps
+    gap_m = front.position_m - rear.position_m + apart_mps * half_s
+    apart_mps += (front.accel_mps2 - rear.accel_mps2) * half_s
+    if gap_m > coupler.play_m:
+        return (gap_m - coupler.play_m) * coupler.stiffness_n_per_m + apart_mps * coupler.damping_ns_per_m
+    if gap_m < -coupler.play_m:
+        return (gap_m + coupler.play_m) * coupler.stiffness_n_per_m + apart_mps * coupler.damping_ns_per_m
+    return 0.0
 
 
 @compilable

@@ -96,8 +96,15 @@ class HighSpeedPlant(TimedPlant):
     def _force(self, unit: int) -> Telegram:
         kind, motion = self._wire.forces[unit], self.train.units[unit].motion
         available = available_of(self.train.limits, motion.speed_mps)
+        coupler = gap = 0
+        if unit < len(self.train.couplers_n):
+            coupler = _within(self.train.couplers_n[unit] / 100.0, 0x7FFF)
+            rear = self.train.units[unit + 1].motion
+            gap = _within((motion.position_m - rear.position_m) * _MM, 0x7F)
         return kind(
             round(motion.drive_mps2 * ACCEL_PER_MPS2),
+            coupler,
+            gap,
             available=round(available * ACCEL_PER_MPS2),
             life=self.next_life(kind.PORT),
         )
@@ -122,9 +129,11 @@ class HighSpeedPlant(TimedPlant):
         kind, train = self._wire.truth, self.train
         counts = (train.speed_mps, train.accel_mps2, train.drive_mps2, self.wayside.target_mps(self.tick))
         more = [unit.motion.speed_mps for unit in train.units] if len(train.units) > 1 else []
+        couplers = (_within(force_n / 10.0, 0x7FFF) for force_n in train.couplers_n)
         made: Telegram = kind(
             round(train.position_m * _MM),
             *(round(value * TRUE_PER_UNIT) for value in (*counts, *more)),
+            *couplers,
             life=self.next_life(kind.PORT),
         )
         return made
@@ -167,3 +176,8 @@ class HighSpeedPlant(TimedPlant):
             self._has_moved = True
         elif self._has_moved and self.wayside.target_mps(self.tick) < _ARRIVED_MPS:
             self.milestone("arrived", self.position_01mm, once=True)
+
+
+def _within(value: float, most: int) -> int:
+    """A value as a whole number, at most ``most`` to either side."""
+    return min(max(round(value), -most), most)

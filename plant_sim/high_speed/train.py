@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 from railhil.bus.high_speed import PREVIEW, PREVIEW_STEP_S, SPEED_PER_MPS
 from railhil.plant_sim.high_speed.dynamics import (
     GRAVITY_MPS2,
+    Coupler,
     Drive,
     UnitLimits,
     UnitMotion,
+    coupler_n,
     drive,
     grade_mps2,
     moved,
@@ -105,18 +108,39 @@ class HighSpeedTrain:
         start = UnitMotion(position_m, speed_mps, steady, 0.0)
         self.units = [PowerUnit(UnitData.of(unit), start, steady / unit.gain) for unit in task.unit]
         self.commands_mps2 = [steady / unit.gain for unit in task.unit] if speed_mps > 0.0 else [0.0] * len(task.unit)
+        between = task.between_units
+        self._coupler = (
+            None
+            if between is None
+            else Coupler(
+                between.stiffness_kn_per_m * 1000.0, between.damping_kns_per_m * 1000.0, between.slack_mm / 2000.0
+            )
+        )
+        #: Force of each coupler in the last step, tension positive.
+        self.couplers_n = [0.0] * (len(task.unit) - 1)
         self._mass_kg = [unit.mass_t * 1000.0 * (1.0 + task.rotating_mass_share) for unit in task.unit]
 
     def advance(self) -> None:
         """Simulate one tick with the present commands."""
         limits, grades, wind_mps2 = self.limits, self._grades, self.wind.accel_mps2
+        outside_mps2 = [wind_mps2] * len(self.units)
         for _ in range(self._steps_per_tick):
             step = self._step
-            for unit, command_mps2 in zip(self.units, self.commands_mps2, strict=True):
+            if self._coupler is not None:
+                outside_mps2 = self._coupled_mps2(self._coupler, wind_mps2)
+            for unit, command_mps2, outside in zip(self.units, self.commands_mps2, outside_mps2, strict=True):
                 acting = unit.acting_mps2(step, command_mps2)
-                unit.motion = moved(limits, unit.drive, grades, unit.motion, acting, wind_mps2, STEP_S)
+                unit.motion = moved(limits, unit.drive, grades, unit.motion, acting, outside, STEP_S)
             self._step = step + 1
         self.wind.step()
+
+    def _coupled_mps2(self, coupler: Coupler, wind_mps2: float) -> list[float]:
+        """Acceleration of each unit by wind and couplers."""
+        motions = [unit.motion for unit in self.units]
+        self.couplers_n = forces_n = [coupler_n(coupler, *pair, STEP_S) for pair in pairwise(motions)]
+        pushed_n, pulled_n = [0.0, *forces_n], [*forces_n, 0.0]
+        rows = zip(pushed_n, pulled_n, self._mass_kg, strict=True)
+        return [wind_mps2 + (front - rear) / mass_kg for front, rear, mass_kg in rows]
 
     def read_speed_raw(self, unit: int) -> int:
         """A new reading of a unit's speed (0.01 km/h), with noise: 0 and above."""

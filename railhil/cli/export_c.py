@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import contextlib
 import sys
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -16,7 +18,9 @@ from rich.table import Table
 from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
-from railhil.controller_node.laws import names
+from railhil.controller_node.export.single_bundle import single_bundle
+from railhil.controller_node.laws import is_floating, names
+from railhil.controller_node.vector.node import refuse_indexing
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
@@ -59,28 +63,41 @@ def main() -> int:
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
+    system = system_named(scenario.system)
+    if is_floating(law.controller, system.laws):
+        refuse_indexing(system, law)
+        single = single_bundle(scenario, replace(law, arithmetic="float32"))
+        write_bundle(single, namespace.out, force=namespace.force)
+        size = f"{namespace.law} in single precision: {len(single.source.state)} numbers of state"
+        _list(single.files, size, namespace.out)
+        return 0
     bundle = make_bundle(scenario, law, lambda controller: _run(scenario, law, controller))
     # A law that may wrap is refused here, and must not run on a chip either.
-    system_named(scenario.system).part("controller")(scenario, law)
+    system.part("controller")(scenario, law)
     write_bundle(bundle, namespace.out, force=namespace.force)
+    source = bundle.source
+    words = source.constant_words + sum(source.table_words.values())
+    size = (
+        f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
+        f"stack at most {max(source.stack_words.values())} words"
+    )
+    _list(bundle.files, size, namespace.out)
+    return 0
+
+
+def _list(files: Mapping[str, str], size: str, folder: Path) -> None:
+    """The files and what they need on the target."""
     console = Console(markup=False, emoji=False, highlight=False)
     if not console.is_terminal:
         console.width = _FILE_COLUMNS
     listing = Table(box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
     listing.add_column("file")
     listing.add_column("bytes", justify="right")
-    for name, text in bundle.files.items():
+    for name, text in files.items():
         listing.add_row(name, str(len(text)))
     console.print(listing)
-    source = bundle.source
-    words = source.constant_words + sum(source.table_words.values())
-    console.print(
-        f"{namespace.law} on the target: {source.ram_words} words of RAM, {words} words of constants, "
-        f"stack at most {max(source.stack_words.values())} words; not run on a target",
-        soft_wrap=True,
-    )
-    console.print(f"wrote {namespace.out}: make -C {namespace.out} check", soft_wrap=True)
-    return 0
+    console.print(f"{size}; not run on a target", soft_wrap=True)
+    console.print(f"wrote {folder}: make -C {folder} check", soft_wrap=True)
 
 
 if __name__ == "__main__":

@@ -57,11 +57,11 @@ TUNED: Mapping[str, Mapping[str, float]] = {
 
 @dataclass(frozen=True)
 class Journey:
-    """A run of the train under a law, without a bus: speed errors (km/h) and commands (m/s^2) in control periods."""
+    """A run without a bus: speed errors (km/h) in the control periods that are scored, commands (m/s^2) at each sample."""
 
     errors_kmh: NDArray[np.float64]
     commands_mps2: NDArray[np.float64]
-    period_s: float
+    sample_s: float
 
     @property
     def rmse_kmh(self) -> float:
@@ -71,7 +71,7 @@ class Journey:
     @property
     def slope_mps3(self) -> float:
         """RMS of the command's slope."""
-        return float(np.sqrt(np.mean((np.diff(self.commands_mps2) / self.period_s) ** 2)))
+        return float(np.sqrt(np.mean((np.diff(self.commands_mps2) / self.sample_s) ** 2)))
 
     @property
     def cost(self) -> float:
@@ -88,7 +88,7 @@ def journey(scenario: Any, law: str, seed: int, values: Mapping[str, Any] | None
     """
     system, task = system_named(scenario.system), scenario.task
     given = ParameterSet(law, values, Path("tuning")) if values else None
-    loop = VectorLoop(system, scenario, law, make("float64"), given, None)
+    loop: Any = VectorLoop(system, scenario, law, make("float64"), given, None)
     tick_s, period_s = (ns / 1e9 for ns in (scenario.timing.base_tick_ns, scenario.timing.control_period_ns))
     ticks = round(period_s / tick_s)
     train, wayside = HighSpeedTrain(task, seed, tick_s), Wayside(task, tick_s)
@@ -104,7 +104,8 @@ def journey(scenario: Any, law: str, seed: int, values: Mapping[str, Any] | None
         for later in range(ticks):
             wayside.look(tick + later, train.position_m)
             train.advance()
-    return Journey(np.array(errors), np.array(commands), period_s)
+    sample_s = loop.law.sample_s
+    return Journey(np.array(errors), np.array(commands[:: round(sample_s / period_s)]), sample_s)
 
 
 def tuned(scenario: Any, law: str) -> tuple[dict[str, float], list[float]]:

@@ -11,31 +11,33 @@ EVENTS = {"emergency_called": 32, "arrived": 33}
 #: Places of faults inside their plants: mutations of the dynamics, sensors, traction and brakes.
 INJECTS = ("train.gain", "train.lag", "train.delay", "sensor.speed", "actuator.traction", "actuator.brake")
 
-HST1 = System(
-    name="hst1",
-    title="high-speed train as one power unit",
-    ports="railhil.dbc:hst1.toml",
-    plant="railhil.plant_sim.high_speed.plant:HighSpeedPlant",
-    controller="railhil.controller_node.vector.node:VectorNode",
-    laws="railhil.laws_high_speed",
-    law="pid",
-    # Most of its laws have no formats for fixed point.
-    arithmetic="float64",
-    judging="railhil.supervisor.high_speed.judging:HST1",
-    pictures="railhil.supervisor.high_speed.panels:pictures",
-    events=EVENTS,
-    own={
-        "task": "railhil.scenarios.high_speed.task:SingleUnitTask",
-        "interface": "railhil.controller_node.laws.high_speed.interface:HST1",
-        "direct": "railhil.vector_bench:direct_run",
-        "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
-    },
-    truth=Truth(
-        "TRUTH",
-        position="TruePos",
-        speed="TrueSpeed",
-        acceleration="TrueAccel",
-        beside=("MUTATION",),
-    ),
-    injects=INJECTS,
-)
+
+def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
+    constant = name.upper()
+    return System(
+        name=name,
+        title=title,
+        ports=f"railhil.dbc:{name}.toml",
+        plant="railhil.plant_sim.high_speed.plant:HighSpeedPlant",
+        controller="railhil.controller_node.vector.node:VectorNode",
+        laws="railhil.laws_high_speed",
+        law="pid",
+        # Most of its laws have no formats for fixed point.
+        arithmetic="float64",
+        judging=f"railhil.supervisor.high_speed.judging:{constant}",
+        pictures="railhil.supervisor.high_speed.panels:pictures",
+        events=EVENTS,
+        own={
+            "task": f"railhil.scenarios.high_speed.task:{task}",
+            "interface": f"railhil.controller_node.laws.high_speed.interface:{constant}",
+            "direct": "railhil.vector_bench:direct_run",
+            "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
+        },
+        truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("MUTATION",)),
+        units=units,
+        injects=INJECTS,
+    )
+
+
+HST1 = _system("hst1", "high-speed train as one power unit", "SingleUnitTask", ())
+EMU3 = _system("emu3", "high-speed train of three power units", "ThreeUnitsTask", ("UNIT1", "UNIT2", "UNIT3"))

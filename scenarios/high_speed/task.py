@@ -71,6 +71,14 @@ class EmergencyTable(Table):
     build_up_s: Annotated[float, Field(ge=0, le=10, description="time in which the deceleration is built up")] = 1.0
 
 
+class CouplerTable(Table):
+    """A coupler: a spring and a damper, without force within its slack."""
+
+    stiffness_kn_per_m: Annotated[float, Field(gt=0, le=100_000)]
+    damping_kns_per_m: Annotated[float, Field(ge=0, le=10_000)]
+    slack_mm: Annotated[float, Field(ge=0, le=100, description="play between tension and compression")] = 0.0
+
+
 class HighSpeedTask(Task):
     """The section ``[task]``: a train of one or several power units follows a target curve."""
 
@@ -119,8 +127,29 @@ class HighSpeedTask(Task):
         """Power by mass, with the rotating masses."""
         return self.power_kw / (self.mass_t * (1.0 + self.rotating_mass_share))
 
+    @property
+    def between_units(self) -> CouplerTable | None:
+        """The couplers between the units; None: the units are free."""
+        return None
+
 
 class SingleUnitTask(HighSpeedTask):
     """A train as one unit."""
 
     unit: Annotated[tuple[UnitTable], Strict(False), Field(description="the train as one power unit")]
+
+
+class ThreeUnitsTask(HighSpeedTask):
+    """A train of three units."""
+
+    unit: Annotated[
+        tuple[UnitTable, UnitTable, UnitTable],
+        Strict(False),
+        Field(description="three power units, the leading one first"),
+    ]
+    coupler: Annotated[CouplerTable | None, Field(description="between the units; without it they are free")] = None
+
+    @property
+    def between_units(self) -> CouplerTable | None:
+        """See :class:`HighSpeedTask`."""
+        return self.coupler

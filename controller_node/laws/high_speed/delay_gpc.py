@@ -4,10 +4,14 @@ The command of a side is a plan plus a correction. The plan is the acceleration 
 command acts, less the estimated disturbance, by the estimated effectiveness: the steady command of D6 along the whole
 preview. The predicted speeds with that plan leave errors, of which the correction, a constant added to the command,
 removes the part that least squares with the weight lambda on it allow. Errors before the delay is over have no weight.
+
+The delay is estimated by a bank of such filters, one for each extra delay (``delay_bank``); the one whose predictions
+were best for some time is used.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Generic, NamedTuple
 
@@ -15,8 +19,9 @@ from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
+from railhil.controller_node.laws.high_speed.delay_bank import Bank, BankParameters, DelayBank
 from railhil.controller_node.laws.high_speed.delay_line import DelayLines, step_response
-from railhil.controller_node.laws.high_speed.kalman import Belief, Noise, corrected, predicted
+from railhil.controller_node.laws.high_speed.kalman import Belief
 from railhil.controller_node.laws.high_speed.law import CoreLaw, LawParameters
 from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
 from railhil.controller_node.laws.high_speed.reals import Reals
@@ -25,34 +30,23 @@ _SIDES = ("traction", "braking")
 
 
 @dataclass(frozen=True)
-class DelayGpcParameters(LawParameters):
+class DelayGpcParameters(BankParameters, LawParameters):
     """Parameters of the law."""
 
     sample_period_s: Annotated[float, Field(gt=0, le=10)] = 0.2
     #: N: 3.2 s, within the preview of 3.5 s.
     horizon: Annotated[int, Field(ge=1, le=17)] = 16
     #: lambda, on the correction.
-    control_weight: Annotated[float, Field(ge=0, le=1e5)] = 30.0
+    control_weight: Annotated[float, Field(ge=0, le=1e4)] = 10.0
     #: Half the span over which the acceleration of the reference is taken, s.
-    slope_span_s: Annotated[float, Field(ge=0.1, le=2)] = 0.4
-    #: Standard deviations: of a reading, and of the steps of speed, disturbance and effectiveness in one second.
-    reading_sigma_mps: Annotated[float, Field(gt=0, le=1)] = 0.02
-    speed_walk_mps: Annotated[float, Field(ge=0, le=1)] = 0.004
-    disturbance_walk_mps2: Annotated[float, Field(ge=0, le=1)] = 0.006
-    gain_walk: Annotated[float, Field(ge=0, le=1)] = 0.02
-    #: Standard deviations at the start.
-    disturbance_sigma_mps2: Annotated[float, Field(ge=0, le=1)] = 0.05
-    gain_sigma: Annotated[float, Field(ge=0, le=1)] = 0.1
-    #: Limits of the estimated effectiveness.
-    gain_limits: tuple[Annotated[float, Field(gt=0, le=10)], Annotated[float, Field(gt=0, le=10)]] = (0.4, 2.0)
+    slope_span_s: Annotated[float, Field(ge=0.1, le=1)] = 0.4
 
 
 class DelayState(NamedTuple, Generic[T]):
-    """Past commands, newest first (m/s^2); acceleration of the lag now; belief after the last reading."""
+    """Past commands, newest first (m/s^2); the filters."""
 
     commands: tuple[T, ...]
-    accel: T
-    belief: Belief[T]
+    bank: Bank[T]
 
 
 class DelayCore(Core[T, DelayState[T]]):
@@ -62,102 +56,109 @@ class DelayCore(Core[T, DelayState[T]]):
         super().__init__(re, unit, parameters)
         given, period_s = parameters, unit.sample_period_s
         delays_s = (unit.traction_delay_s, unit.braking_delay_s)
-        self._lines = DelayLines(re, delays_s, unit.lag_s, period_s)
-        self._count = given.horizon
-        root = period_s**0.5
-        self._noise = Noise(
-            re.number("reading_variance", given.reading_sigma_mps**2, "parameters"),
-            re.number("speed_variance", (given.speed_walk_mps * root) ** 2, "parameters"),
-            re.number("disturbance_variance", (given.disturbance_walk_mps2 * root) ** 2, "parameters"),
-            re.number("gain_variance", (given.gain_walk * root) ** 2, "parameters"),
-        )
-        self._first = (given.reading_sigma_mps**2, given.disturbance_sigma_mps2**2, given.gain_sigma**2)
+        self.horizon = given.horizon
+        self._bank = DelayBank(re, unit, given)
+        self._lines: DelayLines[T] = self._bank.lines
         self._period = re.number("period", period_s, "T0")
         self._weight = re.number("control_weight", given.control_weight, "lambda, parameters")
-        self._gains = re.numbers("gain_limit", given.gain_limits, "parameters")
-        times_s = [j * period_s for j in range(1, given.horizon + 1)]
-        responses = [step_response(delay_s, unit.lag_s, times_s) for delay_s in delays_s]
-        self._responses = [re.numbers(f"{name}_step", s) for name, s in zip(_SIDES, responses, strict=True)]
-        self._squares = [
-            re.number(f"{name}_square", sum(x * x for x in s)) for name, s in zip(_SIDES, responses, strict=True)
-        ]
-        # Centre of the time in which a command acts, in periods after it was computed, and half the span around it.
-        self._centres = [(delay_s + unit.lag_s) / period_s + 0.5 for delay_s in delays_s]
         self._half = max(1, round(given.slope_span_s / period_s))
         self._per_span = re.number("per_span", 0.5 / (self._half * period_s), "parameters")
-        self.horizon = given.horizon
-        self._shares = [
-            re.numbers(f"{name}_share", (1.0 - c % 1.0, c % 1.0)) for name, c in zip(_SIDES, self._centres, strict=True)
-        ]
+        # For each extra delay and each side: response to a command, its sum of squares, centre of the time in which a
+        # command acts (in periods after it was computed).
+        times_s = [j * period_s for j in range(1, given.horizon + 1)]
+        self._responses, self._squares, self._centres = [], [], []
+        for extra_s in self._bank.extra_s:
+            total_s = [delay_s + extra_s for delay_s in delays_s]
+            responses = [step_response(delay_s, unit.lag_s, times_s) for delay_s in total_s]
+            named = list(zip((f"{name}_{extra_s:g}s" for name in _SIDES), responses, strict=True))
+            self._responses.append(tuple(re.numbers(f"{name}_step", s) for name, s in named))
+            self._squares.append(tuple(re.number(f"{name}_square", sum(x * x for x in s)) for name, s in named))
+            self._centres.append([(delay_s + unit.lag_s) / period_s + 0.5 for delay_s in total_s])
+        # The fraction is the same for every extra delay, which is a whole number of periods.
+        shares = [center % 1.0 for center in self._centres[0]]
+        self._shares = [re.numbers(f"{name}_share", (1.0 - x, x)) for name, x in zip(_SIDES, shares, strict=True)]
 
     def start(self, sample: Sample[T]) -> DelayState[T]:
-        re, zero = self.re, self.re.zero
-        vv, dd, kk = re.numbers("first_variance", self._first, "parameters")
-        belief = Belief(sample.speed, zero, re.one, (vv, zero, zero, dd, zero, kk))
-        return DelayState((zero,) * self._lines.count, zero, belief)
+        return DelayState((self.re.zero,) * self._lines.count, self._bank.start(sample.speed))
 
     def step(self, state: DelayState[T], sample: Sample[T]) -> tuple[DelayState[T], Move[T]]:
-        re = self.re
-        # The period that has passed: it began when u(k-1), the first of the past commands, was computed.
-        rolled = self._lines.roll(state.accel, self._lines.parts(state.commands), 0)
-        before = predicted(re, state.belief, rolled.gained, self._period, self._noise)
-        belief, innovation = corrected(re, before, sample.speed, self._noise)
-        gain = re.clip(belief.gain, *self._gains)
-        belief = belief._replace(gain=gain)
-        plans = self._plans(sample, belief)
-        errors = self._errors(state.commands, rolled.accel, plans, belief, sample)
-        command = self._command(plans, errors, gain, sample)
-        after = DelayState((command, *state.commands[:-1]), rolled.accel, belief)
-        return after, Move(command, innovation.error, re.mul(belief.disturbance, self._period), gain, re.zero)
+        re, bank = self.re, self._bank
+        filters, found = bank.step(state.bank, state.commands, sample.speed)
+        belief = found.belief
+        plans = self._plans(sample, belief, found.chosen)
+        errors = self._errors(state.commands, found.accel, plans, belief, sample, found.chosen)
+        command = self._command(plans, errors, belief.gain, sample, found.chosen)
+        after = DelayState((command, *state.commands[:-1]), filters)
+        xi = re.mul(belief.disturbance, self._period)
+        return after, Move(command, found.error, xi, belief.gain, found.delay)
 
-    def _plans(self, sample: Sample[T], belief: Belief[T]) -> tuple[list[T], list[T]]:
-        """Steady commands of both sides now and in the following samples of the horizon, m/s^2."""
+    def _plans(self, sample: Sample[T], belief: Belief[T], chosen: Sequence[Any]) -> tuple[tuple[T, ...], ...]:
+        """Steady commands of both sides, now and in the following samples of the horizon, m/s^2."""
         re, reference, last = self.re, sample.reference, len(sample.reference) - 1
+        first = min(int(center) for center in self._centres[0])
+        slopes: dict[int, T] = {}
+        for place in range(first, last + 1):
+            late = min(place + self._half, last)
+            early = max(late - 2 * self._half, 0)
+            slopes[place] = re.mul(re.sub(reference[late], reference[early]), self._per_span)
         per_gain = re.div(re.one, belief.gain)
-        slopes = []
-        for place in range(last + 1):
-            late, early = min(place + self._half, last), max(min(place, last - self._half) - self._half, 0)
-            rise = re.mul(re.sub(reference[late], reference[early]), self._per_span)
-            slopes.append(rise)
-        plans: tuple[list[T], list[T]] = ([], [])
-        for side, plan in enumerate(plans):
-            for i in range(self._count):
-                place = min(int(self._centres[side]) + i, last - 1)
-                slope = re.dot(self._shares[side], slopes[place : place + 2])
-                plan.append(re.mul(re.sub(slope, belief.disturbance), per_gain))
-        return plans
+        plans = []
+        for side, shares in enumerate(self._shares):
+            options = []
+            for centres in self._centres:
+                places = [min(int(centres[side]) + i, last - 1) for i in range(self.horizon)]
+                options.append(tuple(re.dot(shares, (slopes[place], slopes[place + 1])) for place in places))
+            wanted = self._bank.pick(chosen, options)
+            plans.append(tuple(re.mul(re.sub(slope, belief.disturbance), per_gain) for slope in wanted))
+        return tuple(plans)
 
     def _errors(
-        self, past: tuple[T, ...], accel: T, plans: tuple[list[T], list[T]], belief: Belief[T], sample: Sample[T]
+        self,
+        past: tuple[T, ...],
+        accel: T,
+        plans: tuple[tuple[T, ...], ...],
+        belief: Belief[T],
+        sample: Sample[T],
+        chosen: Sequence[Any],
     ) -> list[T]:
         """w - v over the horizon if the plans are carried out, m/s."""
-        re, ar, lines = self.re, self.re.ar, self._lines
-        traction, braking = plans
-        planned = [
-            (ar.maximum(up, re.zero), ar.minimum(down, re.zero)) for up, down in zip(traction, braking, strict=True)
-        ]
+        re, ar, lines, count = self.re, self.re.ar, self._lines, self.horizon
         old_up, old_down = lines.parts(past)
-        ups = (*(up for up, _ in reversed(planned)), *old_up)
-        downs = (*(down for _, down in reversed(planned)), *old_down)
+        traction = (*(ar.maximum(u, re.zero) for u in reversed(plans[0])), *old_up)
+        braking = (*(ar.minimum(u, re.zero) for u in reversed(plans[1])), *old_down)
+        length = count + lines.whole_max + 1
+        seen = self._bank.pick(
+            chosen,
+            [(traction[shift : shift + length], braking[shift : shift + length]) for shift in self._bank.shifts],
+        )
         errors = []
         # Relative to the estimated speed, so that float32 keeps its digits.
-        speed = re.zero
+        gained = re.zero
         drift = re.mul(self._period, belief.disturbance)
-        for j in range(1, self._count + 1):
-            rolled = lines.roll(accel, (ups, downs), self._count - j)
+        for j in range(1, count + 1):
+            rolled = lines.roll(accel, seen, count - j)
             accel = rolled.accel
-            speed = re.add(speed, re.add(drift, re.mul(rolled.gained, belief.gain)))
-            errors.append(re.sub(re.sub(sample.reference[j], belief.speed), speed))
+            gained = re.add(gained, re.add(drift, re.mul(rolled.gained, belief.gain)))
+            errors.append(re.sub(re.sub(sample.reference[j], belief.speed), gained))
         return errors
 
-    def _command(self, plans: tuple[list[T], list[T]], errors: list[T], gain: T, sample: Sample[T]) -> T:
+    def _command(
+        self,
+        plans: tuple[tuple[T, ...], ...],
+        errors: list[T],
+        gain: T,
+        sample: Sample[T],
+        chosen: Sequence[Any],
+    ) -> T:
         """Plan and correction of each side: traction if its own is positive, braking if its own is negative."""
         re = self.re
-        square = re.mul(gain, gain)
+        responses = self._bank.pick(chosen, self._responses)
+        squares = self._bank.pick(chosen, self._squares)
+        gain_square = re.mul(gain, gain)
         sides = []
-        for side, plan in enumerate(plans):
-            scale = re.add(re.mul(square, self._squares[side]), self._weight)
-            correction = re.div(re.mul(gain, re.dot(self._responses[side], errors)), scale)
+        for plan, response, square in zip(plans, responses, squares, strict=True):
+            scale = re.add(re.mul(gain_square, square), self._weight)
+            correction = re.div(re.mul(gain, re.dot(response, errors)), scale)
             sides.append(re.add(plan[0], correction))
         up, down = re.ar.maximum(sides[0], re.zero), re.ar.minimum(sides[1], re.zero)
         return re.clip(re.add(up, down), sample.lowest, sample.highest)

@@ -63,8 +63,9 @@ class DelayLines(Generic[T]):
         self._re = re
         sides = [side_weights(delay_s, lag_s, period_s) for delay_s in delays_s]
         self.whole = tuple(side.whole for side in sides)
+        self.whole_max = max(self.whole)
         #: Past commands that are needed: u(k-1), ..., u(k-count).
-        self.count = max(self.whole) + max(shifts) + 2
+        self.count = self.whole_max + max(shifts) + 2
         decay = math.exp(-period_s / lag_s)
         self._decay = re.number("decay", decay, "lag")
         self._coasted = re.number("coasted", lag_s * (1.0 - decay), "lag")
@@ -77,17 +78,17 @@ class DelayLines(Generic[T]):
         ar, zero = self._re.ar, self._re.zero
         return tuple(ar.maximum(u, zero) for u in commands), tuple(ar.minimum(u, zero) for u in commands)
 
-    def roll(self, accel: T, parts: tuple[Sequence[T], Sequence[T]], first: int, shift: int = 0) -> Rolled[T]:
+    def roll(self, accel: T, parts: tuple[Sequence[T], Sequence[T]], first: int) -> Rolled[T]:
         """One period.
 
         :param parts: :meth:`parts` of the commands, newest first.
-        :param first: place in them of the command that is computed at the beginning of this period.
-        :param shift: extra delay in whole periods.
+        :param first: place in them of the command that is computed at the beginning of this period; an extra delay of
+            whole periods is added to it.
         """
         re = self._re
         after, gained = re.mul(self._decay, accel), re.mul(self._coasted, accel)
         for side, values in enumerate(parts):
-            newer = first + self.whole[side] + shift
+            newer = first + self.whole[side]
             acting = (values[newer + 1], values[newer])
             after = re.add(after, re.dot(self._accel[side], acting))
             gained = re.add(gained, re.dot(self._speed[side], acting))

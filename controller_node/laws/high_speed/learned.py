@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
@@ -50,6 +50,8 @@ def shipped_networks(law: str, system: str, folder: Path = WEIGHTS) -> tuple[Net
 class LearnedParameters(GpcParameters):
     """Parameters of a law with networks."""
 
+    #: As in both papers the model is identified, too; on differences, which is the reading that works (D4).
+    ident: Literal["paper", "differenced", "off"] = "differenced"
     #: One for each linear model, as ``railhil train-model`` writes them; none: those that come with the bench.
     networks: Annotated[tuple[Network, ...], Field(max_length=8)] = ()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -19,16 +19,21 @@ from railhil.controller_node.laws.high_speed.reals import Reals
 class OsElmParameters(LearnedParameters):
     """Parameters of the law."""
 
+    #: The output weights learn on-line, and take up what an identification would.
+    ident: Literal["paper", "differenced", "off"] = "off"
     #: q: variance by which an output weight may walk between two samples, relative to that of a residual.
     walk: Annotated[float, Field(ge=0, le=1)] = 0.01
+    #: D9: xi by the weights before the newest residual, or after it.
+    xi_reading: Literal["predicted", "newest"] = "predicted"
 
 
 class SequentialEstimator(Estimator[T, Sequential[T]]):
-    """xi(k-1) by the output weights before (``predicted``) and after (``used``) the newest residual."""
+    """xi(k-1) by the output weights before the newest residual; the law can also use those after it (``newest``)."""
 
-    def __init__(self, forward: Forward[T], step: SequentialStep[T]) -> None:
+    def __init__(self, forward: Forward[T], step: SequentialStep[T], newest: bool) -> None:
         self._forward = forward
         self._step = step
+        self._newest = newest
 
     def start(self) -> Sequential[T]:
         return self._step.start(self._forward.output)
@@ -37,7 +42,8 @@ class SequentialEstimator(Estimator[T, Sequential[T]]):
         forward = self._forward
         layer = forward.layer((*past.speeds, *past.commands))
         after = self._step.step(memory, layer, residual)
-        return after, Estimate(forward.value(layer, memory.output), forward.value(layer, after.output))
+        predicted = forward.value(layer, memory.output)
+        return after, Estimate(predicted, forward.value(layer, after.output) if self._newest else predicted)
 
 
 class OsElmNgpc(LearnedLaw[T]):
@@ -51,4 +57,4 @@ class OsElmNgpc(LearnedLaw[T]):
     def learned(self, re: Reals[T], forward: Forward[T], parameters: OsElmParameters) -> Estimator[T, Any]:
         step = SequentialStep(re.ar, parameters.walk)
         re.constants += step.constants
-        return SequentialEstimator(forward, step)
+        return SequentialEstimator(forward, step, parameters.xi_reading == "newest")

@@ -34,9 +34,9 @@ _FAR_MPS = 20.0
 class PidParameters(HighSpeedParameters):
     """Gains on the error of the speed (m/s)."""
 
-    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.5
-    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.05
-    kd: Annotated[float, Field(ge=0, le=10)] = 0.1
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.66
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.157
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.135
     #: Square wave added to each command, and half its period in samples.
     dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     dither_samples: Annotated[int, Field(ge=1, le=100)] = 3

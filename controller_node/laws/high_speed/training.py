@@ -25,7 +25,7 @@ FloatArray = NDArray[np.float64]
 TRAINING = 20
 #: Iterations of BP at most, and its weight decay: without one its weights grow until it fits the noise.
 BP_ITERATIONS = 500
-BP_DECAY = 1e-3
+BP_DECAY = 3e-3
 
 
 @dataclass(frozen=True)

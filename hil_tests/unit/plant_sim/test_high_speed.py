@@ -11,13 +11,23 @@ import pytest
 from railhil.faults.language import parse
 from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.high_speed import train as train_module
-from railhil.plant_sim.high_speed.dynamics import Grades, UnitLimits, UnitMotion, drive, moved, resistance_of
+from railhil.plant_sim.high_speed.dynamics import (
+    Coupler,
+    Grades,
+    UnitLimits,
+    UnitMotion,
+    coupler_n,
+    drive,
+    moved,
+    resistance_of,
+)
 from railhil.plant_sim.high_speed.faults import FaultyHighSpeedPlant
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.surroundings import Wind, drawn_grades
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, PowerUnit, UnitData, Wayside
 from railhil.scenarios.high_speed.systems import HST1
 from railhil.scenarios.high_speed.target import emergency_curve, journey_curve
+from railhil.scenarios.high_speed.task import CouplerTable
 from railhil.scenarios.load import load_any
 from railhil.scenarios.system import system_named
 
@@ -241,3 +251,43 @@ def test_a_sensor_that_is_off_says_so() -> None:
 def test_places_of_the_system_are_in_the_language() -> None:
     assert all(words_at(*place.split("."), "") for place in system_named("hst1").injects)
     assert train_module.STEP_S == 0.01
+
+
+# -- three units ------------------------------------------------------------------------------------------------------
+
+
+def three(**coupler: float) -> HighSpeedTrain:
+    """Three units in still air at 300 km/h, with or without couplers, the leading one under traction for 10 s."""
+    table = CouplerTable(**coupler) if coupler else None
+    changed = {"gradient_permil": 0.0, "wind_sigma_mps2": 0.0, "coupler": table, "start_s": 1500.0}
+    task: Any = load_any("emu3_short").task.model_copy(update=changed)  # type: ignore[union-attr]
+    train = HighSpeedTrain(task, 0, TICK_S)
+    for _ in range(250):
+        train.commands_mps2 = [0.2, 0.0, 0.0]
+        train.advance()
+    return train
+
+
+def test_free_units_know_nothing_of_each_other() -> None:
+    train = three()
+    speeds = [unit.motion.speed_mps for unit in train.units]
+    assert speeds[0] - speeds[2] > 0.5
+    assert speeds[1] < speeds[2]
+    assert train.couplers_n == [0.0, 0.0]
+
+
+def test_couplers_share_the_force_by_mass() -> None:
+    """The leading unit has 3/8 of the mass: it hands on 5/8 of its force, and the last one needs 3/8 of it."""
+    train = three(stiffness_kn_per_m=5000.0, damping_kns_per_m=200.0)
+    force_n = 160_500 * 1.06 * 0.2
+    assert train.couplers_n == pytest.approx([force_n * 5 / 8, force_n * 3 / 8], rel=0.01)
+    speeds = [unit.motion.speed_mps for unit in train.units]
+    assert max(speeds) - min(speeds) < 0.001
+
+
+def test_a_coupler_has_no_force_within_its_slack() -> None:
+    coupler = Coupler(5e6, 2e5, 0.01)
+    rear = UnitMotion(0.0, 10.0, 0.0, 0.0)
+    assert coupler_n(coupler, rear._replace(position_m=0.009), rear, 0.01) == 0.0
+    assert coupler_n(coupler, rear._replace(position_m=0.012), rear, 0.01) == pytest.approx(1e4)
+    assert coupler_n(coupler, rear._replace(position_m=-0.012), rear, 0.01) == pytest.approx(-1e4)

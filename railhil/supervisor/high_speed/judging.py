@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import wire
+from railhil.bus.high_speed import Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
 from railhil.supervisor.high_speed.ride import Ride
@@ -28,6 +28,12 @@ CRITERIA = (
     Criterion("arrival_m", "arrival error", "m", 2, Ride.arrival_error_m, signed="arrival_error_m"),
     Criterion("emergency_rmse_kmh", "emergency RMSE", "km/h", 4, Ride.emergency_rmse_kmh),
     EMERGENCY_STOP,
+)
+#: Further criteria of a train of several units.
+OF_UNITS = (
+    Criterion("units_rmse_kmh", "RMSE of units", "km/h", 4, Ride.units_rmse_kmh),
+    Criterion("spread_kmh", "speed spread", "km/h", 3, Ride.spread_kmh),
+    Criterion("coupler_peak_kn", "coupler force", "kN", 1, Ride.coupler_peak_kn),
 )
 #: How a complete record may end, with the failure that it means.
 _ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_NOT_STOPPED: "no commands from the controller any more"}
@@ -52,7 +58,7 @@ def score(scenario: Any, trace: Trace) -> Score:
 
 
 def _criteria(units: int) -> tuple[Criterion, ...]:
-    return CRITERIA
+    return CRITERIA if units == 1 else CRITERIA + OF_UNITS
 
 
 def _judging(units: int) -> Judging:
@@ -73,6 +79,7 @@ def _judging(units: int) -> Judging:
             ("speed_kmh", ports.feedback[0].PORT, ports.feedback[0].signals()[0][1].name),
             ("target_sent_kmh", reference, "RefNow"),
             ("command_mps2", command.PORT, signal),
+            *_unit_columns(ports),
         ),
         asked=lambda scenario: (
             f"{scenario.task.duration_s:g} s; RMSE of the speed at most {scenario.task.rmse_max_kmh:g} km/h"
@@ -81,4 +88,16 @@ def _judging(units: int) -> Judging:
     )
 
 
+def _unit_columns(ports: Wire) -> list[tuple[str, str, str]]:
+    """Columns of the units of a train that has several."""
+    truth, found = ports.truth.PORT, []
+    if len(ports.commands) > 1:
+        for unit, command in enumerate(ports.commands, 1):
+            found.append((f"true_speed{unit}_mps", truth, f"TrueSpeed{unit}"))
+            found.append((f"command{unit}_mps2", command.PORT, command.signals()[0][1].name))
+        found += [(f"coupler{unit}_kn", truth, f"Coupler{unit}") for unit in range(1, len(ports.commands))]
+    return found
+
+
 HST1 = _judging(1)
+EMU3 = _judging(3)

@@ -37,6 +37,8 @@ class Ride:
     command_time_s: FloatArray
     command_mps2: FloatArray
     coupler_n: FloatArray
+    #: Speed of each unit, shape (units, n).
+    unit_mps: FloatArray
     #: Time and position of the milestones that were reached.
     emergency: tuple[float, float] | None
     arrived: tuple[float, float] | None
@@ -61,6 +63,7 @@ class Ride:
             trace.times_s(ports.commands[-1].PORT),
             np.mean(commands, axis=0),
             np.array(couplers),
+            np.array([trace.values(truth, name) for name in _speed_names(len(ports.commands))]),
             milestone(trace, "emergency_called"),
             milestone(trace, "arrived"),
         )
@@ -118,6 +121,16 @@ class Ride:
             return None
         return self.arrived[1] - self.emergency[1]
 
+    def units_rmse_kmh(self) -> float | None:
+        """Root mean square of the errors of all units."""
+        errors = (self.unit_mps - self.target_mps)[:, self.scored] * _KMH
+        return _rms(errors.ravel())
+
+    def spread_kmh(self) -> float | None:
+        """Largest difference between the speeds of two units."""
+        apart = (self.unit_mps.max(axis=0) - self.unit_mps.min(axis=0))[self.scored]
+        return float(apart.max()) * _KMH if len(apart) else None
+
     def coupler_peak_kn(self) -> float | None:
         """Largest force of any coupler; None for a train without couplers."""
         return float(np.abs(self.coupler_n).max()) / 1000.0 if self.coupler_n.size else None
@@ -131,6 +144,10 @@ def milestone(trace: Trace, name: str) -> tuple[float, float] | None:
     found = (trace.values(RunEvent.PORT, signal)[rows[0]] for signal in ("EventTime", "EventPos"))
     time_s, position_m = map(float, found)
     return time_s, position_m
+
+
+def _speed_names(units: int) -> list[str]:
+    return ["TrueSpeed"] if units == 1 else [f"TrueSpeed{unit}" for unit in range(1, units + 1)]
 
 
 def _rms(values: FloatArray) -> float | None:

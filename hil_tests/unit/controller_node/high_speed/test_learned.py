@@ -91,7 +91,7 @@ def test_a_sequential_network_learns_a_shift_that_a_trained_one_keeps() -> None:
     network, _ = trained(rows, Recipe(), 1.0, 0.5, 0.4)
     estimators: list[Any] = [
         NetworkEstimator(Forward(ar, network)),
-        SequentialEstimator(Forward(ar, network), SequentialStep(ar, 0.01)),
+        SequentialEstimator(Forward(ar, network), SequentialStep(ar, 0.01), newest=True),
     ]
     left = []
     for estimator in estimators:

@@ -1,0 +1,199 @@
+"""C99 in single precision for laws that have no fixed-point formats: the law only, without the controller around it.
+
+One line of C for each recorded operation; the functions ``f32_*`` of ``railhil_f32.h`` give the bits of the arithmetic
+``float32``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.arithmetic.float32 import nearest
+from railhil.controller_node.export.names import Names, comment, identifier
+from railhil.controller_node.program.model import Kind, LawProgram, Operation, Program, Value
+from railhil.controller_node.vector.law import Interface
+
+#: Operations whose formats mean nothing here.
+_CALLS = {
+    **{"add": "f32_add", "sub": "f32_sub", "neg": "f32_neg", "abs": "f32_abs", "sqrt": "f32_sqrt", "div": "f32_div"},
+    **{"mpy": "f32_mul", "rmpy": "f32_mul", "rsmpy": "f32_mul", "mpy_iqx": "f32_mul"},
+    **{"minimum": "f32_min", "maximum": "f32_max", "sat": "f32_clip", "clip": "f32_clip"},
+}
+
+
+def number(value: float) -> str:
+    """A constant as a hexadecimal literal of the nearest single."""
+    return f"{nearest(value).hex()}f"
+
+
+@dataclass
+class _Body:
+    """Lines of one function. ``places``: C expression of each input of the program; ``names``: of its variables.
+
+    Only operations on which an output depends are written; ``live``: their values, and those of the inputs.
+    """
+
+    names: Names
+    program: Program
+    tables: dict[str, Sequence[Constant]]
+    places: Mapping[str, str]
+    live: set[int]
+    lines: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self._expressions = {
+            value.number: self.places[name] for name, value in self.program.inputs if value.number in self.live
+        }
+        self._titles = {quantity.value.number: quantity.name for quantity in self.program.quantities}
+        for operation in self.program.operations:
+            if operation.result.number in self.live:
+                self._write(operation)
+
+    def expression(self, value: Value) -> str:
+        return number(value.constant.value) if value.constant is not None else self._expressions[value.number]
+
+    def _write(self, operation: Operation) -> None:
+        result = operation.result
+        arguments = [self.expression(value) for value in operation.arguments]
+        if operation.op == "convert":
+            self._expressions[result.number] = arguments[0]
+            return
+        name = self.names.new(self._titles.get(result.number, f"v{result.number}"))
+        kind = "int" if result.kind is Kind.CONDITION else "float"
+        self.lines.append(f"const {kind} {name} = {self._right(operation, arguments)};")
+        self._expressions[result.number] = name
+
+    def _right(self, operation: Operation, arguments: list[str]) -> str:
+        listed = ", ".join(arguments)
+        match operation.op:
+            case "dot":
+                half = len(arguments) // 2
+                pairs = zip(arguments[:half], arguments[half:], strict=True)
+                total, *rest = [f"f32_mul({a}, {b})" for a, b in pairs]
+                for term in rest:
+                    total = f"f32_add({total}, {term})"
+                return total
+            case "quantise":
+                return f"f32_quantise({listed}, {operation.parameters[1]})"
+            case "gt":
+                return f"{arguments[0]} > {arguments[1]}"
+            case "where":
+                return f"{arguments[0]} ? {arguments[1]} : {arguments[2]}"
+            case "curve":
+                assert operation.curve is not None
+                table = identifier(operation.curve.name)
+                if self.tables.setdefault(table, operation.curve.samples) != operation.curve.samples:
+                    raise ValueError(f"two tables of the law are called {operation.curve.name}")
+                return f"f32_curve({table}_table, {listed})"
+        if operation.op not in _CALLS:
+            raise ValueError(f"{operation.op} in single precision")
+        return f"{_CALLS[operation.op]}({listed})"
+
+
+@dataclass(frozen=True, slots=True)
+class SingleSource:
+    """Header and source; ``state``: names of the state's members, all of them ``float``, in order."""
+
+    name: str
+    header: str
+    source: str
+    state: tuple[str, ...]
+
+
+def single_source(name: str, programs: LawProgram, interface: Interface, origin: str) -> SingleSource:
+    """The law as C: ``<name>_start(raw, state)``, ``<name>_step(state, raw, commands, notes)``, ``<name>_sent(state, told)``.
+
+    :param name: prefix in C.
+    :param programs: recorded without formats (``wide``).
+    :param origin: law and scenario, for the comment.
+    :raises ValueError: an operation that single precision does not have.
+    """
+    tables: dict[str, Sequence[Constant]] = {}
+    names = Names(taken=("raw", "told", "commands", "notes"))
+    member_names = Names()
+    leaves = [leaf for leaf, _ in programs.step.outputs if leaf.startswith("state")]
+    members = {leaf: member_names.new(leaf.removeprefix("state.")) for leaf in leaves}
+    state = {leaf: f"state->{member}" for leaf, member in members.items()}
+    raws = {item.name: f"f32_from(raw[{i}], {item.q})" for i, item in enumerate(interface.readings)}
+    lines: dict[str, list[str]] = {}
+    bodies: dict[str, _Body] = {}
+    for word, program, places in (("start", programs.start, {}), ("step", programs.step, state)):
+        live = _live(program, {leaf for leaf, _ in program.outputs})
+        wanted = {leaf for leaf, value in program.inputs if value.number in live}
+        reading = _Body(names, programs.inputs, tables, raws, _live(programs.inputs, wanted))
+        given = {leaf: reading.expression(value) for leaf, value in programs.inputs.outputs if leaf in wanted}
+        bodies[word] = _Body(names, program, tables, {**places, **given}, live)
+        lines[word] = [*reading.lines, *bodies[word].lines]
+    step = bodies["step"]
+    told = {item.name: f"f32_from(told[{i}], {item.q})" for i, item in enumerate(interface.commands)}
+    live = _live(programs.sent, {leaf for leaf, _ in programs.sent.outputs})
+    sent = _Body(names, programs.sent, tables, state | told, live)
+    outputs = dict(programs.step.outputs)
+    answers = [
+        f"commands[{i}] = f32_raw({step.expression(outputs[f'out.commands[{i}]'])}, {item.q});"
+        for i, item in enumerate(interface.commands)
+    ]
+    answers += [
+        f"notes[{i}] = f32_raw({step.expression(outputs[f'out.notes[{i}]'])}, {item.law_q}) >> {item.law_q - item.q};"
+        for i, item in enumerate(interface.notes)
+    ]
+    kind = f"{name}_state_t"
+    signatures = {
+        "start": f"void {name}_start(const int32_t *raw, {kind} *state)",
+        "step": f"void {name}_step({kind} *state, const int32_t *raw, int32_t *commands, int32_t *notes)",
+        "sent": f"void {name}_sent({kind} *state, const int32_t *told)",
+    }
+    functions = {
+        "start": ["(void)raw;", *lines["start"], *_assigned(programs.start, bodies["start"], state)],
+        "step": [*lines["step"], *answers, *_assigned(programs.step, step, state)],
+        "sent": ["(void)told;", *sent.lines, *_assigned(programs.sent, sent, state)],
+    }
+    head = [
+        f"/* {comment(origin)}.",
+        " * Generated: change the law, not this file. Single precision, no branch except ?:.",
+    ]
+    guard = f"{name.upper()}_H"
+    wire = [
+        " *",
+        f" * raw: {', '.join(comment(item.name) for item in interface.readings)}.",
+        f" * commands, told: {', '.join(comment(item.name) for item in interface.commands)}.",
+        f" * notes: {', '.join(comment(item.name) for item in interface.notes)}.",
+        " * All are the raw integers of their telegrams, commands within the bounds of the law's interface.",
+        " */",
+    ]
+    structure = ["typedef struct {", *(f"    float {member};" for member in members.values()), f"}} {kind};"]
+    header = [*head, *wire, f"#ifndef {guard}", f"#define {guard}", "", "#include <stdint.h>", "", *structure, ""]
+    header += [*(f"{signature};" for signature in signatures.values()), "", "#endif", ""]
+    source = [*head, " */", f'#include "{name}.h"', "", '#include "railhil_f32.h"', ""]
+    for table, samples in tables.items():
+        source += [f"static const float {table}_table[{len(samples)}] = {{"]
+        source += [*(f"    {number(sample.value)}," for sample in samples), "};", ""]
+    for word, signature in signatures.items():
+        source += [signature, "{", *(f"    {line}" for line in functions[word]), "}", ""]
+    return SingleSource(name, "\n".join(header), "\n".join(source), tuple(members.values()))
+
+
+def _live(program: Program, outputs: set[str]) -> set[int]:
+    """Numbers of the values on which these outputs depend."""
+    live = {value.number for leaf, value in program.outputs if leaf in outputs}
+    for operation in reversed(program.operations):
+        if operation.result.number in live:
+            live.update(argument.number for argument in operation.arguments)
+    return live
+
+
+def _assigned(program: Program, body: _Body, state: Mapping[str, str]) -> list[str]:
+    """Assignments to the members of the state; those that are read from another member are copied first."""
+    sources = {leaf: body.expression(value) for leaf, value in program.outputs if leaf in state}
+    copied = {source for leaf, source in sources.items() if source in state.values() and source != state[leaf]}
+    before = {source: f"before_{source.removeprefix('state->')}" for source in sorted(copied)}
+    return [
+        *(f"const float {name} = {source};" for source, name in before.items()),
+        *(
+            f"{state[leaf]} = {before.get(source, source)};"
+            for leaf, source in sources.items()
+            if source != state[leaf]
+        ),
+    ]
