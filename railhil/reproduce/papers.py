@@ -8,7 +8,7 @@ from importlib import import_module
 from railhil.reproduce.paper import Paper
 
 #: Name of each paper, in the order of the list, and its record, ``module:object``.
-PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc:PAPER"}
+PAPERS: Mapping[str, str] = {"ipfc": "railhil.reproduce.ipfc:PAPER", "ngpc": "railhil.reproduce.ngpc:PAPER"}
 
 
 def paper_named(name: str, papers: Mapping[str, str] = PAPERS) -> Paper:

@@ -18,6 +18,10 @@ from railhil.reproduce.page import page
 from railhil.reproduce.paper import Line, Measured, Results, Table, order
 from railhil.reproduce.papers import PAPERS as SHIPPED
 from railhil.reproduce.papers import paper_named
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import system_named
+
+IPFC = {"ipfc": SHIPPED["ipfc"]}
 
 
 def test_without_a_paper_all_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -35,6 +39,12 @@ def test_each_paper_has_the_name_by_which_it_is_found() -> None:
         assert len(set(keys)) == len(keys) > 0
 
 
+def test_each_run_of_a_paper_has_its_scenario_and_its_law() -> None:
+    specs = [one.spec for paper in map(paper_named, SHIPPED) for one in paper.planned(paper.seeds)]
+    for scenario, law in {(spec.scenario, spec.law.controller) for spec in specs}:
+        system_named(load_any(scenario).system).check_law(law, scenario, "law")
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -46,14 +56,14 @@ def test_each_paper_has_the_name_by_which_it_is_found() -> None:
 )
 def test_usage(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as end:
-        main(words)
+        main(words, IPFC)
     assert end.value.code == 2
     assert said in capsys.readouterr().err
 
 
 def test_options_without_what_they_need(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"--out: found no paper, allowed one of ipfc beside it"):
-        main(["--out", str(tmp_path)])
+        main(["--out", str(tmp_path)], IPFC)
     with pytest.raises(InputError, match=r"--keep-runs: found no folder, allowed --out DIR beside it"):
         main(["ipfc", "--keep-runs"])
     (tmp_path / "runs").mkdir()

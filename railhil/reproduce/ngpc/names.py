@@ -7,9 +7,10 @@ from statistics import fmean
 
 from railhil.reproduce.paper import Results
 
-#: The law of the paper with one unit, its comparators, and the baselines that a law with a network is judged against.
+#: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and
+#: the best of railhil's own.
 ELM, BP, MULTI_MODEL, ADAPTIVE = "elm_ngpc", "bp_ngpc", "mm_gpc", "a_gpc"
-LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "res_ngpc")
+LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "pid_ff", "res_ngpc", "delay_gpc")
 #: Situations of the paper with one unit, and the figure of each that says how well the target is followed.
 NORMAL, EMERGENCY, MUTATION = "normal", "emergency", "mutation"
 RMSE: Mapping[str, str] = {NORMAL: "rmse_kmh", EMERGENCY: "emergency_rmse_kmh", MUTATION: "rmse_kmh"}
@@ -28,6 +29,11 @@ def key(situation: str, law: str, seed: int) -> str:
 def record_key(seed: int) -> str:
     """Name of the run whose record tests the models."""
     return f"record-{seed}"
+
+
+def effort_key(law: str) -> str:
+    """Name of the run whose operations are counted."""
+    return f"effort-{law}"
 
 
 def model_error(kind: str, period_s: float) -> str:

@@ -83,6 +83,8 @@ def _effort(results: Results) -> Statement:
         "ELM-NGPC takes the least time.",
         f"{said}.",
         _verdict([value is not None and value > 1 for value in found.values()]),
+        "Both networks are trained before the run here and then do the same operations; the paper does not say what "
+        "its times contain.",
     )
 
 

@@ -19,7 +19,7 @@ from railhil.reproduce.ngpc.names import (
     RMSE,
     STOP_M,
     WIDEST,
-    mean,
+    effort_key,
     model_error,
     over_seeds,
     record_key,
@@ -47,7 +47,7 @@ def quotient(value: float | None, other: float | None) -> float | None:
 
 def effort(results: Results, law: str) -> float | None:
     """Cycles of a law's control period, in units of those of ELM-NGPC."""
-    return quotient(*(mean(results, NORMAL, name, CYCLES) for name in (law, ELM)))
+    return quotient(*(results.over([effort_key(name)], CYCLES) for name in (law, ELM)))
 
 
 def _modelling(results: Results) -> Table:
