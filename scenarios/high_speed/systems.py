@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from railhil.faults.model import Truth
+from railhil.faults.truth import Truth
 from railhil.scenarios.system import System
 
 #: Milestones of both systems.
