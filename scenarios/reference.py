@@ -46,6 +46,8 @@ _UNITS = {
     "kj": "kJ",
     "kn": "kN",
     "ms": "ms",
+    "km": "km",
+    "mm": "mm",
     "n": "N",
     "t": "t",
     "m": "m",

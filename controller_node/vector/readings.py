@@ -46,7 +46,8 @@ class Readings:
         self._clock = responder.clock
         self._store = responder.store
         self._sources: dict[str, _Source] = {}
-        for port, kind in sources_of(interface).items():
+        self._kinds = sources_of(interface)
+        for port, kind in self._kinds.items():
             ages_ns = [interface.age_max_ns(item) for item in interface.readings if port == item.telegram.PORT]
             self._sources[port] = _Source(Acceptance(kind, self.counters), min(ages_ns))
             responder.on(kind, partial(self._take, port), port)
@@ -64,5 +65,5 @@ class Readings:
 
     def raws(self) -> list[int]:
         """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""
-        readings = self._interface.readings
-        return [getattr(item.telegram.decode(self._sources[item.telegram.PORT].data), item.field) for item in readings]
+        telegrams = {port: kind.decode(self._sources[port].data) for port, kind in self._kinds.items()}
+        return [getattr(telegrams[item.telegram.PORT], item.field) for item in self._interface.readings]

@@ -120,3 +120,12 @@ def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
             if system.name == "emu3":
                 fault_texts(entry.faults, system, lambda row: Path("catalogue"))
     assert catalogue_of(system_named("ato")) == catalogue()
+
+
+def test_a_new_scenario_begins_no_table_that_its_base_has_not(tmp_path: Path) -> None:
+    """An empty [task.emergency] would lack its required keys."""
+    for base, line in (("emu3_short", "#[task.emergency]"), ("jinan_xuzhou_emergency", "[task.emergency]")):
+        path = tmp_path / f"{base}_mine.toml"
+        assert railhil("new", "scenario", f"{base}_mine", "--extends", base, "--out", path).exit_code == 0
+        assert line in path.read_text(encoding="utf-8").splitlines()
+        assert load_any(path).name == f"{base}_mine"

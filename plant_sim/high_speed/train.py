@@ -117,7 +117,7 @@ class HighSpeedTrain:
             None
             if between is None
             else Coupler(
-                between.stiffness_kn_per_m * 1000.0, between.damping_kns_per_m * 1000.0, between.slack_mm / 2000.0
+                between.stiffness_kn_per_m * 1000.0, between.damping_kn_per_mps * 1000.0, between.slack_mm / 2000.0
             )
         )
         #: Force of each coupler in the last step, tension positive.

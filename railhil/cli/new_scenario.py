@@ -53,7 +53,17 @@ def _keys(usual: list[Key], given: dict[str, Any]) -> str:
         value = _value(given, key)
         if value:
             sections.setdefault(section, []).append(f"# {_explained(key)}\n#{last} = {value}\n")
-    return "".join(f"\n[{section}]\n{''.join(lines)}" for section, lines in sections.items())
+    # An empty table would lack its required keys where the base has no such table.
+    marks = {section: "" if _has(given, section) else "#" for section in sections}
+    return "".join(f"\n{marks[section]}[{section}]\n{''.join(lines)}" for section, lines in sections.items())
+
+
+def _has(given: dict[str, Any], section: str) -> bool:
+    """Whether a table has a section; those of the top level may always be begun."""
+    found: Any = given
+    for word in section.split("."):
+        found = found.get(word) if isinstance(found, dict) else None
+    return found is not None or "." not in section
 
 
 def _value(given: dict[str, Any], key: Key) -> str:

@@ -32,17 +32,17 @@ class UnitTable(Table):
 class RestrictionTable(Table):
     """A speed restriction of the line."""
 
-    from_km: _Km
-    to_km: _Km
-    speed_kmh: _Kmh
+    from_km: Annotated[_Km, Field(description="where the restriction begins")]
+    to_km: Annotated[_Km, Field(description="where it ends")]
+    speed_kmh: Annotated[_Kmh, Field(description="allowed speed there")]
 
 
 class CoastingTable(Table):
     """A stretch on which the train coasts down to a speed, and then keeps it."""
 
-    from_km: _Km
-    to_km: _Km
-    speed_kmh: _Kmh
+    from_km: Annotated[_Km, Field(description="where the train begins to coast")]
+    to_km: Annotated[_Km, Field(description="where it accelerates again")]
+    speed_kmh: Annotated[_Kmh, Field(description="speed to which it coasts")]
 
 
 class CurveTable(Table):
@@ -66,16 +66,16 @@ class EmergencyTable(Table):
     at_km: Annotated[_Km, Field(description="position of the train at which the emergency is triggered")]
     high_kmh: Annotated[_Kmh, Field(description="at this speed and above the profile has its smallest deceleration")]
     low_kmh: Annotated[_Kmh, Field(description="at this speed and below the profile has its largest deceleration")]
-    at_high_mps2: _Accel
-    at_low_mps2: _Accel
+    at_high_mps2: Annotated[_Accel, Field(description="smallest deceleration")]
+    at_low_mps2: Annotated[_Accel, Field(description="largest deceleration")]
     build_up_s: Annotated[float, Field(ge=0, le=10, description="time in which the deceleration is built up")] = 1.0
 
 
 class CouplerTable(Table):
     """A coupler: a spring and a damper, without force within its slack."""
 
-    stiffness_kn_per_m: Annotated[float, Field(gt=0, le=100_000)]
-    damping_kns_per_m: Annotated[float, Field(ge=0, le=10_000)]
+    stiffness_kn_per_m: Annotated[float, Field(gt=0, le=100_000, description="of the spring")]
+    damping_kn_per_mps: Annotated[float, Field(ge=0, le=10_000, description="of the damper")]
     slack_mm: Annotated[float, Field(ge=0, le=100, description="play between tension and compression")] = 0.0
 
 

@@ -280,7 +280,7 @@ def test_free_units_know_nothing_of_each_other() -> None:
 
 def test_couplers_share_the_force_by_mass() -> None:
     """The leading unit has 3/8 of the mass: it hands on 5/8 of its force, and the last one needs 3/8 of it."""
-    train = three(stiffness_kn_per_m=5000.0, damping_kns_per_m=200.0)
+    train = three(stiffness_kn_per_m=5000.0, damping_kn_per_mps=200.0)
     force_n = 160_500 * 1.06 * 0.2
     assert train.couplers_n == pytest.approx([force_n * 5 / 8, force_n * 3 / 8], rel=0.01)
     speeds = [unit.motion.speed_mps for unit in train.units]
