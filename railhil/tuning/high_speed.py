@@ -45,7 +45,7 @@ TUNED: Mapping[str, Mapping[str, float]] = {
     "pid": {"kp_per_s": 0.4, "ki_per_s2": 0.04, "kd": 0.1},
     "pid_ff": {"kp_per_s": 0.3, "ki_per_s2": 0.02, "kd": 0.1},
     "mm_gpc": {"control_weight": 3.0, "forgetting": 0.9},
-    "a_gpc": {"control_weight": 3.0, "covariance": 0.05, "forgetting": 0.995},
+    "a_gpc": {"control_weight": 9.0, "covariance": 0.05},
     "delay_gpc": {
         "control_weight": 5.0,
         "disturbance_walk_mps2": 0.006,

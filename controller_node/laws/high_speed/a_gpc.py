@@ -38,10 +38,11 @@ _PARAMETERS = 5
 class AGpcParameters(CarimaParameters):
     """Parameters of the law."""
 
+    control_weight: Annotated[float, Field(ge=0, le=1000)] = 9.0
     #: Forgetting factor of the least squares.
     forgetting: Annotated[float, Field(gt=0.5, le=1)] = 0.995
     #: Covariance of the parameters at the start, as a multiple of the unit matrix; also the limit of its diagonal.
-    covariance: Annotated[float, Field(gt=0, le=1e4)] = 0.1
+    covariance: Annotated[float, Field(gt=0, le=1e4)] = 0.05
 
 
 class Rls(NamedTuple, Generic[T]):
@@ -128,7 +129,7 @@ class AGpc(CoreLaw[T]):
 
     name = "a_gpc"
     parameters_type = AGpcParameters
-    parameters_origin = "ours; the papers print none"
+    parameters_origin = "ours, near those of mm_gpc; the papers print none"
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> ACore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

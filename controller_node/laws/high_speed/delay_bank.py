@@ -39,7 +39,7 @@ class BankParameters:
     #: Time constant of the forgetting of the scores, s.
     score_time_s: Annotated[float, Field(gt=0, le=1000)] = 8.0
     #: Another delay is used while its score is below this share of the nominal delay's.
-    score_share: Annotated[float, Field(gt=0, le=1)] = 0.8
+    score_share: Annotated[float, Field(gt=0, le=1)] = 0.9
 
 
 class Filter(NamedTuple, Generic[T]):

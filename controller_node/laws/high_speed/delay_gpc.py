@@ -11,9 +11,9 @@ were best for some time is used.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 import numpy as np
 from pydantic import Field
@@ -40,7 +40,7 @@ class DelayGpcParameters(BankParameters, LawParameters):
     #: Nu.
     control_horizon: Annotated[int, Field(ge=1, le=10)] = 4
     #: lambda, on the increments of the correction.
-    control_weight: Annotated[float, Field(gt=0, le=1e4)] = 5.0
+    control_weight: Annotated[float, Field(gt=0, le=1e4)] = 4.0
     #: Half the span over which the acceleration of the reference is taken, s.
     slope_span_s: Annotated[float, Field(ge=0.1, le=1)] = 0.4
 
@@ -182,6 +182,9 @@ class DelayGpc(CoreLaw[T]):
     name = "delay_gpc"
     parameters_type = DelayGpcParameters
     parameters_origin = "ours"
+    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(
+        ("jinan_xuzhou", "jinan_xuzhou_mutation"), range(1, 204)
+    )
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayCore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

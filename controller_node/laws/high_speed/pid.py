@@ -35,9 +35,9 @@ _FAR_MPS = 20.0
 class PidParameters(HighSpeedParameters):
     """Gains on the error of the speed (m/s)."""
 
-    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.65
-    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.14
-    kd: Annotated[float, Field(ge=0, le=10)] = 0.16
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.587
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.160
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.214
     #: Square wave added to each command, and half its period in samples.
     dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     dither_samples: Annotated[int, Field(ge=1, le=100)] = 3
@@ -56,8 +56,8 @@ class Pid(HighSpeedLaw[T, PidState]):
 
     name = "pid"
     parameters_type: ClassVar[type[Any]] = PidParameters
-    parameters_origin = "ours, 40 evaluations on one run; the papers print none"
-    design_seeds: ClassVar[Mapping[str, range]] = {"jinan_xuzhou": range(101, 102)}
+    parameters_origin = "railhil.tuning.high_speed; the papers print none"
+    design_seeds: ClassVar[Mapping[str, range]] = {"jinan_xuzhou": range(100, 101)}
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:
         super().__init__(arithmetic, scenario, parameters)

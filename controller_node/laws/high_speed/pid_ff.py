@@ -24,6 +24,9 @@ _GAIN_Q = 20
 class PidFfParameters(PidParameters):
     """Gains of the law with the acceleration of the reference."""
 
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.434
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.0911
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.0133
     #: Weight of the acceleration of the reference.
     feed_forward: Annotated[float, Field(ge=0, le=2)] = 1.0
     #: The acceleration is taken between these two times ahead, s, multiples of the step of the preview.

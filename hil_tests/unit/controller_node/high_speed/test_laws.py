@@ -123,3 +123,10 @@ def test_the_residual_tracks_the_curve():
     found = journey(SHORT, "res_ngpc", 1)
     assert found.rmse_kmh < 0.15
     assert replace(found, errors_kmh=found.errors_kmh * 2).rmse_kmh == pytest.approx(2 * found.rmse_kmh)
+
+
+@pytest.mark.slow
+def test_the_printed_identification_does_not_beat_none_in_the_emergency():
+    scenario = load_any("jinan_xuzhou_emergency")
+    printed, none = (journey(scenario, "res_ngpc", 1, {"ident": ident}) for ident in ("paper", "off"))
+    assert printed.rmse_kmh > 2 * none.rmse_kmh
