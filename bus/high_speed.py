@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, make_dataclass
+from enum import IntEnum
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -28,18 +29,30 @@ TRUE_PER_UNIT = 10_000.0
 NOTES: Mapping[str, float] = {"model_error": 10_000.0, "xi": 10_000.0, "gain": 1000.0, "delay": 1000.0}
 #: Modes of a command: what it asks for, and ``SAFE`` while the controller has no readings to compute it from.
 COAST, TRACTION, BRAKE, EMERGENCY, SAFE = range(5)
-#: Levels of a unit's watch of its command, and their causes.
-LEVEL_NORMAL, LEVEL_COAST, LEVEL_BRAKE = range(3)
-CAUSE_NONE, CAUSE_COMMAND_AGE, CAUSE_NO_COMMAND = range(3)
+
+
+class UnitLevel(IntEnum):
+    """Level of a unit's own watch: at ``TRACTION_CUT`` it coasts, whatever is commanded."""
+
+    NORMAL = 0
+    TRACTION_CUT = 2
+    SERVICE_BRAKE = 3
+
+
+class UnitCause(IntEnum):
+    """Why the watch of a unit left its level NORMAL."""
+
+    NONE = 0
+    COMMAND_AGE = 1
+    CONTROLLER_SAFE = 2
+    BRAKE_NOT_ANSWERING = 3
 
 
 @dataclass(slots=True)
 class Feedback(Telegram):
-    """Speed of a unit (0.01 km/h), level and cause of its watch."""
+    """Speed of a unit (0.01 km/h)."""
 
     speed: int = signal("{p}Speed")
-    level: int = signal("{p}Level")
-    cause: int = signal("{p}Cause")
     check: int = signal("{p}Chk", CHECK_CORRECT)
     life: int = signal("{p}Life")
 
@@ -113,7 +126,7 @@ class Wire:
 
     ``reference``: fields ``ref1`` to ``ref14``, ``ref0`` (now), ``index``. ``status``: for unit n the fields of
     :data:`NOTES` followed by n. ``truth``: ``position``, ``speed``, ``accel``, ``drive``, ``target``; with several
-    units also ``speed1``, ..., and ``coupler1``, ....
+    units also ``speed1``, ..., and ``coupler1``, ...; for each unit ``level1``, ``cause1``, ....
     """
 
     contract: Contract
@@ -148,6 +161,7 @@ def wire(units: int) -> Wire:
     if units > 1:
         truth |= {f"speed{unit}": f"TrueSpeed{unit}" for unit in numbers}
         truth |= {f"coupler{unit}": f"Coupler{unit}" for unit in numbers[:-1]}
+    truth |= {f"{word}{unit}": f"{word.title()}{unit}" for unit in numbers for word in ("level", "cause")}
     truth |= {"check": "TruthChk", "life": "TruthLife"}
     return Wire(
         contract,

@@ -42,11 +42,11 @@ class System:
     ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
     and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
     (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``),
-    ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file
-    (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where
-    the truth is on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first
-    words of the ports of each unit, if a train has several; ``injects``: places of faults inside its plant
-    (``sensor.speed``).
+    ``catalogue`` (path of its fault catalogue; without it that of ``ato``), ``faulty_plant``
+    (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file (without it:
+    :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where the truth is
+    on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first words of the
+    ports of each unit, if a train has several; ``injects``: places of faults inside its plant (``sensor.speed``).
     """
 
     name: str

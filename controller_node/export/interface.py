@@ -167,7 +167,6 @@ class InterfaceControl(Control):
         _, sent = self.ports()
         status = "-1" if interface.status is None else f"RAILHIL_{interface.status.PORT}"
         return [
-            Define("AGE_MAX_NS", wide(interface.age_max_ms * 1_000_000), "of a reading; above it safe commands"),
             Define("SOURCE_COUNT", str(len(self._signs())), "ports with readings"),
             Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports; at least 1"),
             Define("READING_COUNT", str(len(interface.readings))),
@@ -186,6 +185,7 @@ class InterfaceControl(Control):
         told = [_place(status, note.field) for note in interface.notes if status]
         told += [_place(status, field) for field in ("overflow_flags", "step_count")]
         safe = ", ".join(literal(command.safe) for command in interface.commands)
+        ages = ", ".join(wide(interface.age_max_ns(reading)) for reading in interface.readings)
         blanks = [line for kind in answers for line in ("    {", *octets(kind().encode()), "    },")]
         return [
             "/* A number in the process data of a port: first bit (0: the highest of the first octet), number of bits",
@@ -201,6 +201,9 @@ class InterfaceControl(Control):
             *_table("signs", "SOURCE_COUNT", self._signs()),
             *_table("checks", "CHECK_COUNT", self._checks()),
             *_table("readings", "READING_COUNT", [_place(item.telegram, item.field) for item in interface.readings]),
+            "/* Largest age of each reading in ns; above it safe commands. */",
+            f"static const int64_t railhil_ages_ns[RAILHIL_READING_COUNT] = {{{ages}}};",
+            "",
             *_table("commands", "COMMAND_COUNT", [_place(item.telegram, item.field) for item in interface.commands]),
             "/* Commands sent while a reading is missing or too old. */",
             f"static const int32_t railhil_safe[RAILHIL_COMMAND_COUNT] = {{{safe}}};",

@@ -23,13 +23,17 @@ def raw_range(telegram: type[Telegram], field: str) -> tuple[int, int]:
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """One input of the law: a field of a telegram; its raw integer is a value in Q ``q`` and ``unit``."""
+    """One input of the law: a field of a telegram; its raw integer is a value in Q ``q`` and ``unit``.
+
+    ``age_max_ms``: its largest age; None: that of the interface.
+    """
 
     name: str
     telegram: type[Telegram]
     field: str
     q: int = 0
     unit: str = ""
+    age_max_ms: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,7 @@ class Interface:
     2 division by zero), ``step_count`` and ``life``, if it has them. ``age_max_ms``: largest age of a reading, in
     simulation time since the last accepted telegram (new life sign ``life``, check variables correct, see
     :class:`railhil.bus.acceptance.Acceptance`); if a reading is older, all commands are the safe ones.
-    Each telegram of commands has a field ``life``.
+    Each telegram of commands has a field ``life``. A reading may have a largest age of its own.
     """
 
     readings: tuple[Reading, ...]
@@ -84,6 +88,10 @@ class Interface:
     notes: tuple[Note, ...] = ()
     status: type[Telegram] | None = None
     age_max_ms: int = 256
+
+    def age_max_ns(self, reading: Reading) -> int:
+        """Largest age of a reading, in ns."""
+        return (self.age_max_ms if reading.age_max_ms is None else reading.age_max_ms) * 1_000_000
 
 
 class Answer(NamedTuple, Generic[T]):

@@ -26,6 +26,7 @@ class _Source:
     """One port with readings: process data and time of the last accepted telegram."""
 
     acceptance: Acceptance
+    age_max_ns: int
     data: bytes = b""
     taken_ns: int = 0
 
@@ -46,7 +47,8 @@ class Readings:
         self._store = responder.store
         self._sources: dict[str, _Source] = {}
         for port, kind in sources_of(interface).items():
-            self._sources[port] = _Source(Acceptance(kind, self.counters))
+            ages_ns = [interface.age_max_ns(item) for item in interface.readings if port == item.telegram.PORT]
+            self._sources[port] = _Source(Acceptance(kind, self.counters), min(ages_ns))
             responder.on(kind, partial(self._take, port), port)
 
     def _take(self, port: str, reading: Reading[Any]) -> None:
@@ -56,9 +58,9 @@ class Readings:
             source.data, source.taken_ns = self._store.raw(port), self._clock.now_ns
 
     def fresh(self) -> bool:
-        """Whether every reading has an accepted telegram, none of them older than ``age_max_ms``."""
-        oldest_ns = self._clock.now_ns - self._interface.age_max_ms * 1_000_000
-        return all(source.data and source.taken_ns >= oldest_ns for source in self._sources.values())
+        """Whether every reading has an accepted telegram, none of them older than its largest age."""
+        now_ns = self._clock.now_ns
+        return all(source.data and now_ns - source.taken_ns <= source.age_max_ns for source in self._sources.values())
 
     def raws(self) -> list[int]:
         """One raw integer for each reading, from the last accepted telegrams; call only when :meth:`fresh`."""

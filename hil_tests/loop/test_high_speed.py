@@ -11,9 +11,13 @@ from hil_tests.support.cli import railhil
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
 from railhil.controller_node.vector.node import ports_of
+from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
+from railhil.supervisor.events.derive import events_of
+from railhil.supervisor.events.event import LEVEL
+from railhil.supervisor.reactions.catalogue import catalogue, catalogue_of
 from railhil.vector_bench import direct_run
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
@@ -83,3 +87,36 @@ def test_no_controller_has_a_mailbox_for_the_mutation(name: str) -> None:
     assert names == {"TIME_SYNC", "RUN_EVENT", "REF", "EVENT"} | speeds
     node = system.part("controller")(load_any({"hst1": "hst_short", "emu3": "emu3_short"}[name]), SPEC.law)
     assert {*node.responder.store.ports} == names
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    ("fault", "level", "cause"),
+    [
+        ("controller kill @20s", "traction_cut", "command_age"),
+        ("UNIT2_FB loss 100% @20s for 1s", "traction_cut", "controller_safe"),
+        ("actuator.brake off @0s units 2", "traction_cut", "brake_not_answering"),
+    ],
+)
+def test_the_ladder_of_the_units_is_in_the_events_and_in_the_verdict(
+    fault: str, level: str, cause: str, tmp_path: Path
+) -> None:
+    """At 300 km/h, 20 s before the final braking begins."""
+    settings = ("task.start_s=3530", "task.duration_s=40", "task.rmse_max_kmh=90")
+    scenario = load_any("emu3_short", settings, [fault])
+    run = local_run(scenario, tmp_path, SPEC)
+    events = [event for event in events_of(scenario, run.trace) if event.kind == LEVEL]
+    assert {(event.level, event.cause) for event in events} == {(level, cause)}
+    assert run.score.verdict == "FAIL"
+    assert any(f"acted by itself from {events[0].time_s:.2f} s" in text for text in run.score.failures)
+    assert run.ended is (Event.ENDED_CONTROLLER_LOST if "kill" in fault else Event.ENDED_COMPLETE)
+
+
+def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
+    for system in map(system_named, ("hst1", "emu3")):
+        entries = catalogue_of(system)
+        assert {entry.id for entry in entries} >= {"H1", "H3", "H9b"}
+        for entry in entries:
+            if system.name == "emu3":
+                fault_texts(entry.faults, system, lambda row: Path("catalogue"))
+    assert catalogue_of(system_named("ato")) == catalogue()

@@ -190,7 +190,8 @@ def test_compare(site: Path, tmp_path: Path) -> None:
 def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path) -> None:
     """Its figures are those of the run over the hub with the same seed."""
     folder = tmp_path / "campaign"
-    done = railhil(site, "campaign", str(SCENARIO), "--runs", "3", "--chunk", "2", "--out", str(folder))
+    words = ("--runs", "3", "--chunk", "2", "--laws", "apart", "--out", str(folder))
+    done = railhil(site, "campaign", str(SCENARIO), *words)
     assert done.returncode == 0, done.stderr
     assert "no batch of trains for system two_carts: every run goes through the nodes" in done.stderr
     assert "stopped" not in done.stdout

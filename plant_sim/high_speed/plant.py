@@ -7,25 +7,15 @@ from functools import partial
 from math import isfinite
 from typing import Any
 
-from railhil.bus.high_speed import (
-    ACCEL_PER_MPS2,
-    CAUSE_COMMAND_AGE,
-    CAUSE_NO_COMMAND,
-    CAUSE_NONE,
-    LEVEL_BRAKE,
-    LEVEL_COAST,
-    LEVEL_NORMAL,
-    TRUE_PER_UNIT,
-    wire,
-)
+from railhil.bus.codes import Event
+from railhil.bus.high_speed import ACCEL_PER_MPS2, TRUE_PER_UNIT, UnitLevel, wire
 from railhil.bus.layout import Telegram
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.high_speed.dynamics import available_of
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, Wayside
-from railhil.plant_sim.timed_run import TimedPlant
+from railhil.plant_sim.high_speed.watch import STALE_PERIODS, UnitWatch
+from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
-#: Periods of a command without a new life sign after which the unit acts by itself.
-STALE_PERIODS = 3
 #: The train has arrived when it stands and the target is below this speed.
 _ARRIVED_MPS = 0.5
 _MM, _CM = 1000.0, 100.0
@@ -35,8 +25,8 @@ _POSITION_MAX_CM = 2**32 - 1
 class HighSpeedPlant(TimedPlant):
     """See :class:`railhil.plant_sim.any_plant.AnyPlant`.
 
-    A unit whose command has had no new life sign for :data:`STALE_PERIODS` periods coasts or brakes, as the scenario
-    says, until the next accepted command.
+    Each unit has a watch (:class:`railhil.plant_sim.high_speed.watch.UnitWatch`). A train whose controller is lost goes
+    on until it stands, or until the run is over.
     """
 
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float) -> None:
@@ -64,9 +54,14 @@ class HighSpeedPlant(TimedPlant):
         periods_ns = {port.name: port.period_ns for port in contract.contract.ports} | dict(
             scenario.timing.port_period_ns
         )
-        self._stale_ticks = [STALE_PERIODS * periods_ns[kind.PORT] // self.tick_ns for kind in contract.commands]
-        self._heard = [-1] * len(task.unit)
-        self._levels = [LEVEL_NORMAL] * len(task.unit)
+        alone = (UnitLevel.TRACTION_CUT, 0.0)
+        if task.stale_command == "brake":
+            alone = (UnitLevel.SERVICE_BRAKE, -task.stale_braking_mps2)
+        self.watches = [
+            UnitWatch(STALE_PERIODS * periods_ns[kind.PORT] // self.tick_ns, alone, tick_s, unit.lag_s)
+            for kind, unit in zip(contract.commands, task.unit, strict=True)
+        ]
+        self.ending = _HighSpeedEnd(task.duration_s, self.tick_ns, self.train)
         self._samples = 0
         self._has_moved = False
         self._look()
@@ -87,11 +82,7 @@ class HighSpeedPlant(TimedPlant):
 
     def _feedback(self, unit: int) -> Telegram:
         kind = self._wire.feedback[unit]
-        level = self._levels[unit]
-        cause = CAUSE_NONE
-        if level != LEVEL_NORMAL:
-            cause = CAUSE_NO_COMMAND if self._heard[unit] < 0 else CAUSE_COMMAND_AGE
-        return kind(self.train.read_speed_raw(unit), level, cause, life=self.next_life(kind.PORT))
+        return kind(self.train.read_speed_raw(unit), life=self.next_life(kind.PORT))
 
     def _force(self, unit: int) -> Telegram:
         kind, motion = self._wire.forces[unit], self.train.units[unit].motion
@@ -134,6 +125,7 @@ class HighSpeedPlant(TimedPlant):
             round(train.position_m * _MM),
             *(round(value * TRUE_PER_UNIT) for value in (*counts, *more)),
             *couplers,
+            *(state for watch in self.watches for state in (watch.level, watch.cause)),
             life=self.next_life(kind.PORT),
         )
         return made
@@ -148,25 +140,20 @@ class HighSpeedPlant(TimedPlant):
 
     def act(self, telegram: Any) -> None:
         unit = self._unit_of[telegram.PORT]
-        self._heard[unit] = self.tick
-        self._levels[unit] = LEVEL_NORMAL
-        self.train.commands_mps2[unit] = telegram.accel / ACCEL_PER_MPS2
+        self._obey(unit, self.watches[unit].command(self.tick, telegram.accel / ACCEL_PER_MPS2, telegram.mode))
+
+    def _obey(self, unit: int, command_mps2: float | None) -> None:
+        if command_mps2 is not None:
+            self.train.commands_mps2[unit] = command_mps2
 
     def advance(self) -> None:
-        for unit, heard in enumerate(self._heard):
-            if self.tick - heard >= self._stale_ticks[unit] and self._levels[unit] == LEVEL_NORMAL:
-                self._act_alone(unit)
+        for number, (watch, unit) in enumerate(zip(self.watches, self.train.units, strict=True)):
+            self._obey(number, watch.look(self.tick, unit.told_mps2, unit.motion.drive_mps2))
         self.train.advance()
         self.tick += 1
         if not isfinite(self.train.speed_mps):
             raise PlantError(f"speed is not finite at tick {self.tick}")
         self._look()
-
-    def _act_alone(self, unit: int) -> None:
-        """A unit without a command: it coasts or brakes."""
-        brakes = self._task.stale_command == "brake"
-        self._levels[unit] = LEVEL_BRAKE if brakes else LEVEL_COAST
-        self.train.commands_mps2[unit] = -self._task.stale_braking_mps2 if brakes else 0.0
 
     def _look(self) -> None:
         """What happens at this instant besides the motion."""
@@ -176,6 +163,20 @@ class HighSpeedPlant(TimedPlant):
             self._has_moved = True
         elif self._has_moved and self.wayside.target_mps(self.tick) < _ARRIVED_MPS:
             self.milestone("arrived", self.position_01mm, once=True)
+
+
+class _HighSpeedEnd(TimedEnd):
+    """The run ends after its duration; if the controller is lost, already when the train stands."""
+
+    def __init__(self, duration_s: float, tick_ns: int, train: HighSpeedTrain) -> None:
+        super().__init__(duration_s, tick_ns)
+        self._train = train
+
+    def reached(self, tick: int, controller_lost: bool) -> Event | None:
+        """The event that ends the run at this tick, None if the run continues."""
+        if controller_lost and tick < self.due_tick and self._train.speed_mps > 0.0:
+            return None
+        return super().reached(tick, controller_lost)
 
 
 def _within(value: float, most: int) -> int:

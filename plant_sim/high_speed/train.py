@@ -54,6 +54,8 @@ class PowerUnit:
 
     def __init__(self, data: UnitData, motion: UnitMotion, command_mps2: float) -> None:
         self.motion = motion
+        #: Braking that should act in the present step, <= 0.
+        self.told_mps2 = 0.0
         self._sent = [command_mps2] * _REMEMBERED
         self.mutate(data)
 
@@ -74,7 +76,9 @@ class PowerUnit:
         sent = self._sent
         sent[step % _REMEMBERED] = command_mps2
         traction = sent[(step - self._traction_steps) % _REMEMBERED]
-        return traction, sent[(step - self._braking_steps) % _REMEMBERED]
+        braking = sent[(step - self._braking_steps) % _REMEMBERED]
+        self.told_mps2 = braking if braking < 0.0 else 0.0
+        return traction, braking
 
 
 class HighSpeedTrain:

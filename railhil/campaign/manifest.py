@@ -17,7 +17,7 @@ from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic import names as arithmetics
-from railhil.controller_node.laws import names as laws
+from railhil.scenarios import system as systems
 from railhil.scenarios.stored import any_document
 from railhil.scenarios.validation import validated
 
@@ -35,6 +35,11 @@ def _one_of(names: Callable[[], Sequence[str]]) -> AfterValidator:
     return AfterValidator(check)
 
 
+def _known_laws() -> list[str]:
+    """Laws of all installed systems; whether one fits the scenario is seen when the plan is made."""
+    return [*dict.fromkeys(law for name in systems.names() for law in systems.system_named(name).law_names()), ALL_LAWS]
+
+
 class _Request(BaseModel):
     """:class:`~railhil.campaign.plan.Request` as JSON, with the bounds of the command line."""
 
@@ -43,7 +48,7 @@ class _Request(BaseModel):
     settings: list[str] = []
     runs: int = Field(ge=1, le=RUNS_MAX)
     first_seed: int = Field(ge=0, le=SEED_MAX)
-    laws: list[Annotated[str, _one_of(lambda: (*laws(), ALL_LAWS))]]
+    laws: list[Annotated[str, _one_of(_known_laws)]]
     both: bool
     arithmetic: Annotated[str, _one_of(arithmetics)]
     indexing: Annotated[str, _one_of(lambda: INDEXINGS)]

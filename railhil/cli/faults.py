@@ -24,8 +24,8 @@ from railhil.faults.drawn import random_pair
 from railhil.faults.language import parse
 from railhil.scenarios.fault_list import disturbed_signals, fault_texts
 from railhil.scenarios.run_spec import RunSpec
-from railhil.scenarios.system import system_named
-from railhil.supervisor.reactions.catalogue import Entry, catalogue
+from railhil.scenarios.system import System, system_named
+from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.reactions.evaluate import Row, evaluated
 from railhil.supervisor.reactions.facts import seen_in
 from railhil.supervisor.reactions.pairs import PairRun, judged_pair
@@ -65,11 +65,12 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.set_defaults(work=work)
 
 
-def _entries(only: str) -> list[Entry]:
+def _entries(only: str, system: System) -> list[Entry]:
+    known = catalogue_of(system)
     wanted = [item.strip() for item in only.split(",") if item.strip()]
-    found = [entry for entry in catalogue() if not wanted or any(entry.id.startswith(item) for item in wanted)]
+    found = [entry for entry in known if not wanted or any(entry.id.startswith(item) for item in wanted)]
     if not found:
-        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in catalogue()))
+        raise InputError("command line", "--only", only, ", ".join(entry.id for entry in known))
     return found
 
 
@@ -190,7 +191,7 @@ def work(namespace: argparse.Namespace) -> int:
         return _pairs(namespace, how, base, jobs, console)
     with ExitStack() as held:
         out = namespace.out or Path(held.enter_context(TemporaryDirectory(prefix="railhil-faults-")))
-        entries = _entries(namespace.only)
+        entries = _entries(namespace.only, system)
         rows = list(_each(partial(entry_run, namespace, how, base, out), entries, jobs))
     if namespace.json:
         print_json([row.as_json() for row in rows])

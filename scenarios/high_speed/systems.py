@@ -31,6 +31,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
             "task": f"railhil.scenarios.high_speed.task:{task}",
             "interface": f"railhil.controller_node.laws.high_speed.interface:{constant}",
             "direct": "railhil.vector_bench:direct_run",
+            "catalogue": "railhil.supervisor.high_speed.reactions:CATALOGUE",
             "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
         },
         truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("MUTATION",)),

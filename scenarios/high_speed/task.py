@@ -118,6 +118,11 @@ class HighSpeedTask(Task):
     ] = 4500.0
 
     @property
+    def can_be_perturbed(self) -> bool:
+        """Grades, wind and noise are drawn with the seed in every run; a perturbed run draws nothing else."""
+        return max(self.gradient_permil, self.wind_sigma_mps2, self.noise_sigma_mps) > 0.0
+
+    @property
     def mass_t(self) -> float:
         """Mass of the train, t."""
         return sum(unit.mass_t for unit in self.unit)

@@ -7,6 +7,7 @@ steps of 0.25 s), ``ref0`` (the present one), ``emergency``. Commands, for each 
 from __future__ import annotations
 
 from railhil.bus.high_speed import NOTES, PREVIEW, SAFE, wire
+from railhil.bus.layout import Telegram
 from railhil.controller_node.vector.law import Command, Interface, Note, Reading
 
 #: Q of the commands (0.001 m/s2) and of the notes' counts inside a law.
@@ -14,8 +15,8 @@ COMMAND_Q = 16
 NOTE_COUNT_Q = 8
 #: Bounds of the commands, 0.001 m/s2; scenarios may allow less.
 _LOWEST, _HIGHEST = -2000, 2000
-#: Largest age of readings: some of them come every 200 ms, and one of these may be lost.
-_AGE_MAX_MS = 600
+#: A reading is too old after this many periods without a new telegram.
+_STALE_PERIODS = 3
 
 
 def interface_of(units: int) -> Interface:
@@ -26,9 +27,9 @@ def interface_of(units: int) -> Interface:
     commands = zip(tails, ports.commands, strict=True)
     return Interface(
         readings=(
-            *(Reading(f"speed{tail}", kind, "speed", unit="0.01 km/h") for tail, kind in speeds),
-            *(Reading(f"ref{j}", ports.reference, f"ref{j}", unit="0.01 km/h") for j in (*range(1, PREVIEW + 1), 0)),
-            Reading("emergency", ports.event, "emergency"),
+            *(_reading(f"speed{tail}", kind, "speed", "0.01 km/h") for tail, kind in speeds),
+            *(_reading(f"ref{j}", ports.reference, f"ref{j}", "0.01 km/h") for j in (*range(1, PREVIEW + 1), 0)),
+            _reading("emergency", ports.event, "emergency", ""),
         ),
         commands=tuple(
             command
@@ -42,8 +43,11 @@ def interface_of(units: int) -> Interface:
             Note(f"{note}{tail}", f"{note}{unit}", NOTE_COUNT_Q) for unit, tail in enumerate(tails, 1) for note in NOTES
         ),
         status=ports.status,
-        age_max_ms=_AGE_MAX_MS,
     )
+
+
+def _reading(name: str, kind: type[Telegram], field: str, unit: str) -> Reading:
+    return Reading(name, kind, field, unit=unit, age_max_ms=_STALE_PERIODS * kind.port().period_ns // 1_000_000)
 
 
 HST1 = interface_of(1)

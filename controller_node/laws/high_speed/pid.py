@@ -10,6 +10,7 @@ the record holds only what the law's own feedback does, and a network trained on
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, NamedTuple
 
@@ -34,9 +35,9 @@ _FAR_MPS = 20.0
 class PidParameters(HighSpeedParameters):
     """Gains on the error of the speed (m/s)."""
 
-    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.66
-    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.157
-    kd: Annotated[float, Field(ge=0, le=10)] = 0.135
+    kp_per_s: Annotated[float, Field(ge=0, le=10)] = 0.65
+    ki_per_s2: Annotated[float, Field(ge=0, le=10)] = 0.14
+    kd: Annotated[float, Field(ge=0, le=10)] = 0.16
     #: Square wave added to each command, and half its period in samples.
     dither_mps2: Annotated[float, Field(ge=0, le=0.5)] = 0.0
     dither_samples: Annotated[int, Field(ge=1, le=100)] = 3
@@ -55,7 +56,8 @@ class Pid(HighSpeedLaw[T, PidState]):
 
     name = "pid"
     parameters_type: ClassVar[type[Any]] = PidParameters
-    parameters_origin = "ours; the papers print none"
+    parameters_origin = "ours, 40 evaluations on one run; the papers print none"
+    design_seeds: ClassVar[Mapping[str, range]] = {"jinan_xuzhou": range(101, 102)}
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: PidParameters | None = None) -> None:
         super().__init__(arithmetic, scenario, parameters)
@@ -82,9 +84,9 @@ class Pid(HighSpeedLaw[T, PidState]):
         part = ar.mpy_iqx(error, SPEED_Q, self._integral, _GAIN_Q, ACCEL_Q)
         integral = ar.clip(ar.add(state.integral, ar.clip(part, self.most, self.least)), self.most, self.least)
         ar.note(f"integral[{loop}]", integral, ACCEL_Q, "m/s2")
-        accel = ar.add(integral, self._limited(ar.mpy_iqx(error, SPEED_Q, self._proportional, _GAIN_Q, ACCEL_Q)))
+        accel = ar.add(integral, ar.mpy_iqx(error, SPEED_Q, self._proportional, _GAIN_Q, ACCEL_Q))
         change = ar.sub(error, state.error)
-        accel = ar.add(accel, self._limited(ar.mpy_iqx(change, SPEED_Q, self._differential, _GAIN_Q, ACCEL_Q)))
+        accel = ar.add(accel, ar.mpy_iqx(change, SPEED_Q, self._differential, _GAIN_Q, ACCEL_Q))
         if not state.wave:
             return PidState(integral, error), LoopAnswer(accel, self.no_notes())
         samples, wave = state.wave
@@ -92,6 +94,3 @@ class Pid(HighSpeedLaw[T, PidState]):
         over = ar.gt(self._samples, counted)
         after = ar.where(over, counted, self.zero), ar.where(over, wave, ar.neg(wave))
         return PidState(integral, error, after), LoopAnswer(ar.add(accel, wave), self.no_notes())
-
-    def _limited(self, part: T) -> T:
-        return part

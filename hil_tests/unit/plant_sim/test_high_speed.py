@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from railhil.bus.high_speed import SAFE, UnitCause, UnitLevel
 from railhil.faults.language import parse
 from railhil.faults.words import CLEAR, words_at
 from railhil.plant_sim.high_speed import train as train_module
@@ -25,6 +26,7 @@ from railhil.plant_sim.high_speed.faults import FaultyHighSpeedPlant
 from railhil.plant_sim.high_speed.plant import HighSpeedPlant
 from railhil.plant_sim.high_speed.surroundings import Wind, drawn_grades
 from railhil.plant_sim.high_speed.train import HighSpeedTrain, PowerUnit, UnitData, Wayside
+from railhil.plant_sim.high_speed.watch import UnitWatch
 from railhil.scenarios.high_speed.systems import HST1
 from railhil.scenarios.high_speed.target import emergency_curve, journey_curve
 from railhil.scenarios.high_speed.task import CouplerTable
@@ -291,3 +293,51 @@ def test_a_coupler_has_no_force_within_its_slack() -> None:
     assert coupler_n(coupler, rear._replace(position_m=0.009), rear, 0.01) == 0.0
     assert coupler_n(coupler, rear._replace(position_m=0.012), rear, 0.01) == pytest.approx(1e4)
     assert coupler_n(coupler, rear._replace(position_m=-0.012), rear, 0.01) == pytest.approx(-1e4)
+
+
+# -- the watch of a unit ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("policy", "level", "accel_mps2"),
+    [("coast", UnitLevel.TRACTION_CUT, 0.0), ("brake", UnitLevel.SERVICE_BRAKE, -0.5)],
+)
+def test_a_unit_without_commands_acts_by_itself(policy: str, level: UnitLevel, accel_mps2: float) -> None:
+    plant = HighSpeedPlant(replace(SCENARIO, task=still_air(stale_command=policy)), 0, False, 0.0)
+    driven(plant, 0.3, 2.0)
+    (watch,) = plant.watches
+    plant.advance()
+    plant.advance()
+    assert watch.level is UnitLevel.NORMAL
+    plant.advance()
+    assert (watch.level, watch.cause) == (level, UnitCause.COMMAND_AGE)
+    assert plant.train.commands_mps2 == [accel_mps2]
+    driven(plant, 0.3, TICK_S)
+    assert (watch.level, watch.cause) == (UnitLevel.NORMAL, UnitCause.NONE)
+    assert plant.train.commands_mps2 == [0.3]
+
+
+def test_a_controller_without_readings_has_the_same_reaction() -> None:
+    watch = UnitWatch(3, (UnitLevel.SERVICE_BRAKE, -0.5), TICK_S, 0.4)
+    assert watch.command(0, 0.3, 0) == 0.3
+    assert watch.command(1, 0.0, SAFE) == -0.5
+    assert (watch.level, watch.cause) == (UnitLevel.SERVICE_BRAKE, UnitCause.CONTROLLER_SAFE)
+    assert watch.command(2, 0.2, 0) == 0.2
+
+
+def test_a_brake_that_does_not_answer_is_given_up() -> None:
+    watch = UnitWatch(3, (UnitLevel.TRACTION_CUT, 0.0), TICK_S, 0.4)
+    given = []
+    for tick in range(100):
+        watch.command(tick, -0.5, 2)
+        given.append(watch.look(tick, -0.5, -0.05))
+    assert given.count(0.0) == 1
+    assert 2.0 <= given.index(0.0) * TICK_S < 2.4
+    assert watch.cause is UnitCause.BRAKE_NOT_ANSWERING
+    assert watch.command(100, 0.3, 0) is None
+
+
+def test_a_brake_with_a_gain_of_seven_tenths_answers() -> None:
+    plant = faulty("train.gain scale 0.7 @0s", "train.lag scale 2 @0s", task=still_air(start_s=1500.0))
+    driven(plant, -0.8, 20.0)
+    assert plant.watches[0].level is UnitLevel.NORMAL

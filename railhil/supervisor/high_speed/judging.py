@@ -4,22 +4,24 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from railhil.bus.codes import Event
-from railhil.bus.high_speed import Wire, wire
+from railhil.bus.high_speed import UnitLevel, Wire, wire
 from railhil.bus.telegrams import RunEvent
 from railhil.supervisor.criteria import Criterion, Limit, scores, unscored
+from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.high_speed.ride import Ride
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
+from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
 
 RMSE = Criterion(
     "rmse_kmh", "RMSE", "km/h", 4, Ride.rmse_kmh, limit=Limit(lambda scenario: scenario.task.rmse_max_kmh, 0)
 )
-EMERGENCY_STOP = Criterion(
-    "emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m,
-    limit=Limit(lambda scenario: scenario.task.emergency_stop_max_m, 1),
-)  # fmt: skip
+#: Its limit is not that of a criterion: most scenarios have no emergency, and a run without one has not failed it.
+EMERGENCY_STOP = Criterion("emergency_stop_m", "emergency stop", "m", 1, Ride.emergency_stop_m)
 CRITERIA = (
     RMSE,
     Criterion("max_error_kmh", "largest error", "km/h", 3, Ride.max_error_kmh),
@@ -35,8 +37,12 @@ OF_UNITS = (
     Criterion("spread_kmh", "speed spread", "km/h", 3, Ride.spread_kmh),
     Criterion("coupler_peak_kn", "coupler force", "kN", 1, Ride.coupler_peak_kn),
 )
+#: Where the controller reports on its arithmetic.
+_STATUS = Status("LAW_STAT", "LawFlags")
+#: No unit has this level of the ladder.
+_HOLD = 1
 #: How a complete record may end, with the failure that it means.
-_ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_NOT_STOPPED: "no commands from the controller any more"}
+_ENDINGS = {Event.ENDED_COMPLETE: "", Event.ENDED_CONTROLLER_LOST: "controller lost"}
 
 
 def score(scenario: Any, trace: Trace) -> Score:
@@ -50,15 +56,66 @@ def score(scenario: Any, trace: Trace) -> Score:
     ride = Ride.of(scenario, trace)
     measured = {criterion.key: criterion.measure(ride) for criterion in criteria}
     missed = [f"{item.title} {text}" for item in criteria if (text := item.missed(scenario, measured[item.key]))]
-    if ride.emergency is not None and ride.arrived is None:
-        missed.append("did not stop after the emergency was triggered")
-    missed += filter(None, [_ENDINGS[ended]])
+    missed += filter(None, [_emergency_missed(scenario, measured[EMERGENCY_STOP.key])])
+    missed += [text for unit in range(1, len(scenario.task.unit) + 1) if (text := _alone(trace, truth, unit))]
+    missed += filter(None, [wrap_failure(trace, _STATUS), _ENDINGS[ended]])
     verdict = "FAIL" if missed else "PASS"
     return Score(verdict, *scores(measured, criteria), tuple(missed), ended.name.lower())
 
 
+def _emergency_missed(scenario: Any, stop_m: float | None) -> str:
+    """How the run misses the limit of the emergency stop, in words; empty if it does not."""
+    if scenario.task.emergency is None:
+        return ""
+    most_m = scenario.task.emergency_stop_max_m
+    if stop_m is None:
+        return f"no emergency stop, allowed at most {most_m:g} m"
+    return "" if stop_m <= most_m else f"emergency stop {stop_m:.1f} m, allowed at most {most_m:g} m"
+
+
+def _checks(scenario: Any, score: Score) -> list[tuple[str, str]]:
+    """The emergency stop as a JUnit case, in a scenario that has one."""
+    if scenario.task.emergency is None:
+        return []
+    return [("emergency_stop", _emergency_missed(scenario, score.values.get(EMERGENCY_STOP.key)))]
+
+
+def _alone(trace: Trace, truth: str, unit: int) -> str:
+    """The failure of a unit that had to act by itself; empty if it never had."""
+    levels = trace.raw(truth, f"Level{unit}")
+    rows = np.flatnonzero(levels != UnitLevel.NORMAL)
+    if not len(rows):
+        return ""
+    cause = trace.word(truth, f"Cause{unit}", int(trace.raw(truth, f"Cause{unit}")[rows[0]])).replace("_", " ")
+    return f"unit {unit} acted by itself from {trace.times_s(truth)[rows[0]]:.2f} s ({cause})"
+
+
 def _criteria(units: int) -> tuple[Criterion, ...]:
     return CRITERIA if units == 1 else CRITERIA + OF_UNITS
+
+
+def _said(scenario: Any, level: str, cause: str) -> str:
+    """Why a unit acted by itself, in words."""
+    if cause == "command_age":
+        return "no new command for three periods"
+    words = {"controller_safe": "the controller has no readings", "brake_not_answering": "its brake does not answer"}
+    return words.get(cause, cause)
+
+
+def _facts(run: Any) -> list[tuple[str, str]]:
+    """Train and drive of a run, for the report."""
+    task = run.scenario.task
+    delays = ", ".join(f"{unit.traction_delay_s:g} / {unit.braking_delay_s:g} s" for unit in task.unit)
+    between = task.between_units
+    couplers = "none" if between is None else f"{between.stiffness_kn_per_m:g} kN/m, slack {between.slack_mm:g} mm"
+    units = [("Couplers", couplers)] if len(task.unit) > 1 else []
+    return [
+        ("Train", f"{task.mass_t:g} t, {task.power_kw:g} kW, {len(task.unit)} power unit{'s' * (len(task.unit) > 1)}"),
+        ("Delay of traction / braking", delays),
+        *units,
+        ("Disturbances", f"grades within {task.gradient_permil:g} permil, wind {task.wind_sigma_mps2:g} m/s2, "
+                         f"noise {task.noise_sigma_mps:g} m/s, all drawn with the seed"),
+    ]  # fmt: skip
 
 
 def _judging(units: int) -> Judging:
@@ -84,7 +141,21 @@ def _judging(units: int) -> Judging:
         asked=lambda scenario: (
             f"{scenario.task.duration_s:g} s; RMSE of the speed at most {scenario.task.rmse_max_kmh:g} km/h"
         ),
-        published="figures of the papers",
+        published="figures of the NGPC papers, which print no RMSE of the speed",
+        facts=_facts,
+        checks=_checks,
+        watches=tuple(
+            Watch(
+                f"unit{unit}",
+                f"unit {unit}" if units > 1 else "",
+                truth,
+                f"Level{unit}",
+                f"Cause{unit}",
+                (UnitLevel.NORMAL, _HOLD, UnitLevel.TRACTION_CUT, UnitLevel.SERVICE_BRAKE),
+                said=_said,
+            )
+            for unit in range(1, units + 1)
+        ),
     )
 
 

@@ -24,7 +24,7 @@ _J_PER_KWH = 3.6e6
 class Ride:
     """Arrays of shape (n,) at the instants of TRUTH.
 
-    ``drive_mps2``: acceleration by traction and brake. ``command_time_s``, ``command_mps2``: of each unit's commands.
+    ``drive_mps2``: acceleration by traction and brake. ``command_mps2``: mean of the units' last commands.
     ``coupler_n``: force of each coupler, shape (couplers, n).
     """
 
@@ -34,7 +34,6 @@ class Ride:
     speed_mps: FloatArray
     drive_mps2: FloatArray
     target_mps: FloatArray
-    command_time_s: FloatArray
     command_mps2: FloatArray
     coupler_n: FloatArray
     #: Speed of each unit, shape (units, n).
@@ -48,19 +47,16 @@ class Ride:
         """The ride of a record."""
         ports: Wire = wire(len(scenario.task.unit))
         truth = ports.truth.PORT
-        commands = [
-            trace.values(kind.PORT, kind.signals()[0][1].name)[: trace.count(ports.commands[-1].PORT)]
-            for kind in ports.commands
-        ]
+        time_s = trace.times_s(truth)
+        commands = [_held(trace, kind.PORT, kind.signals()[0][1].name, time_s) for kind in ports.commands]
         couplers = [trace.values(truth, f"Coupler{unit}") * 1000.0 for unit in range(1, len(ports.commands))]
         return cls(
             scenario,
-            trace.times_s(truth),
+            time_s,
             trace.values(truth, "TruePos"),
             trace.values(truth, "TrueSpeed"),
             trace.values(truth, "TrueDrive"),
             trace.values(truth, "Target"),
-            trace.times_s(ports.commands[-1].PORT),
             np.mean(commands, axis=0),
             np.array(couplers),
             np.array([trace.values(truth, name) for name in _speed_names(len(ports.commands))]),
@@ -95,10 +91,8 @@ class Ride:
 
     def slope_mps3(self) -> float | None:
         """Root mean square of the slope of the mean command, over steps of one second."""
-        at_s = np.arange(self.command_time_s[0], self.command_time_s[-1], _SLOPE_S)
-        if len(at_s) < 2:
-            return None
-        rows = np.searchsorted(self.command_time_s, at_s + 1e-9, side="right") - 1
+        at_s = np.arange(self.time_s[0], self.time_s[-1], _SLOPE_S)
+        rows = np.searchsorted(self.time_s, at_s + 1e-9, side="right") - 1
         return _rms(np.diff(self.command_mps2[rows]) / _SLOPE_S)
 
     def energy_kwh(self) -> float:
@@ -144,6 +138,12 @@ def milestone(trace: Trace, name: str) -> tuple[float, float] | None:
     found = (trace.values(RunEvent.PORT, signal)[rows[0]] for signal in ("EventTime", "EventPos"))
     time_s, position_m = map(float, found)
     return time_s, position_m
+
+
+def _held(trace: Trace, port: str, signal: str, time_s: FloatArray) -> FloatArray:
+    """A signal at given instants, each time its last value; 0 before the first."""
+    values = np.concatenate(([0.0], trace.values(port, signal)))
+    return values[np.searchsorted(trace.times_s(port), time_s + 1e-9, side="right")]
 
 
 def _speed_names(units: int) -> list[str]:

@@ -1,4 +1,4 @@
-"""Entries of the fault catalogue, from ``catalogue.toml``."""
+"""Entries of a fault catalogue: ``catalogue.toml`` here for the system ``ato``, a file of its own for another."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from railhil.scenarios.schema import Table, Text
+from railhil.scenarios.system import System
 from railhil.scenarios.tomlfile import parsed_toml
 from railhil.scenarios.validation import validated
 
@@ -52,10 +53,18 @@ class _File(Table):
 
 
 @cache
-def catalogue() -> tuple[Entry, ...]:
+def catalogue(file: Path = CATALOGUE) -> tuple[Entry, ...]:
     """All entries, in the order of the file.
 
     :raises InputError: the file is damaged.
     """
-    table = parsed_toml(CATALOGUE.read_text(encoding="utf-8"))
-    return tuple(validated(_File, table, lambda keys: CATALOGUE).entry)
+    table = parsed_toml(file.read_text(encoding="utf-8"))
+    return tuple(validated(_File, table, lambda keys: file).entry)
+
+
+def catalogue_of(system: System) -> tuple[Entry, ...]:
+    """The catalogue of a system: its part ``catalogue`` is the path of a file; without it that of ``ato``.
+
+    :raises InputError: as :func:`catalogue`.
+    """
+    return catalogue(system.part("catalogue")) if "catalogue" in system.own else catalogue()

@@ -106,7 +106,7 @@ static int step(railhil_law_t *law, const railhil_clock_t *clock)
     const int64_t period = now_ns / @PREFIX@_PERIOD_NS;
     int i;
     for (i = 0; i < RAILHIL_READING_COUNT; i++) {
-        if (!law->known[i] || now_ns - law->taken_ns[i] > RAILHIL_AGE_MAX_NS) {
+        if (!law->known[i] || now_ns - law->taken_ns[i] > railhil_ages_ns[i]) {
             return 0;
         }
     }
