@@ -47,7 +47,7 @@ TUNED: Mapping[str, Mapping[str, float]] = {
     "mm_gpc": {"control_weight": 3.0, "forgetting": 0.9},
     "a_gpc": {"control_weight": 3.0, "covariance": 0.05, "forgetting": 0.995},
     "delay_gpc": {
-        "control_weight": 10.0,
+        "control_weight": 5.0,
         "disturbance_walk_mps2": 0.006,
         "speed_walk_mps": 0.004,
         "gain_walk": 0.02,
@@ -57,7 +57,7 @@ TUNED: Mapping[str, Mapping[str, float]] = {
 
 @dataclass(frozen=True)
 class Journey:
-    """A run without a bus: speed errors (km/h) in the control periods that are scored, commands (m/s^2) at each sample."""
+    """A run without a bus: speed errors (km/h) in the scored control periods, commands (m/s^2) at each sample."""
 
     errors_kmh: NDArray[np.float64]
     commands_mps2: NDArray[np.float64]

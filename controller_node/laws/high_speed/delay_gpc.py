@@ -2,8 +2,8 @@
 
 The command of a side is a plan plus a correction. The plan is the acceleration of the reference at the time when the
 command acts, less the estimated disturbance, by the estimated effectiveness: the steady command of D6 along the whole
-preview. The predicted speeds with that plan leave errors, of which the correction, a constant added to the command,
-removes the part that least squares with the weight lambda on it allow. Errors before the delay is over have no weight.
+preview. With that plan and the last correction the predicted speeds leave errors; GPC with the weight lambda on the
+increments of the correction removes them. Errors before the delay is over cannot be changed and have no weight.
 
 The delay is estimated by a bank of such filters, one for each extra delay (``delay_bank``); the one whose predictions
 were best for some time is used.
@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Generic, NamedTuple
 
+import numpy as np
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
@@ -36,17 +37,30 @@ class DelayGpcParameters(BankParameters, LawParameters):
     sample_period_s: Annotated[float, Field(gt=0, le=10)] = 0.2
     #: N: 3.2 s, within the preview of 3.5 s.
     horizon: Annotated[int, Field(ge=1, le=17)] = 16
-    #: lambda, on the correction.
-    control_weight: Annotated[float, Field(ge=0, le=1e4)] = 10.0
+    #: Nu.
+    control_horizon: Annotated[int, Field(ge=1, le=10)] = 4
+    #: lambda, on the increments of the correction.
+    control_weight: Annotated[float, Field(gt=0, le=1e4)] = 5.0
     #: Half the span over which the acceleration of the reference is taken, s.
     slope_span_s: Annotated[float, Field(ge=0.1, le=1)] = 0.4
 
 
 class DelayState(NamedTuple, Generic[T]):
-    """Past commands, newest first (m/s^2); the filters."""
+    """Past commands, newest first, and the last correction (m/s^2); the filters."""
 
     commands: tuple[T, ...]
+    correction: T
     bank: Bank[T]
+
+
+def error_weights(response: Sequence[float], control_horizon: int, weight: float) -> tuple[float, ...]:
+    """First row of (G'G + lambda I)^-1 G' for increments of the command, from the response to its first one."""
+    size = len(response)
+    columns = np.zeros((size, control_horizon))
+    for i in range(control_horizon):
+        columns[i:, i] = response[: size - i]
+    inner = columns.T @ columns + weight * np.eye(control_horizon)
+    return tuple(float(x) for x in np.linalg.solve(inner, columns.T)[0])
 
 
 class DelayCore(Core[T, DelayState[T]]):
@@ -60,35 +74,45 @@ class DelayCore(Core[T, DelayState[T]]):
         self._bank = DelayBank(re, unit, given)
         self._lines: DelayLines[T] = self._bank.lines
         self._period = re.number("period", period_s, "T0")
-        self._weight = re.number("control_weight", given.control_weight, "lambda, parameters")
         self._half = max(1, round(given.slope_span_s / period_s))
         self._per_span = re.number("per_span", 0.5 / (self._half * period_s), "parameters")
-        # For each extra delay and each side: response to a command, its sum of squares, centre of the time in which a
+        # For each extra delay and each side: the law's weights on the errors, and the centre of the time in which a
         # command acts (in periods after it was computed).
         times_s = [j * period_s for j in range(1, given.horizon + 1)]
-        self._responses, self._squares, self._centres = [], [], []
+        self._laws, self._centres = [], []
         for extra_s in self._bank.extra_s:
             total_s = [delay_s + extra_s for delay_s in delays_s]
             responses = [step_response(delay_s, unit.lag_s, times_s) for delay_s in total_s]
-            named = list(zip((f"{name}_{extra_s:g}s" for name in _SIDES), responses, strict=True))
-            self._responses.append(tuple(re.numbers(f"{name}_step", s) for name, s in named))
-            self._squares.append(tuple(re.number(f"{name}_square", sum(x * x for x in s)) for name, s in named))
+            self._laws.append(
+                tuple(
+                    re.numbers(f"{name}_{extra_s:g}s", error_weights(s, given.control_horizon, given.control_weight))
+                    for name, s in zip(_SIDES, responses, strict=True)
+                )
+            )
             self._centres.append([(delay_s + unit.lag_s) / period_s + 0.5 for delay_s in total_s])
         # The fraction is the same for every extra delay, which is a whole number of periods.
         shares = [center % 1.0 for center in self._centres[0]]
         self._shares = [re.numbers(f"{name}_share", (1.0 - x, x)) for name, x in zip(_SIDES, shares, strict=True)]
 
     def start(self, sample: Sample[T]) -> DelayState[T]:
-        return DelayState((self.re.zero,) * self._lines.count, self._bank.start(sample.speed))
+        zero = self.re.zero
+        return DelayState((zero,) * self._lines.count, zero, self._bank.start(sample.speed))
 
     def step(self, state: DelayState[T], sample: Sample[T]) -> tuple[DelayState[T], Move[T]]:
         re, bank = self.re, self._bank
         filters, found = bank.step(state.bank, state.commands, sample.speed)
         belief = found.belief
         plans = self._plans(sample, belief, found.chosen)
-        errors = self._errors(state.commands, found.accel, plans, belief, sample, found.chosen)
-        command = self._command(plans, errors, belief.gain, sample, found.chosen)
-        after = DelayState((command, *state.commands[:-1]), filters)
+        last = state.correction
+        errors = self._errors(state.commands, found.accel, plans, last, belief, sample, found.chosen)
+        per_gain = re.div(re.one, belief.gain)
+        sides = [
+            re.add(plan[0], last, re.mul(per_gain, re.dot(law, errors)))
+            for plan, law in zip(plans, bank.pick(found.chosen, self._laws), strict=True)
+        ]
+        command = re.clip(self._joined(*sides), sample.lowest, sample.highest)
+        correction = re.sub(command, self._joined(plans[0][0], plans[1][0]))
+        after = DelayState((command, *state.commands[:-1]), correction, filters)
         xi = re.mul(belief.disturbance, self._period)
         return after, Move(command, found.error, xi, belief.gain, found.delay)
 
@@ -117,15 +141,16 @@ class DelayCore(Core[T, DelayState[T]]):
         past: tuple[T, ...],
         accel: T,
         plans: tuple[tuple[T, ...], ...],
+        correction: T,
         belief: Belief[T],
         sample: Sample[T],
         chosen: Sequence[Any],
     ) -> list[T]:
-        """w - v over the horizon if the plans are carried out, m/s."""
+        """w - v over the horizon if the plans are carried out with the last correction, m/s."""
         re, ar, lines, count = self.re, self.re.ar, self._lines, self.horizon
         old_up, old_down = lines.parts(past)
-        traction = (*(ar.maximum(u, re.zero) for u in reversed(plans[0])), *old_up)
-        braking = (*(ar.minimum(u, re.zero) for u in reversed(plans[1])), *old_down)
+        traction = (*(ar.maximum(re.add(u, correction), re.zero) for u in reversed(plans[0])), *old_up)
+        braking = (*(ar.minimum(re.add(u, correction), re.zero) for u in reversed(plans[1])), *old_down)
         length = count + lines.whole_max + 1
         seen = self._bank.pick(
             chosen,
@@ -142,26 +167,10 @@ class DelayCore(Core[T, DelayState[T]]):
             errors.append(re.sub(re.sub(sample.reference[j], belief.speed), gained))
         return errors
 
-    def _command(
-        self,
-        plans: tuple[tuple[T, ...], ...],
-        errors: list[T],
-        gain: T,
-        sample: Sample[T],
-        chosen: Sequence[Any],
-    ) -> T:
-        """Plan and correction of each side: traction if its own is positive, braking if its own is negative."""
-        re = self.re
-        responses = self._bank.pick(chosen, self._responses)
-        squares = self._bank.pick(chosen, self._squares)
-        gain_square = re.mul(gain, gain)
-        sides = []
-        for plan, response, square in zip(plans, responses, squares, strict=True):
-            scale = re.add(re.mul(gain_square, square), self._weight)
-            correction = re.div(re.mul(gain, re.dot(response, errors)), scale)
-            sides.append(re.add(plan[0], correction))
-        up, down = re.ar.maximum(sides[0], re.zero), re.ar.minimum(sides[1], re.zero)
-        return re.clip(re.add(up, down), sample.lowest, sample.highest)
+    def _joined(self, traction: T, braking: T) -> T:
+        """One command from those of both sides: traction if its own is positive, braking if its own is negative."""
+        ar, zero = self.re.ar, self.re.zero
+        return self.re.add(ar.maximum(traction, zero), ar.minimum(braking, zero))
 
     def sent(self, state: DelayState[T], command: T) -> DelayState[T]:
         return state._replace(commands=(command, *state.commands[1:]))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
@@ -21,7 +22,7 @@ from railhil.controller_node.laws.high_speed.carima import (
     tracked,
 )
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.laws.high_speed.law import CoreLaw
+from railhil.controller_node.laws.high_speed.law import DESIGN_SEEDS, CoreLaw
 from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
 from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.reals import Reals
@@ -31,10 +32,11 @@ from railhil.controller_node.laws.high_speed.reals import Reals
 class MmGpcParameters(CarimaParameters):
     """Parameters of the law."""
 
+    control_weight: Annotated[float, Field(ge=0, le=1000)] = 8.8
     #: Gains of its models; each is used once with the traction and once with the braking delay.
     gains: tuple[Annotated[float, Field(gt=0, le=10)], ...] = (1.0,)
     #: Share of the old sum of squared errors in the new one.
-    forgetting: Annotated[float, Field(ge=0, lt=1)] = 0.9
+    forgetting: Annotated[float, Field(ge=0, lt=1)] = 0.37
 
 
 class MmState(NamedTuple, Generic[T]):
@@ -106,7 +108,8 @@ class MmGpc(CoreLaw[T]):
 
     name = "mm_gpc"
     parameters_type = MmGpcParameters
-    parameters_origin = "ours; the papers print none"
+    parameters_origin = "railhil.tuning.high_speed; the papers print none"
+    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> MmCore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

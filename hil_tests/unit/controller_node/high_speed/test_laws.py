@@ -1,0 +1,124 @@
+"""The laws of hst1: what they refuse, that both float arithmetics agree, and the readings that fail."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from railhil.common.errors import InputError
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.vector.controller import VectorController, VectorLoop
+from railhil.scenarios.load import load_any
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import system_named
+from railhil.tuning.high_speed import journey
+
+SHORT: Any = load_any("hst_short")
+LAWS = ("pid", "pid_ff", "gpc", "mm_gpc", "a_gpc", "res_ngpc", "delay_gpc")
+
+
+def given(law, **values):
+    return ParameterSet(law, values, Path("test.toml"))
+
+
+def loop(law, arithmetic="float64", scenario=SHORT, **values):
+    parameters = given(law, **values) if values else None
+    return VectorLoop(system_named("hst1"), scenario, law, make(arithmetic), parameters, None)
+
+
+@pytest.mark.parametrize("law", ["gpc", "res_ngpc", "mm_gpc", "a_gpc"])
+def test_a_horizon_within_the_delay_is_refused_with_its_figure(law):
+    with pytest.raises(
+        InputError, match=r"horizon 3 \* sample_period_s 0.2 = 0.6 s, allowed more than the longest delay"
+    ):
+        loop(law, sample_period_s=0.2)
+
+
+def test_three_samples_of_about_a_tenth_of_a_second_are_refused():
+    scenario = load_any("hst_short", ["timing.control_period_ms=120", "timing.base_tick_ms=40"])
+    with pytest.raises(InputError, match=r"= 0.36 s, allowed more than the longest delay, 1 s"):
+        loop("res_ngpc", scenario=scenario, sample_period_s=0.12)
+    loop("res_ngpc", scenario=scenario, sample_period_s=0.12, override=True)
+
+
+def test_an_unstable_loop_is_refused_with_its_spectral_radius():
+    with pytest.raises(InputError, match=r"spectral radius 1\.\d+ in \w+, allowed a spectral radius below 1"):
+        loop("res_ngpc", sample_period_s=0.4, control_weight=0.01)
+
+
+def test_fixed_point_is_refused_in_one_line():
+    with pytest.raises(InputError, match="float64 or float32: this law has no fixed-point formats"):
+        VectorController(SHORT, LawSpec("res_ngpc", arithmetic="iq"))
+
+
+def test_a_sampling_period_between_two_control_periods_is_refused():
+    with pytest.raises(InputError, match=r"sample_period_s: found 0.5, allowed a multiple of the control period"):
+        loop("res_ngpc", sample_period_s=0.5)
+
+
+def readings(count=60):
+    """Readings of a train that accelerates from 80 km/h with noise, raw."""
+    generator = np.random.default_rng(7)
+    for k in range(count):
+        points = [8000 + round(140 * (0.2 * k + 0.25 * j)) for j in range(15)]
+        speed = points[0] + round(7 * generator.standard_normal())
+        yield [speed, *points[1:], points[0], int(k > 50)]
+
+
+@pytest.mark.parametrize(
+    ("law", "ident"), [*((law, "off") for law in LAWS), ("res_ngpc", "differenced"), ("res_ngpc", "paper")]
+)
+def test_single_precision_commands_what_double_precision_does(law, ident):
+    values = {} if ident == "off" else {"ident": ident}
+    double, single = loop(law, **values), loop(law, "float32", **values)
+    differences = []
+    for raws in readings():
+        (_, first), (_, second) = double.step(raws), single.step(raws)
+        # Commands count 0.001 m/s^2.
+        differences.append(abs(first.commands[0] - second.commands[0]) / 1000)
+    assert max(differences) <= 1e-4
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_the_law_runs_on_arrays_as_on_one_train(law):
+    one, many = loop(law), VectorLoop(system_named("hst1"), SHORT, law, make("float64", batch=True), None, None)
+    for raws in readings(20):
+        (_, single), (_, several) = one.step(raws), many.step([np.full(3, raw) for raw in raws])
+        assert np.broadcast_to(several.commands[0], 3).tolist() == [single.commands[0]] * 3
+
+
+def test_a_command_that_was_not_the_laws_is_what_the_model_knows():
+    told, silent = loop("res_ngpc"), loop("res_ngpc")
+    for raws in readings(5):
+        told.step(raws), silent.step(raws)
+    told.sent([-1000, 2])
+    assert told.state.loops[0].past.commands[0] == pytest.approx(-1.0)
+    assert silent.state.loops[0].past.commands[0] != pytest.approx(-1.0)
+
+
+def test_the_trigger_of_an_emergency_is_a_sample():
+    law = loop("res_ngpc")
+    commands = [law.step(raws)[1].commands[0] for raws in readings(60)]
+    changes = [k for k in range(1, 60) if commands[k] != commands[k - 1]]
+    # Every fifth control period, from the trigger at 51 on counted from there.
+    assert all(k % 5 == 0 for k in changes if k < 51)
+    assert 51 in changes and all((k - 51) % 5 == 0 for k in changes if k >= 51)
+
+
+@pytest.mark.slow
+def test_the_identification_error_of_002_lets_the_train_run_away():
+    scenario = load_any("hst_short", ["task.duration_s=400"])
+    found = journey(scenario, "res_ngpc", 1, {"ident": "paper", "ident_error": "reference"})
+    assert found.rmse_kmh > 50
+
+
+@pytest.mark.slow
+def test_the_residual_tracks_the_curve():
+    found = journey(SHORT, "res_ngpc", 1)
+    assert found.rmse_kmh < 0.15
+    assert replace(found, errors_kmh=found.errors_kmh * 2).rmse_kmh == pytest.approx(2 * found.rmse_kmh)
