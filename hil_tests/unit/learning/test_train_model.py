@@ -21,7 +21,7 @@ from railhil.supervisor.record import Record
 from railhil.supervisor.trace import Trace
 from railhil.vector_bench import direct_run
 
-SHIPPED = ("elm_ngpc_hst1", "bp_ngpc_hst1")
+SHIPPED = {"hst1": ("jinan_xuzhou", 1), "emu3": ("jinan_xuzhou_emu3", 3)}
 #: A seed on which nothing was trained or chosen.
 SEED = 203
 
@@ -122,12 +122,14 @@ def test_bad_input_is_one_line_and_exit_code_2(tmp_path: Path, words: tuple[str,
     assert line in done.one_line()
 
 
-@pytest.mark.parametrize("name", SHIPPED)
-def test_a_shipped_file_says_how_it_was_made(name: str) -> None:
-    given = load_parameters(WEIGHTS / f"{name}.toml")
-    noted = tomllib.loads((WEIGHTS / f"{name}.toml").read_text())["training"]["notes"]
-    assert given.law == name.removesuffix("_hst1")
-    assert given.training_scenario == "jinan_xuzhou"
+@pytest.mark.parametrize("law", ["elm_ngpc", "bp_ngpc"])
+@pytest.mark.parametrize("system", SHIPPED)
+def test_a_shipped_file_says_how_it_was_made(system: str, law: str) -> None:
+    path = WEIGHTS / f"{law}_{system}.toml"
+    given, (scenario, units) = load_parameters(path), SHIPPED[system]
+    noted = tomllib.loads(path.read_text())["training"]["notes"]
+    assert (given.law, given.training_scenario) == (law, scenario)
+    assert len(shipped_networks(law, system)) == units
     assert noted["period_s"] == [0.5, 1.0, 2.0, 4.0]
-    pairs = list(zip(noted["rmse_linear_kmh"], noted["rmse_integrated_kmh"], strict=True))
+    pairs = zip(noted["rmse_linear_kmh"], noted["rmse_integrated_kmh"], strict=True)
     assert all(integrated < linear for linear, integrated in pairs)
