@@ -192,7 +192,7 @@ def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterato
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
     good_s = _good(trace, items[NotchCmd.PORT])
     first = np.searchsorted(good_s, told_s, side="left")
-    # Without the port that opens the ticks, the record gives this one the instant of the last poll, and its command too.
+    # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it.
     is_opened = np.isin(told_s, trace.times_s(TrnSpeed.PORT))
     past = np.where(is_opened, first, np.searchsorted(good_s, told_s, side="right"))
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
