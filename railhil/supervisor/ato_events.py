@@ -61,7 +61,8 @@ def received(scenario: Scenario) -> tuple[Received, ...]:
     notch_max = round(scenario.train.notch_max * _NOTCH_LSB_PER_NOTCH)
     return (
         Received.of(TrnSpeed, {"TrainSpeed": SPEED_RANGE_01MMPS}),
-        Received.of(TrnPos),
+        # The controller takes the odometer only: the effort's check variable is not its concern.
+        replace(Received.of(TrnPos), checks=("PosChk",)),
         replace(Received.of(NotchCmd, {"NotchCmd": (-notch_max, notch_max)}), follows_bad=False),
     )
 

@@ -190,8 +190,12 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> It
 def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     """The level is told one tick after it was entered, and commands follow it in the tick."""
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
-    at = np.searchsorted(_good(trace, items[NotchCmd.PORT]), told_s, side="left")
+    good_s = _good(trace, items[NotchCmd.PORT])
+    first = np.searchsorted(good_s, told_s, side="left")
+    # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it.
+    is_opened = np.isin(told_s, trace.times_s(TrnSpeed.PORT))
+    past = np.where(is_opened, first, np.searchsorted(good_s, told_s, side="right"))
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
     stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
-    yield from _left_early("the train", told_s, _level_at(trace, told_s), at, at, stands)
+    yield from _left_early("the train", told_s, _level_at(trace, told_s), first, past, stands)

@@ -73,6 +73,13 @@ def test_check_variable_and_range_are_judged_as_the_receiver_does(scenario: Scen
     assert told(events_in(scenario, frames_of((0, beyond)))) == [("NOTCH_CMD", "out_of_range", "")]
 
 
+def test_of_a_position_only_its_own_check_variable_is_judged(scenario: Scenario) -> None:
+    """The controller takes the odometer; the effort beside it has a check variable of its own."""
+    assert events_in(scenario, frames_of((0, TrnPos(0, effort_check=CHECK_CORRECT + 1, life=0)))) == []
+    (wrong,) = events_in(scenario, frames_of((0, TrnPos(0, check=CHECK_CORRECT + 1, life=0))))
+    assert (wrong.source, wrong.cause) == ("TRN_POS", "check_variable")
+
+
 def test_the_range_of_speeds_is_that_of_the_controller() -> None:
     assert SPEED_RANGE_01MMPS == (0, SPEED_MAX_01MMPS)
 

@@ -32,12 +32,13 @@ class Story:
     check: Callable[[int], int] = lambda tick: 1
     without: set[int] = field(default_factory=set)
     watch_lost: set[int] = field(default_factory=set)
+    speed_lost: set[int] = field(default_factory=set)
 
     def trace(self) -> Trace:
         made, told, life = Trace(), -1, 0
         for tick in range(100):
             now_ns = tick * TICK_NS
-            if tick not in self.without:
+            if tick not in self.without | self.speed_lost:
                 speed = TrnSpeed(self.speed_01mmps(tick), check=self.check(tick), life=tick & 15)
                 made.add(TrnSpeed.PORT, now_ns, speed.encode())
             level = self.train_level(tick)
@@ -139,6 +140,13 @@ def test_the_train_leaves_a_level_after_good_commands(level: int, missing: int) 
     said = found(story)
     assert bool(said) is bool(missing)
     assert all(text.startswith("invariant 4: the train left") for text in said)
+
+
+@pytest.mark.parametrize(("lost", "rule_holds"), [(set(), False), ({38}, True), ({36}, False)])
+def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int], rule_holds: bool) -> None:
+    """The port that opens the ticks is lost: the report of a later tick has the instant of the last poll."""
+    story = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0, speed_lost=lost)
+    assert (found(story) == []) is rule_holds
 
 
 @pytest.mark.parametrize("level", [1, 2, 3])
