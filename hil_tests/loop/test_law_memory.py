@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ import pytest
 import railhil as library
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
+from hil_tests.support.paths import ROOT
 from hil_tests.support.plug import plug_in
 from hil_tests.support.remembering import Learning
 from railhil.cli import bus_run
@@ -38,7 +40,8 @@ class Forgetful(Learning):
 def short(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A short scenario; the laws are known to every process that is started."""
     plug_in(tmp_path, monkeypatch, learning=Learning, forgetful=Forgetful)
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "plug"))
+    # The laws are in a module of the tests, which the nodes do not find by themselves.
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join((str(tmp_path / "plug"), str(ROOT))))
     path = tmp_path / "short.toml"
     path.write_text(QUICK_TOML)
     return path
