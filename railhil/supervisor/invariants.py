@@ -53,7 +53,9 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     found = list(unreconciled(scenario, trace))
     items = {item.port: item for item in received(scenario)}
     if not _is_forged(scenario):
-        found += [*_commanded_traction(trace), *_left_early_by_controller(trace, items)]
+        found += _commanded_traction(trace)
+        if not _answers_late(scenario):
+            found += _left_early_by_controller(trace, items)
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
         found += _left_early_by_train(trace, items)
@@ -64,6 +66,12 @@ def _is_forged(scenario: Scenario) -> bool:
     """Whether a fault of the run changes the commands on the bus."""
     places = [fault.place for fault in parsed(scenario.faults)]
     return any(place.level == "command" or place.name == NotchCmd.PORT for place in places)
+
+
+def _answers_late(scenario: Scenario) -> bool:
+    """Whether a fault holds the controller's answers back: the level in each is that of an earlier instant."""
+    faults = parsed(scenario.faults)
+    return any((fault.place.level, fault.place.name, fault.what) == ("node", "controller", "slow") for fault in faults)
 
 
 def _cut_from(scenario: Scenario) -> int:

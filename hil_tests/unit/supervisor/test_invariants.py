@@ -149,6 +149,16 @@ def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int]
     assert (found(story) == []) is rule_holds
 
 
+def test_the_levels_of_a_controller_that_answers_late_are_not_counted() -> None:
+    early = Story(controller_level=lambda tick: 3 if 20 <= tick < 24 else 0, notch_256th=lambda tick: -256)
+    (said,) = found(early)
+    assert said.startswith("invariant 4: the controller left SERVICE BRAKE")
+    late = replace(SCENARIO, faults=("controller slow 300ms @0.1s",))
+    assert broken(late, early.trace()) == []
+    (said, *_) = broken(late, replace(early, notch_256th=lambda tick: 256).trace())
+    assert said.startswith("invariant 2: the controller commands")
+
+
 @pytest.mark.parametrize("level", [1, 2, 3])
 @pytest.mark.parametrize("missing", [0, 1])
 def test_the_controller_leaves_a_level_after_good_speeds(level: int, missing: int) -> None:
