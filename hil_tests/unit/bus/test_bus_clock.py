@@ -171,6 +171,30 @@ def test_a_frame_that_looks_old_is_confirmed_by_the_next_one_only() -> None:
     assert clock.tick == 3
 
 
+def test_after_lost_frames_no_old_frame_is_confirmed() -> None:
+    clock = started(0)
+    assert not clock.feed(TELEGRAMS[10])
+    assert clock.feed(TELEGRAMS[2])
+    assert not clock.feed(TELEGRAMS[11])
+    assert clock.tick == 2
+    clock = started(0)
+    assert clock.feed(TELEGRAMS[5])
+    assert not clock.feed(TELEGRAMS[0])
+    assert clock.tick == 5
+
+
+def test_a_lost_poll_is_made_good_by_the_clock_frames() -> None:
+    clock = started(0)
+    clock.polled(POLL_TICKS)
+    # The poll of tick 2 is lost, then the clock frames of the ticks 5 and 6.
+    for life in (1, 2, 3, 4):
+        assert clock.feed(TELEGRAMS[life])
+    clock.polled(POLL_TICKS)
+    assert clock.tick == 4
+    clock.polled(POLL_TICKS)
+    assert clock.tick == 6
+
+
 def test_frames_behind_the_polls_open_no_tick() -> None:
     clock = started(0)
     clock.polled(POLL_TICKS)
