@@ -40,3 +40,17 @@ def test_a_new_mode_of_the_controller_is_an_event(mode: CtlMode) -> None:
     plant.advance()
     assert one.active
     assert not plant.status.doors_closed_locked
+
+
+def test_a_mode_that_lasts_is_no_event() -> None:
+    plant = faulty(fault("train.doors", "off", Trigger("event", "initialising")))
+    (one,) = plant.injections.activities
+    modes = CtlMode.INITIALISING, next(one for one in CtlMode if one is not CtlMode.INITIALISING), CtlMode.INITIALISING
+    active = []
+    for life, mode in enumerate(modes):
+        plant.take(NotchCmd(0, mode=mode, life=life))
+        plant.advance()
+        plant.advance()
+        active.append(one.active)
+    assert active == [False, False, True]
+    assert plant.gate.counters["accepted"] == 3
