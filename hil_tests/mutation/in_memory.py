@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from types import ModuleType
-
-import pytest
 
 from hil_tests.mutation.operators import Mutant, mutants
 
@@ -19,8 +17,17 @@ def load(mutant: Mutant, original: ModuleType) -> ModuleType:
     return module
 
 
-def survivors(original: ModuleType, checks: Sequence[Callable[[ModuleType], None]]) -> tuple[int, list[Mutant]]:
-    """Number of mutants of a module, and those that no check detects."""
+def survivors(
+    original: ModuleType, checks: Sequence[Callable[[ModuleType], None]], unseen: Collection[tuple[str, str, str]] = ()
+) -> tuple[int, list[Mutant]]:
+    """Number of mutants of a module, and those that no check detects.
+
+    A failed check raises an ``Exception``. ``pytest.fail`` is none, and ends the whole test: the time limit of pytest
+    calls it, in whatever check is running, and that says nothing about the mutant.
+
+    :param unseen: keys of the mutants that no check can detect.
+    :raises AssertionError: a check detects one of these; its failure is the cause.
+    """
     alive = []
     count = 0
     for mutant in mutants(inspect.getsource(original)):
@@ -29,8 +36,10 @@ def survivors(original: ModuleType, checks: Sequence[Callable[[ModuleType], None
             module = load(mutant, original)
             for check in checks:
                 check(module)
-        except (Exception, pytest.fail.Exception):
+        except Exception as error:
             # Detected: by a failed check, or because the module does not even load.
+            if mutant.key in unseen:
+                raise AssertionError(f"line {mutant.line}: {mutant.text}: noticed, though it is explained") from error
             continue
         alive.append(mutant)
     return count, alive

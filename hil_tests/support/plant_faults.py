@@ -6,6 +6,7 @@ from typing import Any
 
 from railhil.faults.model import Fault, Place, Trigger, Value
 from railhil.plant_sim.events import PlantEvent
+from railhil.plant_sim.faults.injections import Injections
 from railhil.plant_sim.faults.train import FaultyTrain
 from railhil.plant_sim.plant import Plant
 from railhil.scenarios.fault_list import drawn
@@ -13,6 +14,7 @@ from railhil.scenarios.load import load
 from railhil.scenarios.model import Scenario
 
 SCENARIO = load("lvshun_tieshan")
+TICK_NS = SCENARIO.timing.base_tick_ns
 
 
 def fault(
@@ -57,3 +59,13 @@ def moving(plant: Plant, code: int = 1200, ticks: int = 1000) -> Plant:
 def shown(plant: FaultyTrain) -> list[tuple[int, float, str, str]]:
     """The hits of a train's faults: number, time in s, before, after."""
     return [(hit.fault, hit.time_ns / 1e9, hit.before, hit.after) for hit in plant.injections.log.hits]
+
+
+def made(*faults: Fault) -> Injections:
+    """These faults without a train, numbered from 4."""
+    return Injections(list(enumerate(faults, 4)), 0, TICK_NS)
+
+
+def said(injections: Injections) -> list[tuple[int, str, str]]:
+    """The hits of faults: number, before, after."""
+    return [(hit.fault, hit.before, hit.after) for hit in injections.log.hits]
