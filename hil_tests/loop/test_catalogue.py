@@ -42,6 +42,7 @@ def test_the_bench_reacts_as_the_catalogue_says(entry: Entry, journey: str, tmp_
     assert bool(row.refused) is (entry.id in NOT_HERE), row.refused
     assert row.failures == []
     assert row.made is not bool(row.refused)
+    assert not list(tmp_path.glob("*/frames.blf")), "nobody keeps this folder"
 
 
 def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
@@ -50,7 +51,9 @@ def test_the_table_is_printed_and_kept(journey: str, tmp_path: Path) -> None:
     assert done.exit_code == 0, done.err
     assert "speed_age" in done.out
     assert "2 runs, 0 not as they must be" in done.out
-    assert (tmp_path / "runs" / "T2a" / "frames.log").is_file()
+    assert {"frames.log", "frames.blf", "certificate.json"} <= {
+        path.name for path in (tmp_path / "runs" / "T2a").iterdir()
+    }
     # The time is that of the level which is demanded, not of the strongest one. The cell is broken over lines, as the
     # width of the terminal has it.
     assert {"(up", "EMERGENCY)"} <= set(done.out.split())

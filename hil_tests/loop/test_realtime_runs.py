@@ -136,7 +136,7 @@ def test_a_pause_of_the_plant_is_flagged(scenarios: Path, tmp_path: Path) -> Non
 
 
 def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> None:
-    done, document = stopped_in_motion(scenarios / "short.toml", tmp_path / "run", "1", None)
+    done, document = stopped_in_motion(scenarios / "short.toml", tmp_path / "run", "2", None)
     timing = document["run"]["timing"]
     assert timing["arrivals"]["max_ms"] > STOPPED_S * 1e3 * 0.9
     sup = next(item for item in timing["answers"] if item["port"] == "SUP_CMD")
@@ -150,7 +150,7 @@ def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> No
 
 def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenarios: Path, tmp_path: Path) -> None:
     """The train's watch cuts traction after 64 ms and brakes after 256 ms; late answers are not taken for new ones."""
-    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "1", "railhil.controller_node")
+    done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "2", "railhil.controller_node")
     lateness = document["run"]["timing"]["lateness"]
     assert (done.exit_code == 3) is (lateness["late_share"] > LATE_SHARE_MAX), document["line"]
     notch = next(item for item in document["run"]["timing"]["answers"] if item["port"] == "NOTCH_CMD")

@@ -20,18 +20,26 @@ from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from hil_tests.support.iq_rows import FUNCTIONS, Row, read_rows
+from hil_tests.support.paths import TEST_DATA
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable, PortableBatch
 from railhil.controller_node.arithmetic.iq.series import exp_range
 
 _COLUMNS = ("rows", "mismatches", "unrounded", "worst LSB", "not judged")
 PROFILES = {"c28": (C28, C28Batch), "portable": (Portable, PortableBatch)}
+
+
+@cache
+def shipped_rows() -> dict[str, list[Row]]:
+    """The repository's own rows; read when the first test needs them, not by every process that collects the tests."""
+    return read_rows(TEST_DATA / "iq")
 
 
 def _of_full_scale(lsb: int) -> Callable[[int, int], int]:

@@ -67,14 +67,14 @@ def _entries(only: str, system: System) -> list[Entry]:
 
 
 def entry_run(namespace: argparse.Namespace, how: StartUp, base: RunSpec, out: Path, entry: Entry) -> Row:
-    """One entry as a run, with its folder in ``out``."""
+    """One entry as a run, with its folder in ``out``: whole if the user keeps it (``--out``)."""
     if entry.seen_in:
         return Row(entry)
     law = replace(base.law, controller=entry.law) if entry.law else base.law
     spec = replace(base, law=law, faults=entry.faults)
     folder = out / entry.id
     try:
-        scenario, run, result = run_into(folder, namespace, how, spec)
+        scenario, run, result = run_into(folder, namespace, how, spec, keep=namespace.out is not None)
     except InputError as error:
         return Row(entry, refused=error.allowed)
     except NeverBegan as error:

@@ -6,13 +6,10 @@ from typing import Any
 
 import pytest
 
-from hil_tests.support.iq_vectors import FUNCTIONS, as_arrays, check, judge, read_rows
-from hil_tests.support.paths import TEST_DATA
+from hil_tests.support.iq_vectors import FUNCTIONS, as_arrays, check, judge, shipped_rows
 from railhil.controller_node.arithmetic.base import INT32_MAX, INT32_MIN
 from railhil.controller_node.arithmetic.iq import C28, C28Batch, Portable
 from railhil.controller_node.arithmetic.iq.core import low32
-
-ROWS = read_rows(TEST_DATA / "iq")
 
 C28_DIV, C28_SQRT = C28.div, C28.sqrt
 
@@ -71,8 +68,8 @@ MISTAKES: dict[str, tuple[str, str, Any]] = {
 def test_a_mistake_is_reported(mistake: str) -> None:
     method, function, wrong = MISTAKES[mistake]
     mutant = type("Mutant", (C28,), {method: wrong})
-    assert check("c28", function, ROWS[function]).wrong == 0
-    assert check("c28", function, ROWS[function], mutant()).wrong >= 2
+    assert check("c28", function, shipped_rows()[function]).wrong == 0
+    assert check("c28", function, shipped_rows()[function], mutant()).wrong >= 2
 
 
 @pytest.mark.parametrize(
@@ -86,11 +83,16 @@ def test_the_portable_profile_is_told_from_exact_results(function: str) -> None:
         (Portable,),
         {method: getattr(C28, method), "_size": C28._size, "_limited_to_one": C28._limited_to_one},
     )
-    assert check("portable", function, ROWS[function], mutant()).wrong >= 5
+    assert check("portable", function, shipped_rows()[function], mutant()).wrong >= 5
 
 
 @pytest.mark.parametrize("function", ["mpy", "rmpy", "div", "sqrt"])
 def test_a_mistake_in_arrays_is_reported(function: str, monkeypatch: pytest.MonkeyPatch) -> None:
     right = getattr(C28Batch, FUNCTIONS[function].method)
     monkeypatch.setattr(C28Batch, FUNCTIONS[function].method, lambda self, *operands: right(self, *operands) + 1)
-    assert judge("c28", function, ROWS[function], as_arrays(C28Batch(), function, ROWS[function])).wrong >= 100
+    assert (
+        judge(
+            "c28", function, shipped_rows()[function], as_arrays(C28Batch(), function, shipped_rows()[function])
+        ).wrong
+        >= 100
+    )

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from railhil.plant_sim import dynamics, force_tables, forces
 from railhil.plant_sim.dynamics import FREE, Motion, Window
@@ -169,6 +168,8 @@ def test_a_step_agrees_with_its_hundred_parts(speed: float, actuator: float, not
 
 def _solved(train: Train, grade: Profile, notches: list[tuple[float, float]]) -> tuple[float, float]:
     """Instant and position of the stop by scipy's solver on the equations as they stand in the design."""
+    # Every process that collects the tests would load it.
+    from scipy.integrate import solve_ivp
 
     def force_n(speed: float, actuator: float) -> float:
         high = min(215e3, 2550e3 / max(speed, 1e-9))
