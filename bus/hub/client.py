@@ -224,7 +224,8 @@ class HubBus(can.BusABC):
         while self._packet or self._next_packet(deadline_s):
             frames = wire.unpack_frames(self._packet, self._offset)
             self._drop_packet()
-            self._update_readiness()
+            if self._readiness is not None:
+                self._update_readiness()
             if self._filters is not None:
                 frames = [frame for frame in frames if self._frame_passes(frame)]
             if frames:
@@ -257,7 +258,7 @@ class HubBus(can.BusABC):
 
     def _packets(self, frames: Sequence[Frame]) -> list[bytes]:
         packets = wire.pack_frames(frames)
-        if not self._fd_enabled and any(len(packet) == wire.FD_SIZE for packet in packets):
+        if not self._fd_enabled and wire.FD_SIZE in map(len, packets):
             raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
         return packets
 
