@@ -34,7 +34,7 @@ from railhil.bus.clock import Pacer
 from railhil.bus.errors import BusError, BusLost
 from railhil.bus.frame import Frame
 from railhil.bus.hub.address import TCP_SCHEME
-from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_plain, unpack_frames
+from railhil.bus.hub.wire import MAX_PACKET_SIZE, pack_frames, unpack_frames
 from railhil.bus.link import Link, open_link
 from railhil.bus.select import HUB_INTERFACE
 
@@ -66,7 +66,8 @@ class _PairEnd:
 
     def send(self, frames: Sequence[Frame]) -> None:
         """Send one packet."""
-        self._sock.send(pack_plain(frames))
+        for packet in pack_frames(frames):
+            self._sock.send(packet)
 
     def receive(self, timeout_s: float | None) -> list[Frame]:
         """Receive one packet.

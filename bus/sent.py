@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import sys
 import zlib
+from array import array
 from collections.abc import Sequence
 from itertools import accumulate
 from pathlib import Path
@@ -40,8 +41,11 @@ class SentFrames:
         self._path = path
         self._node = node
         self._waiting: list[Frame] = []
-        self._data: dict[int, bytearray] = {}
-        self._lengths: dict[int, bytearray] = {}
+        # Frames put together: identifiers, data, lengths of the data, flags.
+        self._ids = array("I")
+        self._data = bytearray()
+        self._lengths = bytearray()
+        self._flags = bytearray()
         #: What the node has received (:mod:`railhil.bus.reception`); None: it does not say.
         self.received: dict[str, Any] | None = None
 
@@ -49,25 +53,38 @@ class SentFrames:
         """Take frames that are being sent."""
         self._waiting += frames
         if len(self._waiting) > _BATCH:
-            self._sort()
+            self._put_together()
 
-    def _sort(self) -> None:
-        joined, lengths = self._data, self._lengths
-        for can_id, data, flags in self._waiting:
-            if flags and flags & NO_TELEGRAM:
-                continue
-            if can_id not in joined:
-                joined[can_id], lengths[can_id] = bytearray(), bytearray()
-            joined[can_id] += data
-            lengths[can_id].append(len(data))
+    def _put_together(self) -> None:
+        """Without a loop over the frames: a node does this in the middle of its run, and sorts them after it."""
+        if not self._waiting:
+            return
+        ids, data, flags = zip(*self._waiting, strict=True)
+        self._ids.extend(ids)
+        self._data += b"".join(data)
+        self._lengths += bytes(map(len, data))
+        self._flags += bytes(flags)
         self._waiting = []
+
+    def _sorted(self) -> dict[int, tuple[bytearray, bytearray]]:
+        """Lengths and joined data of the telegrams' frames, by CAN identifier."""
+        self._put_together()
+        found: dict[int, tuple[bytearray, bytearray]] = {}
+        for can_id, data, flags in zip(self._ids, _apart(self._lengths, self._data), self._flags, strict=True):
+            if flags & NO_TELEGRAM:
+                continue
+            if can_id not in found:
+                found[can_id] = bytearray(), bytearray()
+            lengths, joined = found[can_id]
+            lengths.append(len(data))
+            joined += data
+        return found
 
     def write(self) -> None:
         """Write the file whole or not at all, undisturbed by signals; if it cannot be written, one line on stderr says
         so."""
         finish_undisturbed()
-        self._sort()
-        frames = {str(can_id): [self._lengths[can_id].hex(), data.hex()] for can_id, data in self._data.items()}
+        frames = {str(can_id): [lengths.hex(), data.hex()] for can_id, (lengths, data) in self._sorted().items()}
         document = {"frames": frames, "received": self.received}
         try:
             with whole_file(self._path) as draft:
@@ -98,6 +115,6 @@ def read_sent(path: Path) -> Told | None:
     return Told(frames, document["received"])
 
 
-def _apart(lengths: bytes, data: bytes) -> list[bytes]:
+def _apart(lengths: bytes | bytearray, data: bytes | bytearray) -> list[bytes]:
     """Frames of these lengths, joined in ``data``."""
-    return [data[end - length : end] for length, end in zip(lengths, accumulate(lengths), strict=True)]
+    return [bytes(data[end - length : end]) for length, end in zip(lengths, accumulate(lengths), strict=True)]

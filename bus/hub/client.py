@@ -148,7 +148,7 @@ class HubBus(can.BusABC):
         message = wire.unpack_message(packet, offset, self._timestamp_s, CHANNEL_NAME, self._packet_is_own)
         offset += wire.CLASSIC_SIZE
         if offset >= len(packet) or len(packet) == wire.FD_SIZE:
-            self._drop_packet()
+            self._packet, self._offset = b"", 0
         else:
             self._offset = offset
         self._update_readiness()
@@ -223,8 +223,9 @@ class HubBus(can.BusABC):
         deadline_s = None if timeout_s is None else time.monotonic() + timeout_s
         while self._packet or self._next_packet(deadline_s):
             frames = wire.unpack_frames(self._packet, self._offset)
-            self._drop_packet()
-            self._update_readiness()
+            self._packet, self._offset = b"", 0
+            if self._readiness is not None:
+                self._update_readiness()
             if self._filters is not None:
                 frames = [frame for frame in frames if self._frame_passes(frame)]
             if frames:
@@ -257,7 +258,7 @@ class HubBus(can.BusABC):
 
     def _packets(self, frames: Sequence[Frame]) -> list[bytes]:
         packets = wire.pack_frames(frames)
-        if not self._fd_enabled and any(len(packet) == wire.FD_SIZE for packet in packets):
+        if not self._fd_enabled and wire.FD_SIZE in map(len, packets):
             raise can.CanOperationError("CAN FD frame on a bus opened without fd=True")
         return packets
 
@@ -292,10 +293,6 @@ class HubBus(can.BusABC):
         self._offset = 0
         self._timestamp_s = time.time()
         return True
-
-    def _drop_packet(self) -> None:
-        self._packet = b""
-        self._offset = 0
 
     def _update_readiness(self) -> None:
         if self._readiness is not None:

@@ -14,31 +14,32 @@ MAX_GUESTS = 64
 
 
 class Guests:
-    """The clients without a hello, in the order in which they have connected."""
+    """The clients without a hello, in the order in which they have connected.
+
+    :ivar waiting: by client, when it must have said hello (monotonic clock); the loop of the hub asks each time whether
+        there is one.
+    """
 
     def __init__(self, wall: WallClock = time) -> None:
         self._wall = wall
-        self._due_ns: dict[SwitchPort, int] = {}
-
-    def __bool__(self) -> bool:
-        return bool(self._due_ns)
+        self.waiting: dict[SwitchPort, int] = {}
 
     @property
     def due_ns(self) -> int | None:
         """When the next one must have said hello (monotonic clock); None without guests."""
-        return next(iter(self._due_ns.values()), None)
+        return next(iter(self.waiting.values()), None)
 
     def add(self, port: SwitchPort) -> SwitchPort | None:
         """Note a new client; returns the one that must make room for it, if any."""
-        oldest = next(iter(self._due_ns)) if len(self._due_ns) >= MAX_GUESTS else None
-        self._due_ns[port] = self._wall.monotonic_ns() + round(HELLO_S * 1e9)
+        oldest = next(iter(self.waiting)) if len(self.waiting) >= MAX_GUESTS else None
+        self.waiting[port] = self._wall.monotonic_ns() + round(HELLO_S * 1e9)
         return oldest
 
     def remove(self, port: SwitchPort) -> None:
         """Forget a client: it has said hello, or has left."""
-        self._due_ns.pop(port, None)
+        self.waiting.pop(port, None)
 
     def late(self) -> list[SwitchPort]:
         """The clients whose time for a hello is over."""
         now_ns = self._wall.monotonic_ns()
-        return [port for port, due_ns in self._due_ns.items() if due_ns <= now_ns]
+        return [port for port, due_ns in self.waiting.items() if due_ns <= now_ns]

@@ -56,6 +56,8 @@ class Switch:
         self._carry: Callable[[SwitchPort, bytes], None] = (
             self._carry_to_all if disturbance is None else self._carry_disturbed
         )
+        # Whether something may be due without an event on a descriptor, a silent client excepted.
+        self._is_timed = model is not None or disturbance is not None or bool(bus_ports)
         self._once = once
         self._bus_ports = tuple(bus_ports)
         self._stopping = False
@@ -91,9 +93,9 @@ class Switch:
     def run(self) -> None:
         """Serve until :meth:`stop`, or with ``once`` until the last client has left."""
         listener_fd = self._listener.fileno()
-        ports = self._all.ports
+        ports, guests = self._all.ports, self._all.guests.waiting
         while not self._stopping and not (self._once and self._all.is_deserted):
-            for fd, events in self._wait():
+            for fd, events in self._wait_until_due() if self._is_timed or guests else self._wait():
                 port = ports.get(fd)
                 if port is not None:
                     if events & _READ_EVENTS:
@@ -104,17 +106,8 @@ class Switch:
                     self._all.accept()
                 elif fd == self._wake_read:
                     self._wake()
-            for port in self._bus_ports:
-                if port.due_ns is not None and port.due_ns <= time.monotonic_ns():
-                    self._flush(port)
-            if self._model is not None:
-                self._deliver_due(self._model)
-            if self._disturbance is not None:
-                self._tell_all(self._disturbance.due())
-            if self._all.guests:
-                # After the events: a hello that has arrived while this process stood still is in time.
-                for port in self._all.guests.late():
-                    self._all.drop(port, f"no hello within {HELLO_S:g} s")
+            if self._is_timed or guests:
+                self._serve_due()
         self._drain()
 
     def close(self) -> None:
@@ -128,48 +121,12 @@ class Switch:
     # --- the hot path -------------------------------------------------------------------------------------
 
     def _wait(self) -> list[tuple[int, int]]:
-        if self._model is not None or self._bus_ports or self._all.guests or self._disturbance is not None:
-            due_ns = self._next_due_ns()
-            if due_ns is not None:
-                # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
-                timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
-                select.select((self._epoll.fileno(),), (), (), timeout_s)
-                if self._all.bulk_readers:
-                    self._flush_held(time.monotonic_ns())
-                return self._epoll.poll(0)
         if self._all.bulk_readers:
             ready = self._epoll.poll(HOLD_S)
             if ready:
                 return ready
             self._flush_held()
         return self._epoll.poll()
-
-    def _next_due_ns(self) -> int | None:
-        """Next time at which the model, a bus or a silent client must be served without an event on a descriptor.
-
-        While packets are held for clients that read in bulk, their due time is included; otherwise the epoll time-out
-        is enough for it.
-        """
-        times_ns = [self._all.guests.due_ns, *(port.due_ns for port in self._bus_ports)]
-        if self._model is not None:
-            times_ns.append(self._model.next_due_ns())
-        if self._disturbance is not None:
-            times_ns.append(self._disturbance.due_ns)
-        due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
-        if due_ns is not None and self._all.bulk_readers:
-            for port in self._all.members:
-                if port.coalescer is not None and port.coalescer.due_ns is not None:
-                    due_ns = min(due_ns, port.coalescer.due_ns)
-        return due_ns
-
-    def _flush_held(self, until_ns: int | None = None) -> None:
-        """Deliver packets held for the clients that read in bulk: all, or those due by ``until_ns``."""
-        for port in self._all.members:
-            if port.coalescer is None or port.coalescer.due_ns is None:
-                continue
-            if until_ns is None or port.coalescer.due_ns <= until_ns:
-                for packet in port.coalescer.flush():
-                    self._hand_over(port, packet)
 
     def _read(self, port: SwitchPort) -> None:
         try:
@@ -219,6 +176,58 @@ class Switch:
                 self._update(port)
         except PortFault as fault:
             self._all.drop(port, str(fault))
+
+    # --- what is due without an event ---------------------------------------------------------------------
+
+    def _wait_until_due(self) -> list[tuple[int, int]]:
+        due_ns = self._next_due_ns()
+        if due_ns is None:
+            return self._wait()
+        # epoll counts in milliseconds, select on the epoll descriptor in microseconds.
+        timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
+        select.select((self._epoll.fileno(),), (), (), timeout_s)
+        if self._all.bulk_readers:
+            self._flush_held(time.monotonic_ns())
+        return self._epoll.poll(0)
+
+    def _serve_due(self) -> None:
+        for port in self._bus_ports:
+            if port.due_ns is not None and port.due_ns <= time.monotonic_ns():
+                self._flush(port)
+        if self._model is not None:
+            self._deliver_due(self._model)
+        if self._disturbance is not None:
+            self._tell_all(self._disturbance.due())
+        # After the events: a hello that has arrived while this process stood still is in time.
+        for port in self._all.guests.late():
+            self._all.drop(port, f"no hello within {HELLO_S:g} s")
+
+    def _next_due_ns(self) -> int | None:
+        """Next time at which the model, a bus or a silent client must be served without an event on a descriptor.
+
+        While packets are held for clients that read in bulk, their due time is included; otherwise the epoll time-out
+        is enough for it.
+        """
+        times_ns = [self._all.guests.due_ns, *(port.due_ns for port in self._bus_ports)]
+        if self._model is not None:
+            times_ns.append(self._model.next_due_ns())
+        if self._disturbance is not None:
+            times_ns.append(self._disturbance.due_ns)
+        due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
+        if due_ns is not None and self._all.bulk_readers:
+            for port in self._all.members:
+                if port.coalescer is not None and port.coalescer.due_ns is not None:
+                    due_ns = min(due_ns, port.coalescer.due_ns)
+        return due_ns
+
+    def _flush_held(self, until_ns: int | None = None) -> None:
+        """Deliver packets held for the clients that read in bulk: all, or those due by ``until_ns``."""
+        for port in self._all.members:
+            if port.coalescer is None or port.coalescer.due_ns is None:
+                continue
+            if until_ns is None or port.coalescer.due_ns <= until_ns:
+                for packet in port.coalescer.flush():
+                    self._hand_over(port, packet)
 
     # --- disturbed traffic --------------------------------------------------------------------------------
 

@@ -191,11 +191,14 @@ def pack_frame(frame: Frame) -> bytes:
     return _pack(wire_id, len(data), b"" if remote else data, fd_flags)
 
 
-def pack_plain(frames: Sequence[Frame]) -> bytes:
-    """Frames without flags as one batch (the bench's own traffic). Raises ValueError as :func:`pack_frame`."""
+def _pack_plain(frames: Sequence[Frame]) -> bytes | None:
+    """Frames without flags as one batch (the bench's own traffic); None: some have flags. Raises ValueError as
+    :func:`pack_frame`."""
     pack = _CLASSIC.pack
     parts = []
-    for can_id, data, _ in frames:
+    for can_id, data, flags in frames:
+        if flags:
+            return None
         size = len(data)
         if size > 8 or not 0 <= can_id <= SFF_MASK:
             raise ValueError(f"CAN identifier 0x{can_id:X} with {size} bytes, allowed: 0..0x{SFF_MASK:X}, 0..8")
@@ -208,8 +211,10 @@ def pack_frames(frames: Sequence[Frame]) -> list[bytes]:
 
     Raises ValueError as :func:`pack_frame`.
     """
-    if len(frames) <= MAX_BATCH_FRAMES and not any(frame[2] for frame in frames):
-        return [pack_plain(frames)] if frames else []
+    if len(frames) <= MAX_BATCH_FRAMES:
+        plain = _pack_plain(frames)
+        if plain is not None:
+            return [plain] if plain else []
     packets: list[bytes] = []
     batch: list[bytes] = []
     for frame in frames:

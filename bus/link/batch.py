@@ -125,9 +125,6 @@ class BatchLink(Link):
         if self._stash:
             batch, self._stash = self._stash, []
             return batch
-        return self._heard(timeout_s)
-
-    def _heard(self, timeout_s: float | None) -> list[Frame]:
         try:
             batch = self._receive_batch(timeout_s)
         except FAILURES as error:
@@ -145,7 +142,8 @@ class BatchLink(Link):
             self.counters["send_retries"] += 1
             self.while_waiting()
             begun_s = self._wall.monotonic()
-            self._stash += self._heard(_LOOK_S)
+            stash, self._stash = self._stash, []
+            self._stash = stash + self.receive(_LOOK_S)
             self._wall.sleep(max(0.0, begun_s + _LOOK_S - self._wall.monotonic()))
             host = notices.host
         is_dropped = host.full or host.is_off
