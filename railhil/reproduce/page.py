@@ -103,9 +103,12 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
 
 def _run_rows(paper: Paper, results: Results) -> Iterator[list[str]]:
     for planned in paper.planned(results.seeds):
-        found = results.runs[planned.key]
+        if (found := results.runs.get(planned.key)) is None:
+            yield [planned.key, "not made", "", f"`{again(planned)}`"]
+            continue
         verdict = f"{found.verdict}{': ' if found.reasons else ''}{'; '.join(found.reasons)}"
-        yield [planned.key, verdict, f"`{found.frames_sha256[:_DIGEST_DIGITS]}`", f"`{again(planned)}`"]
+        digest = f"`{found.frames_sha256[:_DIGEST_DIGITS]}`" if found.frames_sha256 else "no log"
+        yield [planned.key, verdict, digest, f"`{again(planned)}`"]
 
 
 def _grouped(rows: Sequence[list[str]]) -> Iterator[list[str]]:
