@@ -78,6 +78,8 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
     yield from ("give the same page on every machine.", "", "## Protocol", "")
     yield from (f"* {sentence}" for sentence in paper.protocol)
     yield f"* Seeds: {', '.join(map(str, results.seeds))}."
+    if missing := sum(one.key not in results.runs for one in paper.planned(results.seeds)):
+        yield f"* {missing} of these runs were not made; figures that need them are missing below."
     yield ""
     yield from _markdown(("run", "verdict", "frames.log SHA-256", "again"), _run_rows(paper, results), ())
     for table in paper.tables(results):

@@ -32,6 +32,10 @@ Figures = dict[str, float | None]
 RANK = {law: place for place, law in enumerate((ELM, MULTI_MODEL, ADAPTIVE, BP, *LAWS[4:]))}
 
 
+def made_alone(one: Planned) -> Measured:
+    return results(replace(PAPER, planned=lambda seeds: [one], measure=scores), (3,)).runs[one.key]
+
+
 def scores(outcome: Outcome) -> Figures:
     return dict(outcome.scores)
 
@@ -138,7 +142,7 @@ def test_printed_figures_stand_beside_the_measured_ones() -> None:
     assert [line.published_shown for line in modelling.lines] == ["1.454", "0.1653", "8.80"]
     assert modelling.lines[2].measured == pytest.approx((4.0,) * 4)
     assert not tracking.is_published
-    assert tracking.lines[0].measured == pytest.approx((0.115, 0.11, 0.12, 2))
+    assert tracking.lines[0].measured == pytest.approx((0.115, 0.11, 0.12))
     assert [line.published for line in stop.lines] == [4400.0, *[None] * (len(LAWS) - 1)]
     assert [line.published_shown for line in effort.lines] == ["5.47", "4.33"]
     assert [line.measured for line in effort.lines] == [(4.0,), (3.0,)]
@@ -152,7 +156,7 @@ def test_the_bands_say_on_which_side_a_mean_is_outside() -> None:
         lines = next(table for table in tables(made(figure)) if table.name == "bands").lines
         return next(line.remark for line in lines if line.item == "pid, allowed 0.17 to 0.22")
 
-    assert [of_pid(x) for x in (0.16, 0.17, 0.22, 0.23)] == [
+    assert [of_pid(x).removesuffix(" (2 runs)") for x in (0.16, 0.17, 0.22, 0.23)] == [
         "does not hold: below",
         "holds",
         "holds",
@@ -165,8 +169,9 @@ def test_runs_that_were_not_made_are_no_figures() -> None:
     kept = {name: run for name, run in whole.runs.items() if name == names.key(NORMAL, ELM, 2)}
     part = Results(SEEDS, kept)
     tracking = tables(part)[1]
-    assert tracking.lines[0].measured == pytest.approx((0.12, 0.12, 0.12, 1))
-    assert tracking.lines[1].measured == (None, None, None, 0)
+    assert tracking.lines[0].measured == pytest.approx((0.12, 0.12, 0.12))
+    assert {line.item for line in tracking.lines} == {ELM}
+    assert tracking.lines[0].remark == "1 run"
     assert {one.verdict for one in statements(part)} == {OPEN}
 
 
@@ -175,17 +180,14 @@ def test_windows_of_the_mutation_are_those_of_its_scenario() -> None:
     assert {text.split(" @")[1] for text in faults} == {f"{at}s for {long}s" for at, long in WINDOWS_S}
 
 
-def test_a_run_without_a_bus_has_the_scores_of_the_nodes(tmp_path: Path) -> None:
+def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
     """Also if only the ports of the scores are published."""
     for system, ports in (("hst_short", ("TRUTH",)), ("emu3_short", UNITS_PORTS)):
         spec = RunSpec(
             system, ("task.duration_s=20", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), seed=3, bus="local"
         )
         one = Planned("one", spec)
-        found = [
-            results(replace(PAPER, planned=lambda seeds, one=one: [one], measure=scores), (3,)).runs["one"]
-            for one in (one, replace(one, coupled=ports))
-        ]
+        found = [made_alone(way) for way in (one, replace(one, coupled=ports))]
         assert found[0].values == found[1].values
         assert [bool(run.frames_sha256) for run in found] == [True, False]
 

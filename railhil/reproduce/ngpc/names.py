@@ -105,16 +105,26 @@ def model_error(kind: str, period_s: float) -> str:
     return f"{kind}_{period_s:g}s_kmh"
 
 
+def made(results: Results, situation: str, law: str) -> list[str]:
+    """Names of the runs of a law in a situation that were made."""
+    keys = [key(situation, law, seed) for seed in seeds_of(situation, law, results.seeds)]
+    return [one for one in keys if one in results.runs]
+
+
 def over_seeds(
     results: Results, situation: str, law: str, name: str
-) -> tuple[float | None, float | None, float | None, float | None]:
-    """Mean, least and greatest value of a figure over the seeds whose runs were made, and their number."""
-    keys = [key(situation, law, seed) for seed in seeds_of(situation, law, results.seeds)]
-    made = [one for one in keys if one in results.runs]
-    mean_of, least, greatest = (results.over(made, name, reduce) for reduce in (fmean, min, max))
-    return mean_of, least, greatest, float(len(made))
+) -> tuple[float | None, float | None, float | None]:
+    """Mean, least and greatest value of a figure over the seeds whose runs were made."""
+    keys = made(results, situation, law)
+    return results.over(keys, name, fmean), results.over(keys, name, min), results.over(keys, name, max)
+
+
+def count(results: Results, situation: str, law: str) -> str:
+    """How many runs the figures come from, in words."""
+    number = len(made(results, situation, law))
+    return f"{number} run{'s' * (number != 1)}"
 
 
 def mean(results: Results, situation: str, law: str, name: str) -> float | None:
-    """Mean of a figure over the seeds."""
+    """Mean of a figure over the seeds whose runs were made."""
     return over_seeds(results, situation, law, name)[0]
