@@ -80,6 +80,16 @@ def arguments(papers: Mapping[str, str] = PAPERS) -> argparse.ArgumentParser:
         "--out", type=Path, metavar="DIR", help=f"write {PAGE}, figures (SVG), tables (CSV), results.json"
     )
     parser.add_argument("--keep-runs", action="store_true", help="also keep the run folders, in DIR/runs")
+    parser.add_argument(
+        "--measured", type=Path, metavar="DIR",
+        help="store the figures of each run in DIR, and do not make runs again whose figures are there (empty it when "
+        "the code has changed); the protocol can so be run in pieces",
+    )  # fmt: skip
+    parser.add_argument(
+        "--only", metavar="PATTERN",
+        help="make only the runs whose names match (* and ? as in file names); others are read from --measured, or not "
+        "made, which the page says",
+    )  # fmt: skip
     add_json_argument(parser)
     return parser
 
@@ -99,6 +109,20 @@ def _folder(out: Path, keep_runs: bool) -> bool:
     except OSError as error:
         raise not_written("--out", out, "folder", error) from None
     return made
+
+
+def _measured_folder(folder: Path | None) -> Path | None:
+    """The folder of the measured figures, made if it is not there.
+
+    :raises InputError: it cannot be made.
+    """
+    if folder is None:
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise not_written("--measured", folder, "folder", error) from None
+    return folder
 
 
 def _discard(folder: Path) -> None:
@@ -132,7 +156,7 @@ def main(words: Sequence[str] | None = None, papers: Mapping[str, str] = PAPERS)
 
 def _work(namespace: argparse.Namespace, papers: Mapping[str, str]) -> int:
     if namespace.paper is None:
-        for option in ("seeds", "out", "keep_runs"):
+        for option in ("seeds", "out", "keep_runs", "measured", "only"):
             if getattr(namespace, option):
                 allowed = f"one of {', '.join(papers)} beside it"
                 raise InputError("command line", f"--{option.replace('_', '-')}", Words("no paper"), allowed)
@@ -153,6 +177,8 @@ def _reproduce(paper: Paper, namespace: argparse.Namespace) -> int:
             namespace.seeds or paper.seeds,
             jobs=namespace.jobs,
             kept=folder / RUNS if folder is not None and namespace.keep_runs else None,
+            measured=_measured_folder(namespace.measured),
+            only=namespace.only,
             drawn=folder is not None,
             say=Output(stderr=True).say,
         )

@@ -34,7 +34,11 @@ def document(paper: Paper, results: Results, pictures: Sequence[Shown] = ()) -> 
         "railhil": version("railhil"),
         "protocol": list(paper.protocol),
         "seeds": list(results.seeds),
-        "runs": [_run(planned, results.runs[planned.key]) for planned in paper.planned(results.seeds)],
+        "runs": [
+            _run(planned, results.runs[planned.key])
+            for planned in paper.planned(results.seeds)
+            if planned.key in results.runs
+        ],
         "tables": [_table(table) for table in paper.tables(results)],
         "statements": [asdict(statement) for statement in paper.statements(results)],
         "figures": [asdict(picture) for picture in pictures],

@@ -78,6 +78,8 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
     yield from ("give the same page on every machine.", "", "## Protocol", "")
     yield from (f"* {sentence}" for sentence in paper.protocol)
     yield f"* Seeds: {', '.join(map(str, results.seeds))}."
+    if missing := sum(one.key not in results.runs for one in paper.planned(results.seeds)):
+        yield f"* {missing} of these runs were not made; figures that need them are missing below."
     yield ""
     yield from _markdown(("run", "verdict", "frames.log SHA-256", "again"), _run_rows(paper, results), ())
     for table in paper.tables(results):
@@ -103,9 +105,12 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
 
 def _run_rows(paper: Paper, results: Results) -> Iterator[list[str]]:
     for planned in paper.planned(results.seeds):
-        found = results.runs[planned.key]
+        if (found := results.runs.get(planned.key)) is None:
+            yield [planned.key, "not made", "", f"`{again(planned)}`"]
+            continue
         verdict = f"{found.verdict}{': ' if found.reasons else ''}{'; '.join(found.reasons)}"
-        yield [planned.key, verdict, f"`{found.frames_sha256[:_DIGEST_DIGITS]}`", f"`{again(planned)}`"]
+        digest = f"`{found.frames_sha256[:_DIGEST_DIGITS]}`" if found.frames_sha256 else "no log"
+        yield [planned.key, verdict, digest, f"`{again(planned)}`"]
 
 
 def _grouped(rows: Sequence[list[str]]) -> Iterator[list[str]]:

@@ -25,11 +25,16 @@ FOLLOWS, IN_PART, FOLLOWS_NOT, OPEN = "follows", "follows in part", "does not fo
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """One run of a protocol: ``key`` names it in tables, documents and folders; ``drawn``: a figure shows it."""
+    """One run of a protocol: ``key`` names it in tables, documents and folders; ``drawn``: a figure shows it.
+
+    ``coupled``: the run is made without a bus (:mod:`railhil.vector_bench`), and of the plant's other ports only these
+    are published; None: with the in-process bus and a run folder.
+    """
 
     key: str
     spec: RunSpec
     drawn: bool = False
+    coupled: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,14 +54,18 @@ class Measured:
 
 @dataclass(frozen=True)
 class Results:
-    """The measured runs of a protocol by key, and the seeds with which they were made."""
+    """The measured runs of a protocol by key, and the seeds with which they were made; not all need to be there."""
 
     seeds: tuple[int, ...]
     runs: Mapping[str, Measured]
 
+    def value(self, key: str, name: str) -> float | None:
+        """A figure of one run; None if it has no value or was not made."""
+        return self.runs[key].values[name] if key in self.runs else None
+
     def over(self, keys: Iterable[str], name: str, reduce: Callable[[list[float]], float] = median) -> float | None:
-        """A figure over runs, by default its median; None if one of them has no value."""
-        values = [self.runs[key].values[name] for key in keys]
+        """A figure over runs, by default its median; None if one of them has no value or was not made."""
+        values = [self.value(key, name) for key in keys]
         known = [value for value in values if value is not None]
         return float(reduce(known)) if values and len(known) == len(values) else None
 

@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
+from fnmatch import fnmatchcase
 from functools import partial
+from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 from railhil import library
+from railhil.common.errors import InputError
+from railhil.common.whole_file import whole_file
+from railhil.controller_node.vector.controller import VectorController
+from railhil.library import Outcome
 from railhil.reproduce.paper import Measured, Paper, Planned, Results
+from railhil.scenarios.run_spec import RunSpec
+from railhil.vector_bench import coupled_run
 
 
 def results(
@@ -19,6 +29,8 @@ def results(
     *,
     jobs: int = 1,
     kept: Path | None = None,
+    measured: Path | None = None,
+    only: str | None = None,
     drawn: bool = False,
     say: Callable[[str], None] = lambda sentence: None,
 ) -> Results:
@@ -26,13 +38,18 @@ def results(
 
     :param jobs: processes at a time; the result does not depend on it.
     :param kept: where the run folders stay, each under the key of its run; None: nowhere.
+    :param measured: folder of the figures of each run; runs whose figures are there are not made again, except those
+        that are drawn. None: all are made.
+    :param only: pattern (:mod:`fnmatch`) of the names of the runs to make; of the others only those are in the result
+        whose figures are stored. None: all.
     :param drawn: also keep the curves of the runs that a figure shows.
     :param say: called after each run.
     :raises InputError: a run cannot be made.
     :raises NeverBegan: the nodes refused a run.
     """
-    planned = list(paper.planned(seeds))
-    work = partial(_measured, paper, kept, drawn)
+    stored = set() if measured is None else {path.stem for path in measured.glob("*.json")}
+    planned = [one for one in paper.planned(seeds) if only is None or fnmatchcase(one.key, only) or one.key in stored]
+    work = partial(_measured, paper, kept, measured, drawn, only)
     found: dict[str, Measured] = {}
     with ExitStack() as held:
         if jobs > 1 and len(planned) > 1:
@@ -46,16 +63,73 @@ def results(
     return Results(tuple(seeds), found)
 
 
-def _measured(paper: Paper, kept: Path | None, drawn: bool, planned: Planned) -> Measured:
+def _measured(
+    paper: Paper, kept: Path | None, measured: Path | None, drawn: bool, only: str | None, planned: Planned
+) -> Measured:
     """One run, perhaps in a process of its own."""
+    is_drawn = drawn and planned.drawn and (only is None or fnmatchcase(planned.key, only))
+    file = None if measured is None else measured / f"{planned.key}.json"
+    if file is not None and not is_drawn and file.is_file():
+        return _read(file, planned)
     with ExitStack() as held:
-        place = kept or Path(held.enter_context(TemporaryDirectory(prefix="railhil-reproduce-")))
-        outcome = library.run(planned.spec, out=place / planned.key)
-        return Measured(
+        if planned.coupled is None:
+            place = kept or Path(held.enter_context(TemporaryDirectory(prefix="railhil-reproduce-")))
+            outcome = library.run(planned.spec, out=place / planned.key)
+        else:
+            outcome = _coupled(planned.spec, planned.coupled)
+        found = Measured(
             key=planned.key,
             verdict=outcome.verdict,
             reasons=outcome.reasons,
             frames_sha256=outcome.frames_sha256,
             values=dict(paper.measure(outcome)),
-            curves=paper.curves(outcome) if drawn and planned.drawn else None,
+            curves=paper.curves(outcome) if is_drawn else None,
         )
+    if file is not None:
+        with whole_file(file) as draft:
+            draft.write_text(json.dumps(_stored(found, planned)) + "\n", encoding="utf-8", newline="\n")
+    return found
+
+
+def _coupled(spec: RunSpec, ports: tuple[str, ...]) -> Outcome:
+    """A run without a bus; it has neither folder nor certificate."""
+    scenario = spec.load()
+    run = coupled_run(scenario, VectorController(scenario, spec.law).step, spec, ports)
+    score = run.score
+    document: dict[str, Any] = score.as_json()
+    return Outcome(
+        Path(),
+        scenario,
+        score.verdict,
+        score.failures,
+        document["scores"],
+        document["signed"],
+        spec.as_json(),
+        run.trace,
+    )
+
+
+def _stored(found: Measured, planned: Planned) -> dict[str, Any]:
+    return {
+        "again": planned.spec.words,
+        "railhil": version("railhil"),
+        "verdict": found.verdict,
+        "reasons": list(found.reasons),
+        "frames_sha256": found.frames_sha256,
+        "measured": dict(found.values),
+    }
+
+
+def _read(file: Path, planned: Planned) -> Measured:
+    """The stored figures of a run.
+
+    :raises InputError: they are those of another run, or of another version.
+    """
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
+    for key, allowed in (("again", list(planned.spec.words)), ("railhil", version("railhil"))):
+        if found.get(key) != allowed:
+            raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
+    return Measured(planned.key, found["verdict"], tuple(found["reasons"]), found["frames_sha256"], found["measured"])

@@ -6,9 +6,9 @@ an unknown constant (running resistance, grade) is removed by the differences.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, Generic, NamedTuple
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 from pydantic import Field
 
@@ -26,7 +26,7 @@ from railhil.controller_node.laws.high_speed.carima import (
 )
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
 from railhil.controller_node.laws.high_speed.identification import coefficients, theta_of
-from railhil.controller_node.laws.high_speed.law import CoreLaw
+from railhil.controller_node.laws.high_speed.law import JOURNEYS, CoreLaw
 from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
 from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.reals import Reals
@@ -129,6 +129,8 @@ class AGpc(CoreLaw[T]):
 
     name = "a_gpc"
     parameters_type = AGpcParameters
+    #: Its figures on these seeds were looked at while its parameters were chosen.
+    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(201, 206))
     parameters_origin = "ours, near those of mm_gpc; the papers print none"
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> ACore[T]:

@@ -23,7 +23,7 @@ from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Uni
 from railhil.controller_node.laws.high_speed.delay_bank import Bank, BankParameters, DelayBank
 from railhil.controller_node.laws.high_speed.delay_line import DelayLines, step_response
 from railhil.controller_node.laws.high_speed.kalman import Belief
-from railhil.controller_node.laws.high_speed.law import CoreLaw, LawParameters
+from railhil.controller_node.laws.high_speed.law import JOURNEYS, CoreLaw, LawParameters
 from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
 from railhil.controller_node.laws.high_speed.reals import Reals
 
@@ -182,9 +182,7 @@ class DelayGpc(CoreLaw[T]):
     name = "delay_gpc"
     parameters_type = DelayGpcParameters
     parameters_origin = "ours"
-    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(
-        ("jinan_xuzhou", "jinan_xuzhou_mutation"), range(1, 204)
-    )
+    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(1, 204))
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayCore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))

@@ -21,6 +21,8 @@ from railhil.controller_node.laws.high_speed.core import Core, Sample, Unit
 from railhil.controller_node.laws.high_speed.reals import Reals
 
 #: Runs on which ``railhil.tuning.high_speed`` chose parameters: its training seed.
+#: Scenarios of the journey, with which parameters are chosen.
+JOURNEYS = ("jinan_xuzhou", "jinan_xuzhou_emergency", "jinan_xuzhou_mutation")
 DESIGN_SEEDS = {"jinan_xuzhou": range(100, 101)}
 #: Lowest speed in the power limit, m/s: it keeps the quotient finite.
 _CRAWL_MPS = 1.0

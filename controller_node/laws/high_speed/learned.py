@@ -7,6 +7,7 @@ parameters, a file that ``railhil train-model`` has written, else from the shipp
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
@@ -17,6 +18,7 @@ from railhil.common.errors import InputError, Words
 from railhil.controller_node.arithmetic.base import Arithmetic, T
 from railhil.controller_node.laws.high_speed.core import Unit
 from railhil.controller_node.laws.high_speed.estimators import Estimate, Estimator, Past
+from railhil.controller_node.laws.high_speed.law import JOURNEYS
 from railhil.controller_node.laws.high_speed.network import Forward, Network
 from railhil.controller_node.laws.high_speed.ngpc import GpcParameters, NgpcLaw
 from railhil.controller_node.laws.high_speed.reals import Reals
@@ -63,6 +65,8 @@ class LearnedLaw(NgpcLaw[T]):
     """
 
     parameters_type = LearnedParameters
+    #: Trained on 1; hidden layer and weight decay were chosen on 21 to 23 and 203.
+    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(1, 204))
     #: Kind of its networks, and the law whose shipped file it uses.
     kind: ClassVar[str]
     weights_of: ClassVar[str]

@@ -5,35 +5,59 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from railhil.bus.high_speed import wire
+from railhil.common.errors import InputError
 from railhil.controller_node.laws import find
+from railhil.library import Outcome
 from railhil.reproduce.ngpc import PAPER, names
 from railhil.reproduce.ngpc.names import ADAPTIVE, BP, ELM, EMERGENCY, LAWS, MULTI_MODEL, MUTATION, NORMAL
-from railhil.reproduce.ngpc.runs import Drawable
+from railhil.reproduce.ngpc.runs import SCENARIOS, WINDOWS_S, Drawable
 from railhil.reproduce.ngpc.statements import statements
 from railhil.reproduce.ngpc.tables import tables
-from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, Measured, Results
+from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Measured, Planned, Results
+from railhil.reproduce.protocol import results
 from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 
 SEEDS = (1, 2)
+UNITS_PORTS = (wire(3).truth.PORT,)
 Figures = dict[str, float | None]
 #: As the paper has it: the first of the laws is the best in everything.
 RANK = {law: place for place, law in enumerate((ELM, MULTI_MODEL, ADAPTIVE, BP, *LAWS[4:]))}
+
+
+def made_alone(one: Planned) -> Measured:
+    return results(replace(PAPER, planned=lambda seeds: [one], measure=scores), (3,)).runs[one.key]
+
+
+def scores(outcome: Outcome) -> Figures:
+    return dict(outcome.scores)
 
 
 def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Results:
     """Runs with the figures of (situation, law, seed); of each record, models four times as good with the network."""
     runs = {
         names.key(situation, law, seed): figure(situation, law, seed)
-        for situation in (NORMAL, EMERGENCY, MUTATION)
-        for law in LAWS
-        for seed in SEEDS
+        for situation in names.RMSE
+        for law in names.laws_of(situation)
+        for seed in names.seeds_of(situation, law, SEEDS)
     }
-    for seed in SEEDS:
+    for kind, law, loop in names.UNITS:
+        kn = 1.0 if loop == "mean" else 3.0
+        rmse = 0.1 + 0.1 * RANK[law]
+        found: Figures = {
+            names.UNITS_RMSE: rmse,
+            names.SPREAD: 0.1,
+            names.COUPLER_KN: kn if kind == "coupled" else None,
+        }
+        runs[names.units_key(kind, law, loop, SEEDS[0])] = found
+    for seed in SEEDS[:1]:
         errors = (("linear", 0.8), ("integrated", 0.2))
         runs[names.record_key(seed)] = {
             names.model_error(kind, period_s): value for kind, value in errors for period_s in names.PERIODS_S
@@ -53,14 +77,16 @@ def as_published(situation: str, law: str, seed: int) -> Figures:
 
 def test_each_run_has_its_scenario_and_its_law() -> None:
     planned = PAPER.planned(PAPER.seeds)
-    assert len({one.key for one in planned}) == len(planned) == 5 * (3 * len(LAWS) + 1) + len(LAWS)
+    assert len({one.key for one in planned}) == len(planned)
+    often = [(EMERGENCY, law) for law in LAWS] + [(at, law) for at in (NORMAL, MUTATION) for law in names.MAIN]
+    assert {names.key(at, law, seed) for at, law in often for seed in PAPER.seeds} <= {one.key for one in planned}
     for scenario, law in {(one.spec.scenario, one.spec.law.controller) for one in planned}:
         system_named(load_any(scenario).system).check_law(law, scenario, "law")
 
 
 def test_statements_follow_from_runs_as_the_paper_has_them() -> None:
-    found = statements(made(as_published))
-    assert len(found) == 8
+    found = [one for one in statements(made(as_published)) if "bands" not in one.claim]
+    assert len(found) == 11
     assert {one.verdict for one in found} == {FOLLOWS}
 
 
@@ -73,13 +99,13 @@ def test_statements_do_not_follow_from_the_opposite() -> None:
 
     slowest: Figures = {names.CYCLES: 1e6}
     verdicts = [one.verdict for one in statements(made(worse, **{names.effort_key(ELM): slowest}))]
-    # The models are as before.
-    assert verdicts == [FOLLOWS, *[FOLLOWS_NOT] * 7]
+    # The models and the runs with three units are as before.
+    assert verdicts == [FOLLOWS, *[FOLLOWS_NOT] * 9, FOLLOWS, FOLLOWS]
 
 
 def test_least_effort_of_one_of_two_follows_in_part() -> None:
     quick: Figures = {names.CYCLES: 100.0}
-    assert statements(made(as_published, **{names.effort_key(ADAPTIVE): quick}))[-1].verdict == IN_PART
+    assert statements(made(as_published, **{names.effort_key(ADAPTIVE): quick}))[7].verdict == IN_PART
 
 
 @pytest.mark.slow
@@ -91,7 +117,7 @@ def test_each_situation_has_its_picture() -> None:
     pictures = PAPER.figures(Results(SEEDS, runs))
     assert [one.name for one in pictures] == ["figures_8_9", "figures_10_11", "figures_12_13"]
     for one in pictures:
-        assert all(f">{law}<" in one.svg for law in LAWS)
+        assert all(f">{law}<" in one.svg for law in names.DRAWN)
 
 
 def test_readings_name_parameters_that_the_laws_have() -> None:
@@ -112,12 +138,71 @@ def test_a_law_that_never_stops() -> None:
 
 
 def test_printed_figures_stand_beside_the_measured_ones() -> None:
-    modelling, tracking, stop, effort = tables(made(as_published))
+    modelling, tracking, stop, _, _, effort = tables(made(as_published))
     assert [line.published_shown for line in modelling.lines] == ["1.454", "0.1653", "8.80"]
     assert modelling.lines[2].measured == pytest.approx((4.0,) * 4)
     assert not tracking.is_published
-    assert len(tracking.lines) == 3 * 2 * len(LAWS)
     assert tracking.lines[0].measured == pytest.approx((0.115, 0.11, 0.12))
     assert [line.published for line in stop.lines] == [4400.0, *[None] * (len(LAWS) - 1)]
     assert [line.published_shown for line in effort.lines] == ["5.47", "4.33"]
     assert [line.measured for line in effort.lines] == [(4.0,), (3.0,)]
+
+
+def test_the_bands_say_on_which_side_a_mean_is_outside() -> None:
+    def of_pid(rmse_kmh: float) -> str:
+        def figure(situation: str, law: str, seed: int) -> Figures:
+            return {**as_published(situation, law, seed), names.WHOLE: rmse_kmh}
+
+        lines = next(table for table in tables(made(figure)) if table.name == "bands").lines
+        return next(line.remark for line in lines if line.item == "pid, allowed 0.17 to 0.22")
+
+    assert [of_pid(x).removesuffix(" (2 runs)") for x in (0.16, 0.17, 0.22, 0.23)] == [
+        "does not hold: below",
+        "holds",
+        "holds",
+        "does not hold: above",
+    ]
+
+
+def test_runs_that_were_not_made_are_no_figures() -> None:
+    whole = made(as_published)
+    kept = {name: run for name, run in whole.runs.items() if name == names.key(NORMAL, ELM, 2)}
+    part = Results(SEEDS, kept)
+    tracking = tables(part)[1]
+    assert tracking.lines[0].measured == pytest.approx((0.12, 0.12, 0.12))
+    assert {line.item for line in tracking.lines} == {ELM}
+    assert tracking.lines[0].remark == "1 run"
+    assert {one.verdict for one in statements(part)} == {OPEN}
+
+
+def test_windows_of_the_mutation_are_those_of_its_scenario() -> None:
+    faults = load_any(SCENARIOS[MUTATION]).faults
+    assert {text.split(" @")[1] for text in faults} == {f"{at}s for {long}s" for at, long in WINDOWS_S}
+
+
+def test_a_run_without_a_bus_has_the_scores_of_the_nodes() -> None:
+    """Also if only the ports of the scores are published."""
+    for system, ports in (("hst_short", ("TRUTH",)), ("emu3_short", UNITS_PORTS)):
+        spec = RunSpec(
+            system, ("task.duration_s=20", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), seed=3, bus="local"
+        )
+        one = Planned("one", spec)
+        found = [made_alone(way) for way in (one, replace(one, coupled=ports))]
+        assert found[0].values == found[1].values
+        assert [bool(run.frames_sha256) for run in found] == [True, False]
+
+
+def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: Path) -> None:
+    spec = RunSpec("hst_short", ("task.duration_s=8", "task.rmse_max_kmh=9"), LawSpec("pid", "float64"), bus="local")
+    planned = [Planned(name, spec, coupled=("TRUTH",)) for name in ("first", "second")]
+    paper = replace(PAPER, planned=lambda seeds: planned, measure=scores)
+    first = results(paper, (1,), measured=tmp_path, only="first")
+    assert list(first.runs) == ["first"]
+    stored = tmp_path / "first.json"
+    stored.write_text(stored.read_text().replace('"PASS"', '"FAIL"'))
+    again = results(paper, (1,), measured=tmp_path, only="second")
+    assert [run.verdict for run in again.runs.values()] == ["FAIL", "PASS"]
+    assert again.runs["first"].values == first.runs["first"].values
+    stored.write_text(stored.read_text().replace("hst_short", "emu3_short"))
+    with pytest.raises(InputError, match=r"first.json: again: found "):
+        results(paper, (1,), measured=tmp_path)

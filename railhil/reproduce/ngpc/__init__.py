@@ -43,7 +43,7 @@ PAPER = Paper(
     source='Xu Jianliang et al., "Application and Research on Nonlinear Generalized Predictive Control Method of '
     'High-Speed Train", Modeling and Simulation 13(5), 2024, DOI 10.12677/mos.2024.135479',
     protocol=PROTOCOL,
-    seeds=(201, 202, 203, 204, 205),
+    seeds=(211, 212, 213, 214, 215),
     planned=planned,
     measure=measure,
     curves=curves,

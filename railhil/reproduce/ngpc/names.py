@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from statistics import fmean
 
 from railhil.reproduce.paper import Results
@@ -10,10 +10,50 @@ from railhil.reproduce.paper import Results
 #: The law of the paper with one unit, its comparators, the baselines that a law with a network is judged against, and
 #: the best of railhil's own.
 ELM, BP, MULTI_MODEL, ADAPTIVE = "elm_ngpc", "bp_ngpc", "mm_gpc", "a_gpc"
-LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "pid_ff", "res_ngpc", "delay_gpc")
-#: Situations of the paper with one unit, and the figure of each that says how well the target is followed.
+LAWS = (ELM, BP, MULTI_MODEL, ADAPTIVE, "pid", "pid_ff", "gpc", "res_ngpc", "os_elm_ngpc", "delay_gpc")
+PID, RESIDUAL, DELAY = "pid", "res_ngpc", "delay_gpc"
+#: Laws that make the long journeys with every seed; the others make them with the first one.
+MAIN = (ELM, MULTI_MODEL, ADAPTIVE, PID, RESIDUAL, DELAY)
+#: Laws that the figures show.
+DRAWN = (ELM, MULTI_MODEL, ADAPTIVE)
+#: Situations: of the paper with one unit; with the delay 1 s longer, or the gain 1.4, instead of its mutation; and
+#: without gradient and wind.
 NORMAL, EMERGENCY, MUTATION = "normal", "emergency", "mutation"
-RMSE: Mapping[str, str] = {NORMAL: "rmse_kmh", EMERGENCY: "emergency_rmse_kmh", MUTATION: "rmse_kmh"}
+LATER, STRONGER, CALM = "delay+1s", "gain1.4", "calm"
+#: RMSE inside the windows of a mutation.
+WINDOWS = "windows_rmse_kmh"
+#: The figure of each situation that says how well the target is followed.
+RMSE: Mapping[str, str] = {
+    NORMAL: "rmse_kmh",
+    EMERGENCY: "emergency_rmse_kmh",
+    MUTATION: WINDOWS,
+    LATER: WINDOWS,
+    STRONGER: WINDOWS,
+    CALM: "rmse_kmh",
+}
+#: Laws that are run in the situations beside the papers, and those of them that are run with every seed.
+BESIDE: Mapping[str, tuple[str, ...]] = {
+    LATER: (ELM, PID, RESIDUAL, DELAY),
+    STRONGER: (ELM, PID, DELAY),
+    CALM: (ELM, MULTI_MODEL, ADAPTIVE, PID),
+}
+WHOLE = "rmse_kmh"
+#: Three power units: free or coupled, law, one loop for each unit or one for all.
+UNITS = (
+    ("free", PID, "unit"),
+    ("free", ELM, "unit"),
+    ("coupled", PID, "unit"),
+    ("coupled", PID, "mean"),
+    ("coupled", ELM, "unit"),
+    ("coupled", ELM, "mean"),
+)
+#: Figures of three units: title, name, unit, digits.
+UNITS_RMSE, SPREAD, COUPLER_KN = "units_rmse_kmh", "spread_kmh", "coupler_peak_kn"
+UNIT_FIGURES = (
+    ("RMSE of all units", UNITS_RMSE, "km/h", 4),
+    ("largest difference of speeds", SPREAD, "km/h", 3),
+    ("largest coupler force", COUPLER_KN, "kN", 1),
+)
 WIDEST, STOP_M = "max_error_kmh", "emergency_stop_m"
 #: Estimated cycles of the target processor for one control period.
 CYCLES = "cycles"
@@ -24,6 +64,30 @@ PERIODS_S = (0.5, 1.0, 2.0, 4.0)
 def key(situation: str, law: str, seed: int) -> str:
     """Name of a run."""
     return f"{situation}-{law}-{seed}"
+
+
+def laws_of(situation: str) -> tuple[str, ...]:
+    """The laws that are run in a situation."""
+    return BESIDE.get(situation, LAWS)
+
+
+def seeds_of(situation: str, law: str, seeds: Sequence[int]) -> tuple[int, ...]:
+    """The seeds with which a law is run in a situation."""
+    often = (
+        situation == EMERGENCY
+        or (situation in (NORMAL, MUTATION) and law in MAIN)
+        or (situation, law)
+        == (
+            LATER,
+            DELAY,
+        )
+    )
+    return tuple(seeds) if often else tuple(seeds[:1])
+
+
+def units_key(kind: str, law: str, loop: str, seed: int) -> str:
+    """Name of a run with three units; kind: ``free`` or ``coupled``, loop: ``unit`` or ``mean``."""
+    return f"units-{kind}-{law}-{loop}-{seed}"
 
 
 def record_key(seed: int) -> str:
@@ -41,14 +105,26 @@ def model_error(kind: str, period_s: float) -> str:
     return f"{kind}_{period_s:g}s_kmh"
 
 
+def made(results: Results, situation: str, law: str) -> list[str]:
+    """Names of the runs of a law in a situation that were made."""
+    keys = [key(situation, law, seed) for seed in seeds_of(situation, law, results.seeds)]
+    return [one for one in keys if one in results.runs]
+
+
 def over_seeds(
     results: Results, situation: str, law: str, name: str
 ) -> tuple[float | None, float | None, float | None]:
-    """Mean, least and greatest value of a figure over the seeds."""
-    keys = [key(situation, law, seed) for seed in results.seeds]
+    """Mean, least and greatest value of a figure over the seeds whose runs were made."""
+    keys = made(results, situation, law)
     return results.over(keys, name, fmean), results.over(keys, name, min), results.over(keys, name, max)
 
 
+def count(results: Results, situation: str, law: str) -> str:
+    """How many runs the figures come from, in words."""
+    number = len(made(results, situation, law))
+    return f"{number} run{'s' * (number != 1)}"
+
+
 def mean(results: Results, situation: str, law: str, name: str) -> float | None:
-    """Mean of a figure over the seeds."""
+    """Mean of a figure over the seeds whose runs were made."""
     return over_seeds(results, situation, law, name)[0]
