@@ -31,6 +31,8 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
             "task": f"railhil.scenarios.high_speed.task:{task}",
             "interface": f"railhil.controller_node.laws.high_speed.interface:{constant}",
             "direct": "railhil.vector_bench:direct_run",
+            "batch": "railhil.batch.coupled:run_coupled",
+            "digest": "railhil.batch.coupled:command_digest",
             "catalogue": "railhil.supervisor.high_speed.reactions:CATALOGUE",
             "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
         },
