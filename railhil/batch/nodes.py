@@ -28,6 +28,11 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     return system.part("batch") if "batch" in system.own else None
 
 
+def kernel_of(scenario: AnyScenario) -> str | None:
+    """Module with the compiled loops of a scenario's batch; None: there is no batch, or it compiles nothing."""
+    return None if batch_of(scenario) is None else system_named(scenario.system).own.get("kernel")
+
+
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     """Run a case with each seed; the digest of a run is the beginning of the SHA-256 of its frame log.
 
