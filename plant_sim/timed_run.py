@@ -27,6 +27,11 @@ class Milestone:
     position_01mm: int
 
 
+def due_tick_of(duration_s: float, tick_ns: int) -> int:
+    """The tick at which a run of this duration ends."""
+    return round(duration_s * 1e9 / tick_ns)
+
+
 class TimedEnd:
     """The run ends after its duration, or when its controller is lost (:class:`railhil.plant_sim.any_plant.Ending`).
 
@@ -34,7 +39,7 @@ class TimedEnd:
     """
 
     def __init__(self, duration_s: float, tick_ns: int) -> None:
-        self.due_tick = round(duration_s * 1e9 / tick_ns)
+        self.due_tick = due_tick_of(duration_s, tick_ns)
 
     def happened(self, kind: str, tick: int) -> None:
         """No event ends the run."""

@@ -291,6 +291,7 @@ def campaign(
     from railhil.campaign.extras import need
 
     need("pyarrow", "campaign")
+    from railhil.batch.nodes import kernel_of
     from railhil.campaign.engines import running
     from railhil.campaign.manifest import checked_request
     from railhil.campaign.plan import Request, make_plan
@@ -313,6 +314,7 @@ def campaign(
     def say(sentence: str) -> None:
         print(sentence, file=sys.stderr)
 
-    with running("batch" if jobs == 1 else "joblib", jobs, None, say) as engine:
+    kernel = kernel_of(plan.scenario)
+    with running("batch" if jobs == 1 else "joblib", jobs, None, say, kernel=kernel) as engine:
         folder, found = execute(plan, None if out is None else str(out), Console(quiet=True), engine, say)
     return CampaignOutcome(folder, found, plan.judging)

@@ -18,6 +18,7 @@ ATO = System(
     pictures="railhil.supervisor.report.figures:pictures",
     own={
         "batch": "railhil.batch:run_batch",
+        "kernel": "railhil.batch.kernel",
         "faulty_plant": "railhil.plant_sim.faults.train:FaultyTrain",
         "digest": "railhil.batch:trace_digest",
         "direct": "railhil.bench:direct_run",

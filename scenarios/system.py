@@ -39,7 +39,8 @@ class System:
     own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`.
     ``pictures``: makes the figures of its report from (scenario, recorded runs). ``own``: parts used by some modules
     only: ``task``, ``interface``,
-    ``batch`` (:func:`railhil.batch.run_batch`) and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
+    ``batch`` (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of
+    their module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
     and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
     (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``),
     ``catalogue`` (path of its fault catalogue; without it that of ``ato``), ``faulty_plant``

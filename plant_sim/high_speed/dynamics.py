@@ -102,6 +102,12 @@ def grade_mps2(grades: Grades, position_m: float) -> float:
 
 
 @compilable
+def joined(traction_mps2: float, braking_mps2: float) -> float:
+    """The commands that come out of the delays of traction and braking: each counts for its own side, and both add."""
+    return (traction_mps2 if traction_mps2 > 0.0 else 0.0) + (braking_mps2 if braking_mps2 < 0.0 else 0.0)
+
+
+@compilable
 def coupler_n(coupler: Coupler, front: UnitMotion, rear: UnitMotion, step_s: float) -> float:
     """Force between two units at the middle of a step, tension positive; none within the slack.
 

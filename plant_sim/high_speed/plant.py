@@ -17,7 +17,7 @@ from railhil.plant_sim.high_speed.watch import STALE_PERIODS, UnitWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
 #: The train has arrived when it stands and the target is below this speed.
-_ARRIVED_MPS = 0.5
+ARRIVED_MPS = 0.5
 _MM, _CM = 1000.0, 100.0
 _POSITION_MAX_CM = 2**32 - 1
 
@@ -161,7 +161,7 @@ class HighSpeedPlant(TimedPlant):
             self.milestone("emergency_called", self.position_01mm)
         if self.train.speed_mps > 0.0:
             self._has_moved = True
-        elif self._has_moved and self.wayside.target_mps(self.tick) < _ARRIVED_MPS:
+        elif self._has_moved and self.wayside.target_mps(self.tick) < ARRIVED_MPS:
             self.milestone("arrived", self.position_01mm, once=True)
 
 

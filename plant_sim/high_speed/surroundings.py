@@ -39,14 +39,14 @@ class Wind:
 
     def __init__(self, seed: int, sigma_mps2: float, time_s: float, step_s: float) -> None:
         self._normals = Normals(seed, streams.WIND)
-        self._keep = exp(-step_s / time_s)
-        self._add = sigma_mps2 * sqrt(1.0 - self._keep * self._keep)
+        self.keep = exp(-step_s / time_s)
+        self.add = sigma_mps2 * sqrt(1.0 - self.keep * self.keep)
         #: The present value.
         self.accel_mps2 = sigma_mps2 * self._normals()
 
     def step(self) -> None:
         """Go on to the next value."""
-        self.accel_mps2 = self._keep * self.accel_mps2 + self._add * self._normals()
+        self.accel_mps2 = self.keep * self.accel_mps2 + self.add * self._normals()
 
 
 def drawn_grades(seed: int, permil_max: float, piece_m: tuple[float, float], end_m: float, length_m: float) -> Grades:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,6 +16,7 @@ from railhil.plant_sim.high_speed.dynamics import (
     coupler_n,
     drive,
     grade_mps2,
+    joined,
     moved,
     resistance_of,
 )
@@ -26,9 +28,9 @@ from railhil.scenarios.high_speed.task import HighSpeedTask, UnitTable
 #: Simulation step.
 STEP_S = 0.01
 #: Commands that are remembered, in steps: delays up to 10 s.
-_REMEMBERED = 1024
+REMEMBERED = 1024
 _STRIDE = round(PREVIEW_STEP_S / GRID_S)
-_SPEED_RAW_MAX = 0xFFFF
+SPEED_RAW_MAX = 0xFFFF
 _KMH = 3.6
 
 
@@ -56,27 +58,27 @@ class PowerUnit:
         self.motion = motion
         #: Braking that should act in the present step, <= 0.
         self.told_mps2 = 0.0
-        self._sent = [command_mps2] * _REMEMBERED
+        self._sent = [command_mps2] * REMEMBERED
         self.mutate(data)
 
     def mutate(self, data: UnitData) -> None:
         """From now on the unit has these data; its state and the commands on their way stay."""
         self.data = data
         self.drive: Drive = drive(data.gain, data.lag_s, STEP_S)
-        self._traction_steps = round(data.traction_delay_s / STEP_S)
-        self._braking_steps = round(data.braking_delay_s / STEP_S)
+        self.traction_steps = round(data.traction_delay_s / STEP_S)
+        self.braking_steps = round(data.braking_delay_s / STEP_S)
 
     def acting_mps2(self, step: int, command_mps2: float) -> float:
         """The delayed traction and the delayed braking, added, when a command is sent at a step."""
         traction, braking = self.delayed_mps2(step, command_mps2)
-        return (traction if traction > 0.0 else 0.0) + (braking if braking < 0.0 else 0.0)
+        return joined(traction, braking)
 
     def delayed_mps2(self, step: int, command_mps2: float) -> tuple[float, float]:
         """The commands that come out of the delays of traction and braking when one is sent at a step."""
         sent = self._sent
-        sent[step % _REMEMBERED] = command_mps2
-        traction = sent[(step - self._traction_steps) % _REMEMBERED]
-        braking = sent[(step - self._braking_steps) % _REMEMBERED]
+        sent[step % REMEMBERED] = command_mps2
+        traction = sent[(step - self.traction_steps) % REMEMBERED]
+        braking = sent[(step - self.braking_steps) % REMEMBERED]
         self.told_mps2 = braking if braking < 0.0 else 0.0
         return traction, braking
 
@@ -94,12 +96,12 @@ class HighSpeedTrain:
         self._steps_per_tick = round(tick_s / STEP_S)
         self._step = 0
         curve = journey_curve(task)
-        self._grades = drawn_grades(
+        self.grades = drawn_grades(
             seed, task.gradient_permil, task.gradient_piece_m, task.curve.distance_km * 1000.0, task.length_m
         )
         self.wind = Wind(seed, task.wind_sigma_mps2, task.wind_time_s, tick_s)
         self._noise = Normals(seed, streams.SPEED_NOISE)
-        self._noise_sigma_mps = task.noise_sigma_mps
+        self.noise_sigma_mps = task.noise_sigma_mps
         a, b, c = (value / 1000.0 for value in task.davis_n_per_t)
         self.limits = UnitLimits(
             task.traction_max_mps2, task.braking_max_mps2, task.power_w_per_kg, a, b * _KMH, c * _KMH * _KMH
@@ -108,12 +110,12 @@ class HighSpeedTrain:
         steady = 0.0
         if speed_mps > 0.0:
             slope_mps2 = (curve.speed_mps(task.start_s + GRID_S) - speed_mps) / GRID_S
-            steady = slope_mps2 + resistance_of(self.limits, speed_mps) + grade_mps2(self._grades, position_m)
+            steady = slope_mps2 + resistance_of(self.limits, speed_mps) + grade_mps2(self.grades, position_m)
         start = UnitMotion(position_m, speed_mps, steady, 0.0)
         self.units = [PowerUnit(UnitData.of(unit), start, steady / unit.gain) for unit in task.unit]
         self.commands_mps2 = [steady / unit.gain for unit in task.unit] if speed_mps > 0.0 else [0.0] * len(task.unit)
         between = task.between_units
-        self._coupler = (
+        self.coupler = (
             None
             if between is None
             else Coupler(
@@ -122,16 +124,16 @@ class HighSpeedTrain:
         )
         #: Force of each coupler in the last step, tension positive.
         self.couplers_n = [0.0] * (len(task.unit) - 1)
-        self._mass_kg = [unit.mass_t * 1000.0 * (1.0 + task.rotating_mass_share) for unit in task.unit]
+        self.mass_kg = [unit.mass_t * 1000.0 * (1.0 + task.rotating_mass_share) for unit in task.unit]
 
     def advance(self) -> None:
         """Simulate one tick with the present commands."""
-        limits, grades, wind_mps2 = self.limits, self._grades, self.wind.accel_mps2
+        limits, grades, wind_mps2 = self.limits, self.grades, self.wind.accel_mps2
         outside_mps2 = [wind_mps2] * len(self.units)
         for _ in range(self._steps_per_tick):
             step = self._step
-            if self._coupler is not None:
-                outside_mps2 = self._coupled_mps2(self._coupler, wind_mps2)
+            if self.coupler is not None:
+                outside_mps2 = self._coupled_mps2(self.coupler, wind_mps2)
             for unit, command_mps2, outside in zip(self.units, self.commands_mps2, outside_mps2, strict=True):
                 acting = unit.acting_mps2(step, command_mps2)
                 unit.motion = moved(limits, unit.drive, grades, unit.motion, acting, outside, STEP_S)
@@ -143,13 +145,13 @@ class HighSpeedTrain:
         motions = [unit.motion for unit in self.units]
         self.couplers_n = forces_n = [coupler_n(coupler, *pair, STEP_S) for pair in pairwise(motions)]
         pushed_n, pulled_n = [0.0, *forces_n], [*forces_n, 0.0]
-        rows = zip(pushed_n, pulled_n, self._mass_kg, strict=True)
+        rows = zip(pushed_n, pulled_n, self.mass_kg, strict=True)
         return [wind_mps2 + (front - rear) / mass_kg for front, rear, mass_kg in rows]
 
     def read_speed_raw(self, unit: int) -> int:
         """A new reading of a unit's speed (0.01 km/h), with noise: 0 and above."""
-        read_mps = self.units[unit].motion.speed_mps + self._noise_sigma_mps * self._noise()
-        return min(max(round(read_mps * SPEED_PER_MPS), 0), _SPEED_RAW_MAX)
+        read_mps = self.units[unit].motion.speed_mps + self.noise_sigma_mps * self._noise()
+        return min(max(round(read_mps * SPEED_PER_MPS), 0), SPEED_RAW_MAX)
 
     @property
     def position_m(self) -> float:
@@ -159,23 +161,31 @@ class HighSpeedTrain:
     @property
     def speed_mps(self) -> float:
         """Mean speed of the units."""
-        return sum(unit.motion.speed_mps for unit in self.units) / len(self.units)
+        return _total(unit.motion.speed_mps for unit in self.units) / len(self.units)
 
     @property
     def accel_mps2(self) -> float:
         """Mean acceleration of the units in the last step."""
-        return sum(unit.motion.accel_mps2 for unit in self.units) / len(self.units)
+        return _total(unit.motion.accel_mps2 for unit in self.units) / len(self.units)
 
     @property
     def drive_mps2(self) -> float:
         """Acceleration of the train by traction and brake."""
-        pairs = zip(self.units, self._mass_kg, strict=True)
-        return sum(unit.motion.drive_mps2 * mass for unit, mass in pairs) / sum(self._mass_kg)
+        pairs = zip(self.units, self.mass_kg, strict=True)
+        return _total(unit.motion.drive_mps2 * mass for unit, mass in pairs) / _total(self.mass_kg)
 
     @property
     def grade_permil(self) -> float:
         """Mean grade under the leading unit."""
-        return grade_mps2(self._grades, self.position_m) / (GRAVITY_MPS2 / 1000.0)
+        return grade_mps2(self.grades, self.position_m) / (GRAVITY_MPS2 / 1000.0)
+
+
+def _total(values: Iterable[float]) -> float:
+    """The sum from left to right: from CPython 3.12 on ``sum`` compensates rounding errors, which gives other bits."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 class Wayside:

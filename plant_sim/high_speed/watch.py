@@ -12,6 +12,7 @@ braking told, less than 0.4 of it done for 2 s  traction cut to the end of the r
 from __future__ import annotations
 
 from railhil.bus.high_speed import SAFE, UnitCause, UnitLevel
+from railhil.common.compilable import compilable
 
 #: Periods of a command without a new life sign after which the unit acts by itself.
 STALE_PERIODS = 3
@@ -20,6 +21,31 @@ BRAKING_FROM_MPS2 = 0.1
 ANSWER_SHARE = 0.4
 #: A brake that has not answered for so long is given up.
 ANSWER_S = 2.0
+
+
+@compilable
+def brake_looked_at(
+    expected_mps2: float, silent_ticks: int, told_mps2: float, drive_mps2: float, share: float
+) -> tuple[float, int]:
+    """Look at the brake once a tick: braking expected by now, and ticks since the brake answered.
+
+    :param told_mps2: braking that should act, <= 0.
+    :param share: of a change of it that is expected within a tick (:func:`share_of`).
+    """
+    expected_mps2 += (told_mps2 - expected_mps2) * share
+    if expected_mps2 < -BRAKING_FROM_MPS2 and drive_mps2 > ANSWER_SHARE * expected_mps2:
+        return expected_mps2, silent_ticks + 1
+    return expected_mps2, 0
+
+
+def share_of(tick_s: float, lag_s: float) -> float:
+    """Share of a change of the braking that a unit of this lag shows within a tick."""
+    return min(1.0, tick_s / lag_s)
+
+
+def answer_ticks(tick_s: float) -> int:
+    """Ticks after which a brake that has not answered is given up."""
+    return round(ANSWER_S / tick_s)
 
 
 class UnitWatch:
@@ -37,8 +63,8 @@ class UnitWatch:
         self._stale_ticks = stale_ticks
         self._alone = alone
         self._heard = -1
-        self._answer_ticks = round(ANSWER_S / tick_s)
-        self._share = min(1.0, tick_s / lag_s)
+        self._answer_ticks = answer_ticks(tick_s)
+        self._share = share_of(tick_s, lag_s)
         self._expected_mps2 = 0.0
         self._silent_ticks = 0
 
@@ -60,15 +86,12 @@ class UnitWatch:
         """
         if self.cause is UnitCause.BRAKE_NOT_ANSWERING:
             return None
-        self._expected_mps2 += (told_mps2 - self._expected_mps2) * self._share
-        expected = self._expected_mps2
-        if expected < -BRAKING_FROM_MPS2 and drive_mps2 > ANSWER_SHARE * expected:
-            self._silent_ticks += 1
-            if self._silent_ticks >= self._answer_ticks:
-                self.level, self.cause = UnitLevel.TRACTION_CUT, UnitCause.BRAKE_NOT_ANSWERING
-                return 0.0
-        else:
-            self._silent_ticks = 0
+        self._expected_mps2, self._silent_ticks = brake_looked_at(
+            self._expected_mps2, self._silent_ticks, told_mps2, drive_mps2, self._share
+        )
+        if self._silent_ticks >= self._answer_ticks:
+            self.level, self.cause = UnitLevel.TRACTION_CUT, UnitCause.BRAKE_NOT_ANSWERING
+            return 0.0
         if self.level is UnitLevel.NORMAL and tick - self._heard >= self._stale_ticks:
             return self._act(UnitCause.COMMAND_AGE)
         return None

@@ -28,20 +28,23 @@ __all__ = ["BatchResult", "Case", "notch_digest", "run_batch", "say_compiling", 
 
 #: Runs computed together: their state stays in the processor's cache, and the Python overhead is shared.
 CHUNK = 2048
+#: Module with the compiled loops of the system ``ato``.
+KERNEL = "railhil.batch.kernel"
 #: Seeds travel as 32 bit in the handshake.
 _SEED_MAX = 2**32 - 1
 
 
-def say_compiling(say: Callable[[str], None]) -> None:
+def say_compiling(say: Callable[[str], None], kernel: str = KERNEL) -> None:
     """Print one sentence before the batch is compiled, or nothing if the machine code is cached.
 
+    :param kernel: module with the compiled loops.
     :raises scenarios.errors.InputError: numba is missing.
     """
     # Importing it registers its compiled functions.
-    import_module("railhil.batch.kernel")
+    module = import_module(kernel)
     from railhil.batch.compiled import FUNCTIONS
 
-    absent = [function for function in FUNCTIONS if not function.is_there]
+    absent = [function for function in FUNCTIONS if hasattr(module, function.name) and not function.is_there]
     if not absent:
         return
     how_often = "once for this machine"

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from railhil.bus.telegrams import NotchCmd
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.judging import Judging
 from railhil.supervisor.score import Score
 from railhil.supervisor.trace import Trace
 
@@ -67,6 +68,38 @@ class BatchResult:
 def column(values: Sequence[float | None]) -> Floats:
     """Values of the runs as an array, NaN where there is none."""
     return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+
+
+def result_of(
+    judging: Judging,
+    seeds: Sequence[int],
+    scores: Sequence[Score],
+    counts: Mapping[str, Ints],
+    digests: Sequence[str],
+    missed: Sequence[str | None] = (),
+) -> BatchResult:
+    """The result of runs of any system, from their scores.
+
+    :param counts: ``wraps``, ``saturations`` and ``zero_divisions``, each of shape (N,).
+    :param missed: for each run why it says nothing about the controller, or None; empty: no run has such a reason.
+    """
+    reasons = missed or [None] * len(scores)
+    signed = [criterion.signed for criterion in judging.criteria if criterion.signed is not None]
+    verdicts = [score.verdict == "PASS" and not why for score, why in zip(scores, reasons, strict=True)]
+    return BatchResult(
+        seed=np.array(seeds, dtype=np.int64),
+        scores=tuple(scores),
+        values={item.key: column([score.values[item.key] for score in scores]) for item in judging.criteria},
+        signed={key: column([score.signed[key] for score in scores]) for key in signed},
+        extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
+        passed=np.array(verdicts, dtype=bool),
+        ended=tuple(score.ended for score in scores),
+        failures=tuple((*score.failures, *filter(None, (why,))) for score, why in zip(scores, reasons, strict=True)),
+        wraps=counts["wraps"],
+        saturations=counts["saturations"],
+        zero_divisions=counts["zero_divisions"],
+        notch_digest=tuple(digests),
+    )
 
 
 def notch_digest(codes: ArrayLike) -> str:

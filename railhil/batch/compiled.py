@@ -25,6 +25,8 @@ from railhil.common.extras import missing
 
 # Importing them registers their marked functions with numba.
 from railhil.plant_sim import command_watch, dynamics, forces, sensors, train_checks
+from railhil.plant_sim.high_speed import dynamics as high_speed_dynamics
+from railhil.plant_sim.high_speed import watch as high_speed_watch
 from railhil.scenarios import target
 from railhil.supervisor import measures
 
@@ -103,7 +105,8 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     """
     # numba's own subfolder is named after the path of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
-    modules = (dynamics, forces, sensors, command_watch, train_checks, target, measures, compilable)
+    plant = (dynamics, forces, sensors, command_watch, train_checks, high_speed_dynamics, high_speed_watch)
+    modules = (*plant, target, measures, compilable)
     for path in (__file__, *(str(module.__file__) for module in modules), *sources):
         digest.update(Path(path).read_bytes())
     home = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"

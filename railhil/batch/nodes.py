@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from railhil.batch.case import BatchResult, Case, column
+from railhil.batch.case import BatchResult, Case, result_of
 from railhil.bench import unrecorded_run
 from railhil.plant_sim.faults.plants import needs_nodes
 from railhil.scenarios.model import AnyScenario
@@ -28,6 +28,11 @@ def batch_of(scenario: AnyScenario) -> Callable[..., Any] | None:
     return system.part("batch") if "batch" in system.own else None
 
 
+def kernel_of(scenario: AnyScenario) -> str | None:
+    """Module with the compiled loops of a scenario's batch; None: there is no batch, or it compiles nothing."""
+    return None if batch_of(scenario) is None else system_named(scenario.system).own.get("kernel")
+
+
 def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     """Run a case with each seed; the digest of a run is the beginning of the SHA-256 of its frame log.
 
@@ -38,26 +43,14 @@ def run_nodes(case: Case, seeds: Sequence[int]) -> BatchResult:
     totals = [run.telemetry["totals"] for run in runs]
     # A fault that did nothing: such a run says nothing about the controller.
     missed = [missed_faults(run.faults) for run in runs]
-    judging = judging_of(case.scenario)
-    criteria = judging.criteria
-    signed = [criterion.signed for criterion in criteria if criterion.signed is not None]
-    wraps, saturations, zero_divisions = (
-        np.array([total[name] for total in totals], dtype=np.int64)
-        for name in ("wraps", "saturations", "zero_divisions")
-    )
-    return BatchResult(
-        seed=np.array(seeds, dtype=np.int64),
-        scores=tuple(scores),
-        values={item.key: column([score.values[item.key] for score in scores]) for item in criteria},
-        signed={key: column([score.signed[key] for score in scores]) for key in signed},
-        extras={extra.key: column([score.extras[extra.key] for score in scores]) for extra in judging.extras},
-        passed=np.array(
-            [score.verdict == "PASS" and not why for score, why in zip(scores, missed, strict=True)], dtype=bool
-        ),
-        ended=tuple(score.ended for score in scores),
-        failures=tuple((*score.failures, *filter(None, (why,))) for score, why in zip(scores, missed, strict=True)),
-        wraps=wraps,
-        saturations=saturations,
-        zero_divisions=zero_divisions,
-        notch_digest=tuple(run.frames_sha256[:DIGITS] for run in runs),
+    return result_of(
+        judging_of(case.scenario),
+        seeds,
+        scores,
+        {
+            name: np.array([total[name] for total in totals], dtype=np.int64)
+            for name in ("wraps", "saturations", "zero_divisions")
+        },
+        [run.frames_sha256[:DIGITS] for run in runs],
+        missed,
     )

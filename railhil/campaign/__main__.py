@@ -9,6 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from railhil.batch.nodes import kernel_of
 from railhil.campaign.command import arguments, check_combination, request_from
 from railhil.campaign.extras import need
 from railhil.campaign.plan import Request, make_plan
@@ -55,8 +56,8 @@ def _run(namespace: argparse.Namespace) -> int:
 
     if plan.batch is None:
         say(f"no batch of trains for system {plan.scenario.system}: every run goes through the nodes, one by one")
-    compiled = plan.batch is not None
-    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say, compiled=compiled) as engine:
+    kernel = kernel_of(plan.scenario)
+    with running(namespace.engine, namespace.jobs or -1, namespace.scheduler, say, kernel=kernel) as engine:
         folder, found = execute(plan, namespace.resume or namespace.out, console, engine, say)
     if namespace.json:
         print_json(found)

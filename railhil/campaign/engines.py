@@ -9,7 +9,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 
-from railhil.batch import say_compiling
+from railhil.batch import KERNEL, say_compiling
 from railhil.campaign.extras import need
 from railhil.campaign.work import Task, run_task
 from railhil.common.errors import InputError, Words
@@ -76,7 +76,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
 
 @contextmanager
 def running(
-    name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task, compiled: bool = True
+    name: str, jobs: int, scheduler: str | None, say: Say, *, work: Work = run_task, kernel: str | None = KERNEL
 ) -> Iterator[Engine]:
     """The engine of that name, ready to work.
 
@@ -84,7 +84,7 @@ def running(
     :param scheduler: address of dask's scheduler.
     :param say: called when a worker is lost.
     :param work: what a worker does with a task.
-    :param compiled: whether the system has a batch, which is compiled.
+    :param kernel: module with the compiled loops of the system's batch; None: nothing is compiled.
     :raises scenarios.errors.InputError: a library is missing, or there is no answer from the address.
     """
     if name == "dask":
@@ -97,9 +97,9 @@ def running(
             yield engine
         return
     # If the work is done on this machine, report missing libraries before the folder is made.
-    if compiled:
+    if kernel is not None:
         need("numba", "campaign")
-        say_compiling(say)
+        say_compiling(say, kernel)
     if name == "joblib":
         need("joblib", "campaign")
         yield partial(_joblib, work=work, jobs=jobs, say=say)

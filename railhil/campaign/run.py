@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
+from time import monotonic, process_time
 from typing import Any
 
 from rich.console import Console
@@ -68,8 +69,13 @@ def execute(
                 say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
             # Close it at once after an exception, so that workers do not continue.
             with _progress(console, kept, total) as shown, closing(_made(plan, folder, left, engine)) as made:
+                began_s, used_s, new = monotonic(), process_time(), 0
                 for runs in made:
                     shown(runs)
+                    new += runs
+            if new:
+                wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
+                say(f"{new:,} runs in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
             results = folder.write_results()
             found = summary(plan, results)
             folder.write_summary(found)

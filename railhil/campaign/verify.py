@@ -82,7 +82,8 @@ def bench_run(plan: Plan, run: RunSpec) -> dict[str, Any]:
         if plan.batch is None:
             digest = log_sha256(log)[:DIGITS]
         else:
-            digest = system_named(plan.scenario.system).part("digest")(plan.scenario, trace_of(read_log(log)))
+            system = system_named(plan.scenario.system)
+            digest = system.part("digest")(plan.scenario, trace_of(read_log(log), system.contract))
     return {
         **found["scores"],
         **{extra.key: found[extra.key] for extra in plan.judging.extras},

@@ -124,7 +124,7 @@ def begun(campaign: Campaign) -> Plan:
 def resumed(campaign: Campaign, kept: dict[str, int], wanted: bytes) -> None:
     """Go on, and see that what was there was not made again."""
     said = made(begun(campaign), campaign.folder)
-    assert said == [f"{campaign.folder}: {len(kept)} of {RUNS} runs are there already"]
+    assert said[:1] == [f"{campaign.folder}: {len(kept)} of {RUNS} runs are there already"]
     parts = campaign.parts()
     assert len(parts) == RUNS
     assert {name: parts[name] for name in kept} == kept

@@ -1,0 +1,59 @@
+"""Runs of many seeds without a bus, for systems whose laws use an ``Interface``: equal to those of the nodes.
+
+The part ``batch`` of such a system is :func:`run_coupled`, its part ``digest`` is :func:`command_digest`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.nodes import DIGITS
+from railhil.bench import BenchRun
+from railhil.controller_node.vector.law import Interface
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.trace import Trace
+
+
+def run_coupled(case: Case, seeds: Sequence[int]) -> BatchResult:
+    """Run a case with each seed through the system's part ``direct``.
+
+    :raises InputError: law, arithmetic or parameters do not fit, or a fault needs the nodes.
+    """
+    direct = system_named(case.scenario.system).part("direct")
+    runs: list[BenchRun] = [direct(case.scenario, case.run(int(seed))) for seed in seeds]
+    counters = [run.arithmetic for run in runs]
+    return result_of(
+        judging_of(case.scenario),
+        seeds,
+        [run.score for run in runs],
+        {
+            name: np.array([0 if one is None else getattr(one, name) for one in counters], dtype=np.int64)
+            for name in ("wraps", "saturations", "zero_divisions")
+        },
+        [command_digest(case.scenario, run.trace) for run in runs],
+    )
+
+
+def digest_of(commands: ArrayLike) -> str:
+    """First digits of the SHA-256 of raw commands, shape (control periods, commands), as 64-bit integers."""
+    return hashlib.sha256(np.ascontiguousarray(commands, dtype="<i8").tobytes()).hexdigest()[:DIGITS]
+
+
+def command_digest(scenario: AnyScenario, trace: Trace) -> str:
+    """:func:`digest_of` a recorded run: the commands of the first poll in each control period."""
+    interface: Interface = system_named(scenario.system).part("interface")
+    columns: list[NDArray[Any]] = []
+    for item in interface.commands:
+        port = item.telegram.PORT
+        signal = dict(item.telegram.signals())[item.field].name
+        periods = np.array(trace.times_ns(port), dtype=np.int64) // scenario.timing.control_period_ns
+        columns.append(trace.raw(port, signal)[np.diff(periods, prepend=-1) > 0])
+    return digest_of(np.stack(columns, axis=1))
