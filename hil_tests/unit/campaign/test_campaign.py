@@ -62,7 +62,10 @@ def test_manifest_and_summary(finished, short):
 
 def test_chunks_do_not_change_results(campaign, finished, short):
     done = campaign(short, *SAME, "--chunk", "7", "--out", "mine")
-    assert (done.exit_code, done.said) == (0, [])
+    assert done.exit_code == 0
+    (took,) = done.said
+    assert took.startswith("24 runs in ")
+    assert took.endswith(" s of processor time for them")
     assert [path.name for path in sorted(Path("mine/parts").iterdir())] == [f"ipfc-0000{i}.parquet" for i in range(4)]
     assert same_results(Path("mine"), finished)
     again = campaign("--resume", "mine", "--json")
