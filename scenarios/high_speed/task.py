@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import fsum
 from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, Strict
@@ -125,7 +126,7 @@ class HighSpeedTask(Task):
     @property
     def mass_t(self) -> float:
         """Mass of the train, t."""
-        return sum(unit.mass_t for unit in self.unit)
+        return fsum(unit.mass_t for unit in self.unit)
 
     @property
     def power_w_per_kg(self) -> float:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import fsum
 from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, TypeVar
 
 from pydantic import Field
@@ -225,5 +226,6 @@ def chosen(ar: Arithmetic[T], condition: Any, a: Any, b: Any) -> Any:
 def _models(units: Sequence[Any], per_unit: bool) -> tuple[LoopModel, ...]:
     rows = [(unit.gain, unit.lag_s, unit.traction_delay_s, unit.braking_delay_s) for unit in units]
     if not per_unit:
-        rows = [tuple(sum(column) / len(rows) for column in zip(*rows, strict=True))]
+        # The exact sum: that of `sum` depends on the version of Python.
+        rows = [tuple(fsum(column) / len(rows) for column in zip(*rows, strict=True))]
     return tuple(LoopModel(*row) for row in rows)
