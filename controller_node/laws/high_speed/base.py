@@ -227,5 +227,5 @@ def _models(units: Sequence[Any], per_unit: bool) -> tuple[LoopModel, ...]:
     rows = [(unit.gain, unit.lag_s, unit.traction_delay_s, unit.braking_delay_s) for unit in units]
     if not per_unit:
         # The exact sum: that of `sum` depends on the version of Python.
-        rows = [tuple(fsum(column) / len(rows) for column in zip(*rows, strict=True))]
+        return (LoopModel(*(fsum(column) / len(rows) for column in zip(*rows, strict=True))),)
     return tuple(LoopModel(*row) for row in rows)
