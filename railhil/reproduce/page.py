@@ -81,7 +81,6 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
     if missing := sum(one.key not in results.runs for one in paper.planned(results.seeds)):
         yield f"* {missing} of these runs were not made; figures that need them are missing below."
     yield ""
-    yield from _markdown(("run", "verdict", "frames.log SHA-256", "again"), _run_rows(paper, results), ())
     for table in paper.tables(results):
         yield from (f"## {table.title}", "")
         numbers = range(table.first_number, len(table.headings) - 1)
@@ -101,6 +100,9 @@ def _lines(paper: Paper, results: Results, pictures: Sequence[Shown]) -> Iterato
         yield from ("## How the paper is read", "")
         rows = [[one.at, one.reading, one.other] for one in readings]
         yield from _markdown(("where", "reading of this bench", "otherwise"), rows, ())
+    # Last, because there may be hundreds.
+    yield from ("## Runs", "")
+    yield from _markdown(("run", "verdict", "frames.log SHA-256", "again"), _run_rows(paper, results), ())
 
 
 def _run_rows(paper: Paper, results: Results) -> Iterator[list[str]]:

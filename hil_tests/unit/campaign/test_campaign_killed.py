@@ -182,8 +182,9 @@ def test_a_killed_worker_loses_nothing(short, tmp_path, wanted):
             kept.update({path: path.stat().st_mtime_ns for path in tmp_path.glob("mine/parts/*.parquet")})
             workers_of(os.getpid())[0].kill()
 
-    (said,) = made(in_parts_of_one(short), tmp_path / "mine", "joblib", after_a_part=kill)
+    said, spent = made(in_parts_of_one(short), tmp_path / "mine", "joblib", after_a_part=kill)
     assert said.startswith("a worker process died: what it had is run again, ")
+    assert " of processor time " in spent
     assert len(kept) == 4
     assert {path: path.stat().st_mtime_ns for path in kept} == kept
     assert (tmp_path / "mine" / "results.parquet").read_bytes() == wanted
