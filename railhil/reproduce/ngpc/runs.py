@@ -81,7 +81,8 @@ PROTOCOL = (
     "Runs of the journeys, but for the record, are made without a bus: the plant and the law coupled by the same raw "
     "integers. Tests show telegrams and scores equal to those of the nodes. Such a run has no frames.log; the command "
     "beside it makes the same run over the in-process bus. For a run with `--parameters` the file has to be "
-    f'written first: `{_DITHER} = {_DITHER_MPS2}` for the record, `loop = "mean"` for one loop on the mean speed of three units.',
+    f'written first: `{_DITHER} = {_DITHER_MPS2}` for the record, `loop = "mean"` for one loop on '
+    "the mean speed of three units.",
     "Modelling error: an ELM is trained on the record of a run with a dithered PID, without 300 samples spread over "
     "it, and judged on these.",
     "Computing effort: estimated cycles of the target processor for one control period in float32, counted in the "
