@@ -201,7 +201,7 @@ def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterato
     good_s = _good(trace, items[NotchCmd.PORT])
     first = np.searchsorted(good_s, told_s, side="left")
     # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it.
-    is_opened = np.isin(told_s, trace.times_s(TrnSpeed.PORT))
+    is_opened = np.isin(told_s, _good(trace, items[TrnSpeed.PORT]))
     past = np.where(is_opened, first, np.searchsorted(good_s, told_s, side="right"))
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))

@@ -145,8 +145,10 @@ def test_the_train_leaves_a_level_after_good_commands(level: int, missing: int) 
 @pytest.mark.parametrize(("lost", "rule_holds"), [(set(), False), ({38}, True), ({36}, False)])
 def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int], rule_holds: bool) -> None:
     """The port that opens the ticks is lost: the report of a later tick has the instant of the last poll."""
-    story = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0, speed_lost=lost)
-    assert (found(story) == []) is rule_holds
+    left = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0)
+    assert (found(replace(left, speed_lost=lost)) == []) is rule_holds
+    # A telegram that its receiver refuses opens no tick either.
+    assert (found(replace(left, check=lambda tick: 0 if tick in lost else 1)) == []) is rule_holds
 
 
 def test_the_levels_of_a_controller_that_answers_late_are_not_counted() -> None:
