@@ -81,17 +81,18 @@ def _cut_from(scenario: Scenario) -> int:
     return _EMERGENCY if drive_faulty else _TRACTION_CUT
 
 
-def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
-    """Level of the train's watch at each instant: that of the newest TRN_WATCH; -1 where it is not known.
-
-    It is not known before the first one, and where a life sign is missing from the record.
-    """
-    told_s, level = trace.times_s(TrnWatch.PORT), trace.raw(TrnWatch.PORT, "WatchLevel")
+def _told_levels(trace: Trace) -> IntArray:
+    """Level of the train's watch in each TRN_WATCH; -1 where the next one is missing from the record: not known."""
     life = trace.raw(TrnWatch.PORT, "WatchLife")
-    after_gap = np.append((np.diff(life) & 0xF) != 1, False)
-    index = np.searchsorted(told_s, time_s, side="right") - 1
-    known = (index >= 0) & ~after_gap[np.maximum(index, 0)]
-    return np.where(known, level[np.maximum(index, 0)], -1)
+    before_gap = np.append((np.diff(life) & 0xF) != 1, False)
+    return np.where(before_gap, -1, trace.raw(TrnWatch.PORT, "WatchLevel"))
+
+
+def _level_at(trace: Trace, time_s: FloatArray) -> IntArray:
+    """Level of the train's watch at each instant: that of the newest TRN_WATCH; -1 where it is not known."""
+    level = _told_levels(trace)
+    index = np.searchsorted(trace.times_s(TrnWatch.PORT), time_s, side="right") - 1
+    return np.where(index >= 0, level[np.maximum(index, 0)], -1)
 
 
 def _controller_levels(trace: Trace) -> IntArray:
@@ -144,12 +145,11 @@ def _overspeed(scenario: Scenario, trace: Trace) -> Iterator[str]:
         )
 
 
-def _good(trace: Trace, item: Received) -> FloatArray:
-    """Instants of the telegrams of a port that its receiver takes."""
+def _good_before(trace: Trace, item: Received, port: str) -> IntArray:
+    """Number of telegrams that the receiver of ``item`` has taken before each telegram of ``port``."""
     taken = np.ones(trace.count(item.port), dtype=bool)
     taken[[number for number, _ in judged(trace, item)]] = False
-    times_s: FloatArray = trace.times_s(item.port)[taken]
-    return times_s
+    return np.searchsorted(trace.order(item.port)[taken], trace.order(port))
 
 
 def _left_early(
@@ -187,8 +187,7 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> It
     """The level stands in each answer, so it was entered after the answer before; telegrams come before the poll."""
     time_s = trace.times_s(NotchCmd.PORT)
     speed = trace.raw(TrnSpeed.PORT, "TrainSpeed")
-    good_s = _good(trace, items[TrnSpeed.PORT])
-    past = np.searchsorted(good_s, time_s, side="right")
+    past = _good_before(trace, items[TrnSpeed.PORT], NotchCmd.PORT)
     first = np.concatenate([[0], past[:-1]])
     newest = np.searchsorted(trace.times_s(TrnSpeed.PORT), time_s, side="right") - 1
     stands = (newest >= 0) & (speed[np.maximum(newest, 0)] == 0) if len(speed) else np.ones(len(time_s), dtype=bool)
@@ -198,12 +197,9 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> It
 def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     """The level is told one tick after it was entered, and commands follow it in the tick."""
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
-    good_s = _good(trace, items[NotchCmd.PORT])
-    first = np.searchsorted(good_s, told_s, side="left")
-    # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it.
-    is_opened = np.isin(told_s, _good(trace, items[TrnSpeed.PORT]))
-    past = np.where(is_opened, first, np.searchsorted(good_s, told_s, side="right"))
+    # In the order of the record: without the port that opens a tick, its report has the instant of the last poll.
+    good = _good_before(trace, items[NotchCmd.PORT], TrnWatch.PORT)
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
     stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)
-    yield from _left_early("the train", told_s, _level_at(trace, told_s), first, past, stands)
+    yield from _left_early("the train", told_s, _told_levels(trace), good, good, stands)

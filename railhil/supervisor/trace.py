@@ -55,6 +55,8 @@ class Trace:
         #: Wire contract of the telegrams; default: this version's.
         self.contract = contract or wire_contract()
         self._times_ns: dict[str, array[int]] = {}
+        self._order: dict[str, array[int]] = {}
+        self._added = 0
         self._data: dict[str, bytearray] = {}
         #: Polls in the record.
         self.polls = 0
@@ -103,8 +105,11 @@ class Trace:
         times_ns = self._times_ns.get(port)
         if times_ns is None:
             times_ns = self._times_ns[port] = array("q")
+            self._order[port] = array("q")
             self._data[port] = bytearray()
         times_ns.append(time_ns)
+        self._order[port].append(self._added)
+        self._added += 1
         self._awaited.pop(port, None)
         self._data[port] += data
 
@@ -115,6 +120,13 @@ class Trace:
     def times_ns(self, port: str) -> array[int]:
         """Simulation time of each telegram of a port in ns, shape (n,)."""
         return self._times_ns.get(port, array("q"))
+
+    def order(self, port: str) -> npt.NDArray[np.int64]:
+        """Place of each telegram of a port among all telegrams of the record, shape (n,).
+
+        It tells which of two telegrams came first where both have the same instant.
+        """
+        return np.array(self._order.get(port, ()), dtype=np.int64)
 
     def times_s(self, port: str) -> FloatArray:
         """Simulation time of each telegram of a port in s, shape (n,)."""

@@ -35,9 +35,10 @@ class Story:
     speed_lost: set[int] = field(default_factory=set)
 
     def trace(self) -> Trace:
-        made, told, life = Trace(), -1, 0
+        made, told, life, now_ns = Trace(), -1, 0, 0
         for tick in range(100):
-            now_ns = tick * TICK_NS
+            # Without the port that opens the ticks, the record's clock stands still.
+            now_ns = now_ns if tick in self.speed_lost or not self.check(tick) else tick * TICK_NS
             if tick not in self.without | self.speed_lost:
                 speed = TrnSpeed(self.speed_01mmps(tick), check=self.check(tick), life=tick & 15)
                 made.add(TrnSpeed.PORT, now_ns, speed.encode())
@@ -142,13 +143,22 @@ def test_the_train_leaves_a_level_after_good_commands(level: int, missing: int) 
     assert all(text.startswith("invariant 4: the train left") for text in said)
 
 
-@pytest.mark.parametrize(("lost", "rule_holds"), [(set(), False), ({38}, True), ({36}, False)])
-def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int], rule_holds: bool) -> None:
-    """The port that opens the ticks is lost: the report of a later tick has the instant of the last poll."""
-    left = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0)
+@pytest.mark.parametrize(
+    ("left_tick", "lost", "rule_holds"),
+    [(38, set(), False), (39, set(), True), (38, {38}, False), (39, {39}, True), (39, {39, 40}, True)],
+)
+def test_what_came_first_is_told_by_the_order_of_the_record(left_tick: int, lost: set[int], rule_holds: bool) -> None:
+    """The tenth command is that of tick 38; a report whose tick was not opened has its instant, and comes after it."""
+    left = Story(train_level=lambda tick: 3 if 20 <= tick < left_tick else 0)
     assert (found(replace(left, speed_lost=lost)) == []) is rule_holds
     # A telegram that its receiver refuses opens no tick either.
     assert (found(replace(left, check=lambda tick: 0 if tick in lost else 1)) == []) is rule_holds
+
+
+def test_two_reports_of_the_same_instant_are_two() -> None:
+    """TRACTION CUT is left after two commands, and entered again in the next tick, which is not opened either."""
+    story = Story(train_level=lambda tick: 2 * int(20 <= tick < 23 or tick >= 24), speed_lost={23, 24})
+    assert found(story) == ["invariant 4: the train left TRACTION CUT at 0.22 s after 2 good telegrams, needed 5"]
 
 
 def test_the_levels_of_a_controller_that_answers_late_are_not_counted() -> None:
