@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, NoReturn
 from railhil.bus.administrator import REPLY_NS, Administrator
 from railhil.bus.clock import Pacer
 from railhil.bus.codes import Event, FaultOrder, SupCommand
-from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.errors import PeerSilent
 from railhil.bus.hub.orders import Disturber
-from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent, make_ident
+from railhil.bus.ident import Role, make_ident
 from railhil.bus.reception import Document, reception
 from railhil.bus.schedule import Schedule
 from railhil.bus.store import TrafficStore
@@ -23,6 +23,7 @@ from railhil.plant_sim.any_plant import AnyPlant, Happened, PlantError
 from railhil.plant_sim.cycle import TickLoop
 from railhil.plant_sim.cycle_times import MISSED_NS, PlantTiming
 from railhil.plant_sim.faults.plants import make_plant
+from railhil.plant_sim.handshake import Refused, agree
 from railhil.plant_sim.milestones import Milestones
 from railhil.plant_sim.supervision import SILENCE_NS, RunEndpoint, SupervisorWatch
 from railhil.scenarios.model import AnyScenario
@@ -35,12 +36,6 @@ if TYPE_CHECKING:
 
 #: Attempts to poll the last status, in real time or on a disturbed bus.
 LAST_STATUS_POLLS = 3
-
-
-class Refused(BusError):
-    """The nodes do not agree on what to run; the text names both sides."""
-
-    exit_code = 2
 
 
 class PlantNode:
@@ -158,35 +153,13 @@ class PlantNode:
         """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
 
         :raises PeerSilent: a node did not appear.
-        :raises Refused: the nodes disagree.
+        :raises Refused: the nodes disagree; they have been told that the run has ended.
         """
-        wait_ns = round(self._appear_s * 1e9)
-        missing = self.administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), wait_ns)
-        if missing:
-            names = " and ".join(Role(device).name.lower() for device in sorted(missing))
-            raise PeerSilent(f"bus administrator waits for {names}: no answer within {self._appear_s:g} s")
-        self.administrator.publish(self._ident)
-        differences: list[str] = []
-        for telegram in (CtlIdent, SupIdent):
-            self._demand(self._contract.port(telegram.PORT))
-            other: Ident | None = self._store.read(telegram, 0)[0]
-            if other is not None:
-                differences += self._ident.differences(other)
-        if differences:
+        try:
+            agree(self.administrator, self._store, self._ident, self._contract, self._appear_s)
+        except Refused:
             self.end(Event.ENDED_REFUSED)
-            raise Refused("; ".join(differences))
-        self._demand(self._sup_port)
-        order = self._store.read(SupCmd, 0)[0]
-        if order is None or order.command != SupCommand.START:
-            self.end(Event.ENDED_REFUSED)
-            raise Refused("the supervisor did not start the run")
-
-    def _demand(self, port: Port) -> None:
-        """A poll that must be answered, regardless of the pacing."""
-        for _ in range(200):
-            if self.administrator.poll(port):
-                return
-        raise PeerSilent(f"{port.source} does not answer the handshake ({port.name})")
+            raise
 
     # -- the run --------------------------------------------------------------------------------------------------
 

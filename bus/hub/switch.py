@@ -13,13 +13,13 @@ import time
 from collections.abc import Callable, Sequence
 
 from railhil.bus.hub.coalesce import HOLD_S
+from railhil.bus.hub.delivery import Delivery
 from railhil.bus.hub.disturbance import Disturbance
 from railhil.bus.hub.guests import HELLO_S
 from railhil.bus.hub.membership import READ, WRITE, Membership
 from railhil.bus.hub.model import WireModel
-from railhil.bus.hub.orders import order_of
 from railhil.bus.hub.ports import PortClosed, PortFault, SwitchPort
-from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, OWN_MARK, decode_notice, fault_of
+from railhil.bus.hub.wire import NOTICE_LENGTH_BIT, fault_of
 
 #: How long a stopped hub continues to deliver packets that it has already taken.
 DRAIN_TIMEOUT_S = 1.0
@@ -52,10 +52,6 @@ class Switch:
         self._report = report
         self._model = model
         self._disturbance = disturbance
-        #: Carries a packet: chosen once, so that an option that is off costs nothing for a packet.
-        self._carry: Callable[[SwitchPort, bytes], None] = (
-            self._carry_to_all if disturbance is None else self._carry_disturbed
-        )
         # Whether something may be due without an event on a descriptor, a silent client excepted.
         self._is_timed = model is not None or disturbance is not None or bool(bus_ports)
         self._once = once
@@ -70,10 +66,12 @@ class Switch:
             queue_limit_bytes=queue_limit_bytes,
             properties=properties,
             report=report,
-            tell=self._tell,
+            tell=lambda port, packet: self._delivery.tell(port, packet),
             disturbance=disturbance,
             bus_ports=bus_ports,
         )
+        self._delivery = Delivery(self._all, model, disturbance)
+        self._carry = self._delivery.carry
 
     def stop(self) -> None:
         """End the loop; may be called from another thread or a signal handler."""
@@ -101,7 +99,7 @@ class Switch:
                     if events & _READ_EVENTS:
                         self._read(port)
                     if events & WRITE:
-                        self._flush(port)
+                        self._delivery.flush(port)
                 elif fd == listener_fd:
                     self._all.accept()
                 elif fd == self._wake_read:
@@ -125,7 +123,7 @@ class Switch:
             ready = self._epoll.poll(HOLD_S)
             if ready:
                 return ready
-            self._flush_held()
+            self._delivery.flush_held()
         return self._epoll.poll()
 
     def _read(self, port: SwitchPort) -> None:
@@ -145,7 +143,7 @@ class Switch:
             fault_text = fault_of(packet)
             if fault_text is not None:
                 if self._disturbance is not None and len(packet) & NOTICE_LENGTH_BIT:
-                    fault_text = self._obey(self._disturbance, port, packet)
+                    fault_text = self._delivery.obey(self._disturbance, port, packet)
                     if fault_text is None:
                         continue
                 self._all.drop(port, f"malformed packet: {fault_text}")
@@ -154,28 +152,7 @@ class Switch:
                 self._carry(port, packet)
             else:
                 self._model.offer(port, packet, time.monotonic_ns())
-                self._update(port)
-
-    def _carry_to_all(self, source: SwitchPort, packet: bytes) -> None:
-        for port in self._all.members:
-            if port is source:
-                if not source.receive_own:
-                    continue
-                packet_for_port = packet + OWN_MARK
-            else:
-                packet_for_port = packet
-            if port.coalescer is not None:
-                for ready in port.coalescer.take(packet_for_port):
-                    self._hand_over(port, ready)
-            else:
-                self._hand_over(port, packet_for_port)
-
-    def _hand_over(self, port: SwitchPort, packet: bytes) -> None:
-        try:
-            if port.send(packet):
-                self._update(port)
-        except PortFault as fault:
-            self._all.drop(port, str(fault))
+                self._delivery.update(port)
 
     # --- what is due without an event ---------------------------------------------------------------------
 
@@ -187,17 +164,17 @@ class Switch:
         timeout_s = max(due_ns - time.monotonic_ns(), 0) * 1e-9
         select.select((self._epoll.fileno(),), (), (), timeout_s)
         if self._all.bulk_readers:
-            self._flush_held(time.monotonic_ns())
+            self._delivery.flush_held(time.monotonic_ns())
         return self._epoll.poll(0)
 
     def _serve_due(self) -> None:
         for port in self._bus_ports:
             if port.due_ns is not None and port.due_ns <= time.monotonic_ns():
-                self._flush(port)
+                self._delivery.flush(port)
         if self._model is not None:
             self._deliver_due(self._model)
         if self._disturbance is not None:
-            self._tell_all(self._disturbance.due())
+            self._delivery.tell_all(self._disturbance.due())
         # After the events: a hello that has arrived while this process stood still is in time.
         for port in self._all.guests.late():
             self._all.drop(port, f"no hello within {HELLO_S:g} s")
@@ -215,50 +192,8 @@ class Switch:
             times_ns.append(self._disturbance.due_ns)
         due_ns = min((time_ns for time_ns in times_ns if time_ns is not None), default=None)
         if due_ns is not None and self._all.bulk_readers:
-            for port in self._all.members:
-                if port.coalescer is not None and port.coalescer.due_ns is not None:
-                    due_ns = min(due_ns, port.coalescer.due_ns)
+            due_ns = min([due_ns, *self._delivery.held_due_ns()])
         return due_ns
-
-    def _flush_held(self, until_ns: int | None = None) -> None:
-        """Deliver packets held for the clients that read in bulk: all, or those due by ``until_ns``."""
-        for port in self._all.members:
-            if port.coalescer is None or port.coalescer.due_ns is None:
-                continue
-            if until_ns is None or port.coalescer.due_ns <= until_ns:
-                for packet in port.coalescer.flush():
-                    self._hand_over(port, packet)
-
-    # --- disturbed traffic --------------------------------------------------------------------------------
-
-    def _carry_disturbed(self, source: SwitchPort, packet: bytes) -> None:
-        assert self._disturbance is not None
-        for port, told in self._disturbance.carry(source, packet, self._all.members):
-            if told is not None:
-                self._tell(port, told)
-            elif port is source:
-                self._tell(port, packet + OWN_MARK)
-            else:
-                self._tell(port, packet)
-
-    def _obey(self, disturbance: Disturbance, source: SwitchPort, packet: bytes) -> str | None:
-        """Carry out an order; the fault of the packet if it is none."""
-        try:
-            deliveries = disturbance.obey(source, order_of(decode_notice(packet).get("order")))
-        except ValueError as error:
-            return str(error)
-        self._tell_all(deliveries)
-        return None
-
-    def _tell_all(self, deliveries: Sequence[tuple[SwitchPort, bytes | None]]) -> None:
-        for port, packet in deliveries:
-            if packet is not None:
-                self._tell(port, packet)
-
-    def _tell(self, port: SwitchPort, packet: bytes) -> None:
-        """Give a packet to one member, behind all that it has not read yet."""
-        for ready in (packet,) if port.coalescer is None else port.coalescer.take(packet):
-            self._hand_over(port, ready)
 
     # --- the rest -----------------------------------------------------------------------------------------
 
@@ -266,16 +201,7 @@ class Switch:
         for source, packet in model.due(time.monotonic_ns()):
             self._carry(source, packet)
         for port in self._all.unread():
-            self._update(port)
-
-    def _flush(self, port: SwitchPort) -> None:
-        if self._all.is_watched(port):
-            port.flush()
-            self._update(port)
-
-    def _update(self, port: SwitchPort) -> None:
-        """Watch what the port needs now; nothing is read from it while the model is full."""
-        self._all.update(port, self._model is not None and self._model.is_full(port))
+            self._delivery.update(port)
 
     def _wake(self) -> None:
         asked = os.read(self._wake_read, 64)
@@ -295,7 +221,7 @@ class Switch:
                     break
                 # A full bus does not signal when it accepts frames again.
                 for bus_port in self._bus_ports:
-                    self._flush(bus_port)
+                    self._delivery.flush(bus_port)
                 longest_s = _DRAIN_LOOK_S if self._bus_ports else DRAIN_TIMEOUT_S
                 ready = self._epoll.poll(min(max(deadline_s - time.monotonic(), 0.0), longest_s))
             for fd, events in ready:
@@ -303,8 +229,8 @@ class Switch:
                 if port is not None and events & _READ_EVENTS:
                     self._read(port)
                 if port is not None and events & WRITE:
-                    self._flush(port)
-        self._flush_held()
+                    self._delivery.flush(port)
+        self._delivery.flush_held()
         for port in self._all.members:
             if port.has_backlog:
                 self._report(f"{port.name} has not taken all packets before the stop")

@@ -24,7 +24,8 @@ from railhil.cli import programs as outside
 from railhil.common.errors import InputError
 from railhil.controller_node.node import ControllerNode
 from railhil.dbc import wire_contract
-from railhil.plant_sim.node import PlantNode, Refused
+from railhil.plant_sim.handshake import Refused
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.load import load
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import run_folder

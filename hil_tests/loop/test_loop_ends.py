@@ -16,7 +16,8 @@ from railhil.bus.mvb import TelegramSource, master_frame
 from railhil.bus.telegrams import EVENT_COPIES, CtlStat, NotchCmd, RunEvent, SimTruth
 from railhil.controller_node.node import ControllerNode
 from railhil.plant_sim import dynamics
-from railhil.plant_sim.node import PlantNode, Refused
+from railhil.plant_sim.handshake import Refused
+from railhil.plant_sim.node import PlantNode
 from railhil.plant_sim.plant import PlantError
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.score import score

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
 import sys
 
 from hil_tests.mutation.run import Result, containing, prepare, sample, try_decisions, try_module
@@ -60,4 +61,8 @@ def _told(result: Result, whole: bool) -> bool:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except KeyboardInterrupt:
+        # What it has started ends with it.
+        sys.exit(128 + signal.SIGINT)

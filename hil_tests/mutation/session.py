@@ -27,6 +27,7 @@ import pytest
 
 from hil_tests.mutation.install import Decisions, replace_code
 from hil_tests.mutation.operators import Mutant
+from railhil.common.orphans import end_with_parent
 
 #: What a mutant may use before it counts as noticed: an endless loop, or endless memory.
 CPU_FACTOR, CPU_MARGIN_S, MEMORY_MAX_BYTES = 5, 2, 4 << 30
@@ -43,8 +44,13 @@ class Baseline:
 
 
 def forked(work: Callable[[], Any]) -> tuple[int, int]:
-    """Start a process for ``work``: its id, and a file descriptor from which the pickled result can be read."""
+    """Start a process for ``work``: its id, and a file descriptor from which the pickled result can be read.
+
+    It ends with this process, however that ends. A signal to the command would not reach it, because it has a process
+    group of its own.
+    """
     reading, writing = os.pipe()
+    parent = os.getpid()
     sys.stdout.flush()
     sys.stderr.flush()
     pid = os.fork()
@@ -54,6 +60,10 @@ def forked(work: Callable[[], Any]) -> tuple[int, int]:
     try:
         os.close(reading)
         os.setpgid(0, 0)
+        end_with_parent()
+        if os.getppid() != parent:
+            # It ended before it could be watched.
+            return 0, reading
         result = pickle.dumps(work())
         with os.fdopen(writing, "wb") as pipe:
             pipe.write(result)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import signal
 import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -14,6 +13,7 @@ from railhil.campaign.extras import need
 from railhil.campaign.work import Task, run_task
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
+from railhil.common.orphans import end_with_parent
 
 Parts = Generator[tuple[str, bytes], None, None]
 Engine = Callable[[Sequence[Task]], Parts]
@@ -23,8 +23,6 @@ Work = Callable[[Task], tuple[str, bytes]]
 Say = Callable[[str], None]
 #: Number of successive worker losses, without a finished chunk in between, after which a campaign gives up.
 LOSSES_MAX = 3
-#: prctl(2): a signal for the process when the thread that has started it ends.
-_PR_SET_PDEATHSIG = 1
 
 
 class WorkersLost(Exception):
@@ -44,9 +42,7 @@ def _worker() -> None:
     cannot end its workers, which would wait for it for ever.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    prctl = getattr(ctypes.CDLL(None), "prctl", None)
-    if prctl is not None:
-        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    end_with_parent()
 
 
 def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:

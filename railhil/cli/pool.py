@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import multiprocessing
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -11,11 +10,10 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from railhil.common.exit_codes import ending_signals, finish_undisturbed
+from railhil.common.orphans import end_with_parent
 
 T = TypeVar("T")
 R = TypeVar("R")
-#: prctl(2): a signal for the process when the thread that has started it ends.
-_PR_SET_PDEATHSIG = 1
 
 
 @contextmanager
@@ -32,9 +30,7 @@ def _be_worker() -> None:
     """Leave the end to the command: Ctrl-C and ``timeout`` reach the whole group, and a worker that ended by itself
     would be a defect to the pool. If the command is killed, nobody else ends its workers."""
     signal.pthread_sigmask(signal.SIG_BLOCK, ending_signals())
-    prctl = getattr(ctypes.CDLL(None), "prctl", None)
-    if prctl is not None:
-        prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
+    end_with_parent()
 
 
 def stop_code(error: KeyboardInterrupt | SystemExit) -> int:

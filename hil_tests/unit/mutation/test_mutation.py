@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import select
+import signal
 import subprocess
 import sys
+import time
 from collections import Counter
 from pathlib import Path
 
@@ -108,6 +112,33 @@ def test_tests_that_fail_without_a_mutant_judge_nothing(subject: Path) -> None:
     (subject / "test_subject.py").write_text("def test_wrong():\n    assert False\n", encoding="utf-8")
     code, said = command(subject, "subject", "--tests", "test_subject.py")
     assert (code, said) == (1, ["  fails without any change: test_subject.py::test_wrong"])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_nothing_outlives_the_command(subject: Path, number: signal.Signals) -> None:
+    """Every process of the command has the writing end of a pipe: at its other end, the end of the file is the last
+    one's."""
+    began = subject / "began"
+    waits = (
+        f"import pathlib, time\n\n\ndef test_waits():\n    pathlib.Path({str(began)!r}).touch()\n    time.sleep(60)\n"
+    )
+    (subject / "test_subject.py").write_text(waits, encoding="utf-8")
+    reading, writing = os.pipe()
+    environment = {"PYTHONPATH": f"{subject}:{ROOT}", "PATH": ""}
+    words = [sys.executable, "-m", "hil_tests.mutation", "subject", "--tests", "test_subject.py"]
+    with subprocess.Popen(
+        words, cwd=subject, env=environment, pass_fds=[writing], stderr=subprocess.PIPE, text=True
+    ) as done, os.fdopen(reading, "rb") as pipe:  # fmt: skip
+        os.close(writing)
+        while not began.exists():
+            assert done.poll() is None
+            time.sleep(0.01)
+        done.send_signal(number)
+        assert done.communicate(timeout=30)[1] == ""
+        assert done.returncode == (130 if number == signal.SIGINT else -number)
+        assert select.select([pipe], [], [], 30)[0]
+        assert pipe.read() == b""
 
 
 def test_every_target_exists() -> None:

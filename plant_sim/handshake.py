@@ -1,0 +1,55 @@
+"""Before the run: the bus administrator finds the other nodes, compares what they run, and waits for the start."""
+
+from __future__ import annotations
+
+from railhil.bus.administrator import Administrator
+from railhil.bus.codes import SupCommand
+from railhil.bus.errors import BusError, PeerSilent
+from railhil.bus.ident import CtlIdent, Ident, Role, SupIdent
+from railhil.bus.store import TrafficStore
+from railhil.bus.telegrams import SupCmd
+from railhil.dbc import Contract, Port
+
+#: Polls for an answer that must come.
+_DEMANDS_MAX = 200
+
+
+class Refused(BusError):
+    """The nodes do not agree on what to run; the text names both sides."""
+
+    exit_code = 2
+
+
+def agree(administrator: Administrator, store: TrafficStore, own: Ident, contract: Contract, appear_s: float) -> None:
+    """Wait for controller and supervisor, compare what each node is about to run, wait for the start.
+
+    :param own: what the plant is about to run.
+    :param appear_s: how long the other nodes may take to appear, on the wall clock.
+    :raises PeerSilent: a node did not appear.
+    :raises Refused: the nodes disagree, or the supervisor does not start the run.
+    """
+    missing = administrator.find_devices((Role.CONTROLLER, Role.SUPERVISOR), round(appear_s * 1e9))
+    if missing:
+        names = " and ".join(Role(device).name.lower() for device in sorted(missing))
+        raise PeerSilent(f"bus administrator waits for {names}: no answer within {appear_s:g} s")
+    administrator.publish(own)
+    differences: list[str] = []
+    for telegram in (CtlIdent, SupIdent):
+        _demand(administrator, contract.port(telegram.PORT))
+        other: Ident | None = store.read(telegram, 0)[0]
+        if other is not None:
+            differences += own.differences(other)
+    if differences:
+        raise Refused("; ".join(differences))
+    _demand(administrator, contract.port(SupCmd.PORT))
+    order = store.read(SupCmd, 0)[0]
+    if order is None or order.command != SupCommand.START:
+        raise Refused("the supervisor did not start the run")
+
+
+def _demand(administrator: Administrator, port: Port) -> None:
+    """A poll that must be answered, regardless of the pacing."""
+    for _ in range(_DEMANDS_MAX):
+        if administrator.poll(port):
+            return
+    raise PeerSilent(f"{port.source} does not answer the handshake ({port.name})")
