@@ -65,7 +65,7 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
         found += _left_early_by_controller(trace, items)
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
-        found += _left_early_by_train(trace, items)
+        found += _left_early_by_train(scenario, trace, items)
     return found
 
 
@@ -174,6 +174,10 @@ def _good(trace: Trace, item: Received) -> FloatArray:
     return times_s
 
 
+def _whole_ns(time_s: FloatArray) -> IntArray:
+    return np.rint(time_s * 1e9).astype(np.int64)
+
+
 def _left_early(
     who: str, time_s: FloatArray, level: IntArray, first: IntArray, past: IntArray, stands: BoolArray
 ) -> Iterator[str]:
@@ -217,14 +221,17 @@ def _left_early_by_controller(trace: Trace, items: Mapping[str, Received]) -> It
     yield from _left_early("the controller", time_s, _controller_levels(trace), first, past, stands)
 
 
-def _left_early_by_train(trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
+def _left_early_by_train(scenario: Scenario, trace: Trace, items: Mapping[str, Received]) -> Iterator[str]:
     """The level is told one tick after it was entered, and commands follow it in the tick."""
     told_s, truth_s = trace.times_s(TrnWatch.PORT), trace.times_s(SimTruth.PORT)
     good_s = _good(trace, items[NotchCmd.PORT])
     first = np.searchsorted(good_s, told_s, side="left")
-    # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it.
-    is_opened = np.isin(told_s, _good(trace, items[TrnSpeed.PORT]))
-    past = np.where(is_opened, first, np.searchsorted(good_s, told_s, side="right"))
+    # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it: it is of
+    # its own tick for certain only where that tick and the next one have been opened.
+    opened_ns = _whole_ns(_good(trace, items[TrnSpeed.PORT]))
+    told_ns = _whole_ns(told_s)
+    is_before_poll = np.isin(told_ns, opened_ns) & np.isin(told_ns + scenario.timing.base_tick_ns, opened_ns)
+    past = np.where(is_before_poll, first, np.searchsorted(good_s, told_s, side="right"))
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))
     stands = speed[index] == 0 if len(speed) else np.ones(len(told_s), dtype=bool)

@@ -142,7 +142,7 @@ def test_the_train_leaves_a_level_after_good_commands(level: int, missing: int) 
     assert all(text.startswith("invariant 4: the train left") for text in said)
 
 
-@pytest.mark.parametrize(("lost", "rule_holds"), [(set(), False), ({38}, True), ({36}, False)])
+@pytest.mark.parametrize(("lost", "rule_holds"), [(set(), False), ({38}, True), ({39}, True), ({36}, False)])
 def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int], rule_holds: bool) -> None:
     """The port that opens the ticks is lost: the report of a later tick has the instant of the last poll."""
     left = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0)
