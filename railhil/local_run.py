@@ -29,6 +29,7 @@ from railhil.supervisor.jitter import lockstep_timing
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.session import Session
+from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import FILE_NAME as TELEMETRY
 from railhil.supervisor.telemetry import read_origin, read_summary, shown_telemetry
@@ -142,6 +143,9 @@ class LocalRun:
         faults = fault_outcomes(self.folder, self.scenario, self.spec.seed) if session.recording else []
         if code in (PASS, FAIL) and (missed := missed_faults(faults)):
             code, line = INVALID, missed
+        summary = read_summary(self.folder)
+        if code == PASS and (untold := untold_wrap(self.trace, self._judging.status, summary.wraps if summary else 0)):
+            code, line = INVALID, untold
         if session.ended is Event.ENDED_PLANT_ERROR:
             code = TOOL_ERROR
         recording = session.recording
@@ -155,7 +159,7 @@ class LocalRun:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - self._started_ns) / 1e9 if recording else float("nan"),
             transport=LOCAL,
-            telemetry=read_summary(self.folder) or shown_telemetry(self.trace, self._judging.status),
+            telemetry=summary or shown_telemetry(self.trace, self._judging.status),
             origin=read_origin(self.folder),
             counters=session.counters,
             timing=lockstep_timing(self.trace),

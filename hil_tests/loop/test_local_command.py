@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import signal
 from pathlib import Path
 from typing import Any
@@ -11,15 +12,16 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Started, railhil, wait_for
-from hil_tests.support.plug import plug_in
+from hil_tests.support.paths import ROOT
+from hil_tests.support.plug import Wrapping, plug_in
 from hil_tests.support.published import PUBLISHED_SHA256
 from railhil.bus.limits import LIMITS, limits_of
-from railhil.common.exit_codes import FAIL, PASS, USAGE
+from railhil.common.exit_codes import FAIL, INVALID, PASS, USAGE
 from railhil.controller_node.laws.base import LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc, IpfcState
 from railhil.controller_node.program.tracer import Tracer
 from railhil.local_run import LocalRun
-from railhil.scenarios.load import load
+from railhil.scenarios.load import load, load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.supervisor.folder import code_files
 
@@ -169,3 +171,53 @@ def test_a_law_that_raises_is_bad_input_with_its_place(
     assert "in the middle of the run" in result.line
     assert "test_local_command.py" in result.line
     assert result.frames > 0
+
+
+#: Limits that the short run meets.
+_WIDE = ("plan.stop_error_max_m=8", "plan.time_error_max_s=8")
+
+
+@pytest.mark.faults
+@pytest.mark.parametrize(
+    ("faults", "verdict", "line"),
+    [
+        ((), "FAIL", "fixed-point wrap in the controller, reported at 0.00 s"),
+        (("CTL_STAT loss x1 @3.3s",), "FAIL", "fixed-point wrap in the controller, reported at 0.00 s"),
+        *(
+            ((text,), "INVALID", "record: no CTL_STAT says that the controller's arithmetic has wrapped, which it did ")
+            for text in ("CTL_STAT loss @0s", "CTL_STAT.OverflowFlags value 0 @0s", "CTL_STAT masquerade TRK_INFO @0s")
+        ),
+    ],
+)
+def test_no_fault_of_its_telegram_hides_a_wrap(
+    short: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    faults: tuple[str, ...],
+    verdict: str,
+    line: str,
+) -> None:
+    """The controller itself has counted it."""
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    folder = tmp_path / "run"
+    folder.mkdir()
+    scenario = load_any(str(short), _WIDE, faults)
+    result = LocalRun(scenario, RunSpec(str(short), law=LawSpec("wrapping"), bus="local"), folder).execute()
+    assert (result.verdict, result.score.verdict) == (verdict, "FAIL" if verdict == "FAIL" else "PASS")
+    assert result.exit_code == (FAIL if verdict == "FAIL" else INVALID)
+    assert result.line.startswith(line)
+
+
+@pytest.mark.slow
+@pytest.mark.faults
+def test_no_fault_of_its_telegram_hides_a_wrap_on_the_hub(
+    short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plug_in(tmp_path, monkeypatch, wrapping=Wrapping)
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path / 'plug'}{os.pathsep}{ROOT}")
+    done = railhil(
+        "run", short, *(word for text in _WIDE for word in ("--set", text)), "-i", "railhil",
+        "--controller", "wrapping", "--fault", "CTL_STAT loss @0s", "--out", tmp_path / "run", "--no-report",
+    )  # fmt: skip
+    assert done.exit_code == INVALID, done.err
+    assert "no CTL_STAT says that the controller's arithmetic has wrapped" in documents(tmp_path / "run")[0]["line"]

@@ -12,6 +12,7 @@ use neither watch: they read levels, speeds and forces from the record, and coun
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +28,9 @@ from railhil.supervisor.events.telegrams import judged
 from railhil.supervisor.measures import limits_under_train
 from railhil.supervisor.trace import FloatArray, Trace
 
+if TYPE_CHECKING:
+    from railhil.faults.model import Fault
+
 LEVELS = ("NORMAL", "HOLD", "TRACTION CUT", "SERVICE BRAKE", "EMERGENCY")
 _TRACTION_CUT, _SERVICE_BRAKE, _EMERGENCY = 2, 3, 4
 #: Good telegrams after which a level may be left.
@@ -36,6 +40,8 @@ NOTICE_S = 0.16
 #: Resolution of SIM_TRUTH's force; anything above half of it is traction.
 _FORCE_MIN_N = 10.0
 _SPEED_SLACK_MPS = 1e-3
+#: Parts of a telegram that carry nothing of its content.
+_OF_THE_FRAME = ("counter", "checksum")
 
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int64]
@@ -46,16 +52,17 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
     that keeps them.
 
     A record of an earlier version, without the level of the train's watch, is checked only for the controller's. What
-    a fault has put into NOTCH_CMD is not the controller's, and is not checked. A traction drive with a fault does not
-    obey the train's watch: its traction is checked from EMERGENCY on, where the main breaker opens.
+    a fault has put into NOTCH_CMD is not the controller's, and is not checked; with any fault of NOTCH_CMD, the order
+    of the controller's levels is not. A traction drive with a fault does not obey the train's watch: its traction is
+    checked from EMERGENCY on, where the main breaker opens.
     """
     has_watch = "TRN_WATCH" in {port.name for port in trace.contract.ports}
     found = list(unreconciled(scenario, trace))
     items = {item.port: item for item in received(scenario)}
     if not _is_forged(scenario):
         found += _commanded_traction(trace)
-        if not _answers_late(scenario):
-            found += _left_early_by_controller(trace, items)
+    if not _is_out_of_step(scenario):
+        found += _left_early_by_controller(trace, items)
     if has_watch and trace.count(TrnWatch.PORT):
         found += [*_applied_traction(scenario, trace), *_overspeed(scenario, trace)]
         found += _left_early_by_train(trace, items)
@@ -63,15 +70,30 @@ def broken(scenario: Scenario, trace: Trace) -> list[str]:
 
 
 def _is_forged(scenario: Scenario) -> bool:
-    """Whether a fault of the run changes the commands on the bus."""
-    places = [fault.place for fault in parsed(scenario.faults)]
-    return any(place.level == "command" or place.name == NotchCmd.PORT for place in places)
+    """Whether a fault of the run puts something else into NOTCH_CMD than its controller has.
+
+    Telegrams that are lost, late, repeated or refused are its own all the same: level and notch belong together.
+    """
+    return any(map(_forges, parsed(scenario.faults)))
 
 
-def _answers_late(scenario: Scenario) -> bool:
-    """Whether a fault holds the controller's answers back: the level in each is that of an earlier instant."""
+def _forges(fault: Fault) -> bool:
+    place = fault.place
+    if place.level == "command":
+        return True
+    # Of many flipped bits, some pass the check sequence.
+    return place.name == NotchCmd.PORT and (place.part not in ("", *_OF_THE_FRAME) or fault.what == "corrupt")
+
+
+def _is_out_of_step(scenario: Scenario) -> bool:
+    """Whether the levels in the record may not be those of the controller, each at its instant."""
     faults = parsed(scenario.faults)
-    return any((fault.place.level, fault.place.name, fault.what) == ("node", "controller", "slow") for fault in faults)
+    return any(
+        fault.place.level == "command"
+        or fault.place.name == NotchCmd.PORT
+        or (fault.place.level, fault.place.name, fault.what) == ("node", "controller", "slow")
+        for fault in faults
+    )
 
 
 def _cut_from(scenario: Scenario) -> int:

@@ -39,6 +39,7 @@ from railhil.supervisor.result import RunResult
 from railhil.supervisor.senders import Senders
 from railhil.supervisor.session import Session
 from railhil.supervisor.start_up import StartUp
+from railhil.supervisor.status import untold_wrap
 from railhil.supervisor.stopping import StopSignals
 from railhil.supervisor.telemetry import ShownTelemetry, read_origin, read_summary, shown_telemetry
 from railhil.supervisor.trace import Told, Trace, trace_of
@@ -231,6 +232,9 @@ class Run:
             code, line = INVALID, line or "; ".join(filter(None, (timing.jitter.sentence(), timing.pace)))
         if code in (PASS, FAIL):
             line = line or missed_faults(faults)
+        summary = read_summary(self.folder)
+        if code == PASS:
+            line = line or untold_wrap(self.trace, self._judging.status, summary.wraps if summary else 0)
         if line:
             code = USAGE if refused else INVALID
         if session.ended is Event.ENDED_PLANT_ERROR:
@@ -245,7 +249,7 @@ class Run:
             sim_time_s=session.sim_time_s,
             first_frame_s=(session.first_frame_ns - started_ns) / 1e9 if session.recording else float("nan"),
             transport=self.choice.transport,
-            telemetry=read_summary(self.folder) or self._shown(),
+            telemetry=summary or self._shown(),
             origin=read_origin(self.folder),
             counters=counters,
             timing=timing,

@@ -54,3 +54,17 @@ def wrap_failure(trace: Trace, status: Status | None) -> str:
         return ""
     wrapped = np.flatnonzero(trace.raw(status.port, status.flags) & ControllerFlag.WRAP)
     return f"{WRAP_FAILURE}, reported at {trace.times_s(status.port)[wrapped[0]]:.2f} s" if len(wrapped) else ""
+
+
+def untold_wrap(trace: Trace, status: Status | None, wraps: int) -> str:
+    """Why a run without a wrap in its record is not trusted, if the controller itself has counted some; else empty.
+
+    A fault may keep the telegram from the bus, or change its flags: what the record says of the arithmetic is then not
+    what happened.
+
+    :param wraps: those in the controller's own telemetry.
+    """
+    if not wraps or status is None or not status.flags or wrap_failure(trace, status):
+        return ""
+    times = "once" if wraps == 1 else f"{wraps} times"
+    return f"record: no {status.port} says that the controller's arithmetic has wrapped, which it did {times}"
