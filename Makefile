@@ -9,7 +9,7 @@ LOCK_PYTHONS ?= python3.11 python3.12 python3.13
 # What `make run` passes on, e.g. make run ARGS="yizhuang_01_songjiazhuang_xiaocun --seed 7"
 ARGS   ?=
 # Laws whose parameters `make tuned` searches.
-TUNED_LAWS ?= ipfc ipfc_plus tpfc1 tpfc2 tdmc fuzzy_pid
+TUNED_LAWS ?= ipfc ipfc_plus ipfc_plus_stop tpfc1 tpfc2 tdmc fuzzy_pid
 
 PART         = $(BIN)/python -m hil_tests.part
 COUNTS       = build/test_counts

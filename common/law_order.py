@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 #: As in Table 2 of Wang et al. (DOI 10.19650/j.cnki.cjsi.J2108765); the others are compared with the first. Then
 #: railhil's own; laws of other distributions follow by name.
-LAW_ORDER = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus")
+LAW_ORDER = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
 
 
 def in_order(names: Iterable[str]) -> list[str]:

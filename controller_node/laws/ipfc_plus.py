@@ -13,7 +13,7 @@ from typing import Any, ClassVar, Generic, NamedTuple
 
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.balise_odometer import BaliseOdometer, BaliseState, Place
-from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs
+from railhil.controller_node.laws.base import NOTCH_Q, NOTCH_RAW_Q, SPEED_Q, Law, LawInputs, LawOutputs, State
 from railhil.controller_node.laws.ipfc_plus_constants import (
     ACCEL_Q,
     ADVANCE_Q,
@@ -22,6 +22,7 @@ from railhil.controller_node.laws.ipfc_plus_constants import (
     TUNABLE,
     UNIT_Q,
     WHEEL_Q,
+    IpfcPlusConstants,
     IpfcPlusParameters,
     compute_constants,
 )
@@ -63,26 +64,16 @@ class IpfcPlusState(NamedTuple, Generic[T]):
     balises: BaliseState[T]
 
 
-class IpfcPlus(Law[T, IpfcPlusState[T]]):
-    """The IPFC+ law on one arithmetic. Speeds in km/h (Q20), notch in notches.
+class IpfcPlusCore(Law[T, State]):
+    """Observer and errors of IPFC+, and the notch for an acceleration. Speeds in km/h (Q20), notch in notches."""
 
-    Raises ``ValueError`` for parameters that do not fit the scenario.
-    """
-
-    name: ClassVar[str] = "ipfc_plus"
     indexings: ClassVar[tuple[str, ...]] = ("time",)
     track: ClassVar[bool] = True
     notes: ClassVar[tuple[Note, ...]] = (BASIS_NOTE, SOFTENING_NOTE)
-    parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
-    tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
-    parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
-    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
 
-    def __init__(
-        self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcPlusParameters | None = None
-    ) -> None:
+    def __init__(self, arithmetic: Arithmetic[T], scenario: Scenario, table: IpfcPlusConstants) -> None:
         self._ar = ar = arithmetic
-        self.table = t = compute_constants(parameters or IpfcPlusParameters(), scenario)
+        self._constants = t = table
         self._odometer = BaliseOdometer(ar, t, scenario.plan.distance_m)
         self._last_k = len(t.target_speed) - 1
         over_time = {
@@ -137,7 +128,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
 
     @property
     def constants(self) -> tuple[Constant, ...]:
-        return (*self.table.entries(), self._odometer.per_distance)
+        return (*self._constants.entries(), self._odometer.per_distance)
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
         """Bounds of the clipped variables; in addition, the lagged notch is a mean of notches, and the balises' sums
@@ -145,7 +136,7 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
 
         A millionth is added for the rounding of the weights.
         """
-        t = self.table
+        t = self._constants
         lagged = self._notch_max * (1 + 1e-6)
         return {
             "observer.speed": (-t.speed_max.value, t.speed_max.value),
@@ -157,38 +148,25 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
             "balises.errors": (-t.sum_max.value, t.sum_max.value),
         }
 
-    def start(self, inputs: LawInputs[T]) -> IpfcPlusState[T]:
+    def _at(self, k: T) -> dict[str, T]:
+        """Entries of the tables for control period ``k``."""
+        index = self._ar.index(k, self._last_k)
+        return {name: self._ar.at(table, index) for name, table in self._tables.items()}
+
+    def _started(self, speed: T) -> IpfcPlusState[T]:
         """The nominal train with its actuator at rest."""
         zero = self._zero
-        observer = ObserverState(inputs.speed, zero, self._gain, zero, zero)
+        observer = ObserverState(speed, zero, self._gain, zero, zero)
         return IpfcPlusState(observer, zero, zero, self._odometer.start())
 
-    def with_sent(self, state: IpfcPlusState[T], notch: T) -> IpfcPlusState[T]:
-        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, UNIT_Q))
-
-    def step(self, state: IpfcPlusState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusState[T], LawOutputs[T]]:
+    def _outputs(self, accel: T, observer: ObserverState[T], planned: dict[str, T]) -> LawOutputs[T]:
+        """The notch for an acceleration."""
         ar = self._ar
-        track = inputs.track
-        assert track, "the controller gives a law with track what it asks for"
-        index = ar.index(track.k, self._last_k)
-        planned = {name: ar.at(table, index) for name, table in self._tables.items()}
-        balises, place = self._odometer.step(state.balises, track)
-        observer = self._observe(state, inputs.speed, planned)
-        force, error_v, error_x = self._errors(observer, state.notch, place, planned)
-
-        accel = ar.add(planned["feed_forward"], ar.rmpy(planned["force_rate"], observer.lag, _UNIT_TO_UNIT))
-        accel = ar.sub(accel, observer.disturbance)
-        accel = ar.add(accel, ar.rmpy(error_x, planned["by_position"], _GAP_TO_ACCEL))
-        accel = ar.add(accel, ar.rmpy(error_v, planned["by_speed"], _SPEED_BY_UNIT_TO_ACCEL))
-        error_f = ar.sub(ar.sub(planned["planned_force"], observer.disturbance), force)
-        accel = ar.add(accel, ar.rmpy(error_f, self._by_force, _UNIT_TO_UNIT))
         accel = ar.note("accel", accel, ACCEL_Q, "km/h/s")
-
         notch_raw = ar.note("notch_raw", ar.div(accel, observer.gain, NOTCH_RAW_Q), NOTCH_RAW_Q, "notch")
         clipped = ar.clip(notch_raw, planned["notch_upper"], planned["notch_lower"])
         notch = ar.note("notch", ar.quantise(clipped, NOTCH_RAW_Q, NOTCH_Q), NOTCH_Q, "notch")
-        new_state = IpfcPlusState(observer, ar.convert(notch, NOTCH_Q, UNIT_Q), state.notch, balises)
-        return new_state, LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
+        return LawOutputs(notch_raw, notch, (self._basis, self._one_softening))
 
     def _observe(self, state: IpfcPlusState[T], speed: T, planned: dict[str, T]) -> ObserverState[T]:
         """Advance the observer from the last reading to this one: prediction, and correction by the innovation."""
@@ -255,3 +233,48 @@ class IpfcPlus(Law[T, IpfcPlusState[T]]):
         error_x = ar.note("position_error", ar.clip(error_x, *self._position_error_limits), GAP_Q, "0.1 mm")
         error_v = ar.clip(ar.sub(planned["target_speed"], speed), *self._speed_error_limits)
         return force, ar.note("speed_error", error_v, SPEED_Q, "km/h"), error_x
+
+
+class IpfcPlus(IpfcPlusCore[T, IpfcPlusState[T]]):
+    """The IPFC+ law on one arithmetic.
+
+    Raises ``ValueError`` for parameters that do not fit the scenario.
+    """
+
+    name: ClassVar[str] = "ipfc_plus"
+    parameters_type: ClassVar[type[Any]] = IpfcPlusParameters
+    tunable: ClassVar[Mapping[str, tuple[float, float]]] = TUNABLE
+    parameters_origin: ClassVar[str] = "designed on seeds 0 to 199"
+    design_seeds: ClassVar[Mapping[str, range]] = DESIGN_SEEDS
+
+    def __init__(
+        self, arithmetic: Arithmetic[T], scenario: Scenario, parameters: IpfcPlusParameters | None = None
+    ) -> None:
+        self.table = compute_constants(parameters or IpfcPlusParameters(), scenario)
+        super().__init__(arithmetic, scenario, self.table)
+
+    def start(self, inputs: LawInputs[T]) -> IpfcPlusState[T]:
+        """The nominal train with its actuator at rest."""
+        return self._started(inputs.speed)
+
+    def with_sent(self, state: IpfcPlusState[T], notch: T) -> IpfcPlusState[T]:
+        return state._replace(notch=self._ar.convert(notch, NOTCH_Q, UNIT_Q))
+
+    def step(self, state: IpfcPlusState[T], inputs: LawInputs[T]) -> tuple[IpfcPlusState[T], LawOutputs[T]]:
+        ar = self._ar
+        track = inputs.track
+        assert track, "the controller gives a law with track what it asks for"
+        planned = self._at(track.k)
+        balises, place = self._odometer.step(state.balises, track)
+        observer = self._observe(state, inputs.speed, planned)
+        force, error_v, error_x = self._errors(observer, state.notch, place, planned)
+
+        accel = ar.add(planned["feed_forward"], ar.rmpy(planned["force_rate"], observer.lag, _UNIT_TO_UNIT))
+        accel = ar.sub(accel, observer.disturbance)
+        accel = ar.add(accel, ar.rmpy(error_x, planned["by_position"], _GAP_TO_ACCEL))
+        accel = ar.add(accel, ar.rmpy(error_v, planned["by_speed"], _SPEED_BY_UNIT_TO_ACCEL))
+        error_f = ar.sub(ar.sub(planned["planned_force"], observer.disturbance), force)
+        accel = ar.add(accel, ar.rmpy(error_f, self._by_force, _UNIT_TO_UNIT))
+        outputs = self._outputs(accel, observer, planned)
+        new_state = IpfcPlusState(observer, ar.convert(outputs.notch, NOTCH_Q, UNIT_Q), state.notch, balises)
+        return new_state, outputs

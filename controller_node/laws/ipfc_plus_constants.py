@@ -8,8 +8,9 @@ differs between fixed point and float64, or with the last bit of a mathematical 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -127,6 +128,7 @@ TUNABLE: dict[str, tuple[float, float]] = {
 }
 
 Row = tuple[Constant, ...]
+Kind = TypeVar("Kind", bound="IpfcPlusConstants")
 
 
 @dataclass(frozen=True)
@@ -244,8 +246,22 @@ def _over_time(p: IpfcPlusParameters, scenario: Scenario) -> dict[str, ArrayLike
 def compute_constants(p: IpfcPlusParameters, scenario: Scenario) -> IpfcPlusConstants:
     """The constant table of a scenario.
 
-    Raises ``ValueError`` if a constant does not fit its format, if the loop delay, the fitting points or the
-    re-planning times are inconsistent with the control period, the basis or each other, or if the run is too long.
+    Raises ``ValueError`` as :func:`constant_values`, and if a constant does not fit its format.
+    """
+    return rounded(IpfcPlusConstants, constant_values(p, scenario))
+
+
+def rounded(kind: type[Kind], values: Mapping[str, ArrayLike]) -> Kind:
+    """A table whose values are rounded to the formats of its fields."""
+    formats = {item.name: item.metadata["q"] for item in fields(kind)}
+    return build(kind, {name: on_grid(value, formats[name]).tolist() for name, value in values.items()})
+
+
+def constant_values(p: IpfcPlusParameters, scenario: Scenario) -> dict[str, ArrayLike]:
+    """The values of the constant table, by field.
+
+    Raises ``ValueError`` if the loop delay, the fitting points or the re-planning times are inconsistent with the
+    control period, the basis or each other, or if the run is too long.
     """
     period_s = scenario.timing.control_period_ns / 1e9
     if p.replan_min_s > p.replan_max_s:
@@ -257,7 +273,7 @@ def compute_constants(p: IpfcPlusParameters, scenario: Scenario) -> IpfcPlusCons
         raise ValueError(f"a run of {distance_m} m is longer than {DISTANCE_MAX_M:.0f} m")
     actuator = lag(train.actuator_pole_per_s, period_s, p.loop_delay_s)
     gain = train.force_per_notch_n / train.inertial_mass_kg * _KMH
-    values = _over_time(p, scenario) | {
+    return _over_time(p, scenario) | {
         "lagged": actuator.over_period[0],
         "integral": actuator.over_period[1],
         "delay_lagged": actuator.over_delay[0],
@@ -286,5 +302,3 @@ def compute_constants(p: IpfcPlusParameters, scenario: Scenario) -> IpfcPlusCons
         "one_softening": 1.0,
         "zero": 0.0,
     }
-    formats = {item.name: item.metadata["q"] for item in fields(IpfcPlusConstants)}
-    return build(IpfcPlusConstants, {name: on_grid(value, formats[name]).tolist() for name, value in values.items()})

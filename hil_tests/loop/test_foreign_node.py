@@ -36,7 +36,7 @@ from railhil.supervisor.session import Session
 
 pytestmark = pytest.mark.needs_compiler
 
-LAWS = ("ipfc", "ipfc_plus", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid")
+LAWS = ("ipfc", "ipfc_plus", "ipfc_plus_stop", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid")
 POLL = wire_contract().poll_id
 #: Off, coast, brake: short, because every frame passes two controllers.
 _SHORT = TargetCurve(((0.0, 0.0), (1.0, 1.0), (7.0, 1.0), (8.0, 0.0), (11.0, 0.0), (12.0, -1.0)))
@@ -73,7 +73,7 @@ def exported(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 @pytest.mark.parametrize("law", LAWS)
 def test_every_law_answers_as_our_node(exported, law: str, tmp_path: Path) -> None:
     """Short runs in one process, drawn parameters; by distance as well where the law has it."""
-    for indexing in ("time", "distance") if law != "ipfc_plus" else ("time",):
+    for indexing in ("time", "distance") if not law.startswith("ipfc_plus") else ("time",):
         scenario = short("lvshun_tieshan_worn_wheels")
         c = CNode(exported(scenario, law, indexing), law)
         run = twin_run(scenario, c, tmp_path, seed=5, drawn=True, law=law, indexing=indexing)

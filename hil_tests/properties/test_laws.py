@@ -74,6 +74,12 @@ class TestIpfcPlus(LawProperties):
     notch_raw_error_max = 5e-5
 
 
+class TestIpfcPlusStop(LawProperties):
+    law = "ipfc_plus_stop"
+    scenario = "lvshun_tieshan_worn_wheels"
+    notch_raw_error_max = 2e-4
+
+
 def test_every_registered_law_inherits_them() -> None:
     kinds = [kind for kind in globals().values() if isinstance(kind, type) and issubclass(kind, LawProperties)]
     tested = [kind.law for kind in kinds if hasattr(kind, "law")]

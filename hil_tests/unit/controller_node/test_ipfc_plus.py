@@ -91,8 +91,8 @@ def test_other_control_periods(period_s: float) -> None:
 # -- faults -----------------------------------------------------------------------------------------------------------
 
 
-def faulty(fault: str, seed: int) -> BenchRun:
-    controller = Controller(WORN, LawSpec(LAW))
+def faulty(fault: str, seed: int, law: str = LAW) -> BenchRun:
+    controller = Controller(WORN, LawSpec(law))
     known, speed_before = BaliseReading(0, 0, 0), 0
     missing = {"the last two balises are missing": (5, 6), "three balises under way are missing": (2, 3, 4)}
 

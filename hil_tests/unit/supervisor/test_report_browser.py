@@ -52,7 +52,7 @@ def reports(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[
         for seed, arithmetic in ((1, "iq"), (2, "float64"))
     ]
     # Every law with its own and with tuned parameters, names as long as they get.
-    laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus")
+    laws = ("ipfc", "tpfc2", "tpfc1", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
     labels = [(law, law + tail) for law in laws for tail in ("", "+1a2b3c4d tuned (on this seed)")]
     many = [
         replace(runs[index % 2], label=label, certificate={**runs[index % 2].certificate, "controller": law})

@@ -1,0 +1,130 @@
+"""Parameters of IPFC+ with its end phase, and the constants that the end phase adds to those of IPFC+."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+from numpy.typing import ArrayLike
+from pydantic import Field
+
+from railhil.controller_node.arithmetic.base import Constant
+from railhil.controller_node.laws.base import SPEED_Q
+from railhil.controller_node.laws.constant_table import held
+from railhil.controller_node.laws.ipfc_plus_constants import (
+    ACCEL_Q,
+    GAP_Q,
+    SHARE_Q,
+    TUNABLE,
+    UNIT_Q,
+    WHEEL_Q,
+    Hundred,
+    IpfcPlusConstants,
+    IpfcPlusParameters,
+    ReplanTime,
+    Row,
+    Ten,
+    constant_values,
+    rounded,
+)
+from railhil.controller_node.laws.ipfc_plus_design import DESIGN_SEEDS as DESIGNED_BEFORE
+from railhil.controller_node.laws.ipfc_plus_stop_design import StopWeights, stop_gains
+from railhil.scenarios.model import Scenario
+from railhil.scenarios.target import Target
+
+#: Gain of the end phase, acceleration per position error of 0.1 mm: coarser than that of IPFC+, which is smaller.
+STOP_GAIN_Q = 36
+#: Nearest balise from which the wheel is bounded, as a share of the run: those before it tell little.
+SHARE_MIN = 1 / 16
+#: Limit of a balise's error as a share of the run, for the format of its quotient.
+BOUND_MAX = 0.1
+TOLERANCE_MAX = 0.01
+_KMH = 3.6
+_01MM = 1e4
+
+#: Bounds of a search: as for IPFC+, but the end phase takes the place of the shortest re-planning time.
+STOP_TUNABLE = {name: bounds for name, bounds in TUNABLE.items() if name != "replan_min_s"} | {
+    "stop_speed_mps": (0.0005, 0.005),
+    "stop_demand_mps2": (0.01, 0.1),
+}
+
+#: Perturbed runs on which the defaults of the end phase were chosen.
+DESIGN_SEEDS = dict.fromkeys(DESIGNED_BEFORE, range(1000))
+
+
+@dataclass(frozen=True, slots=True)
+class IpfcPlusStopParameters(IpfcPlusParameters):
+    """Parameters of the law: those of IPFC+, and of the end phase."""
+
+    #: Longer than that of IPFC+: the end phase makes up for it, and the ride is smoother.
+    replan_max_s: ReplanTime = 12.0
+    #: Largest error of a surveyed balise, m. 0: the fit of IPFC+ from the second balise on.
+    survey_tolerance_m: Ten = 0.05
+    #: Forces are converted from the measured wheel to the real one.
+    wheel_on_forces: bool = True
+    #: Planned speed below which the end phase takes over; 0: never.
+    handover_kmh: Hundred = 10.0
+    #: Deviations from the plan within which it does; beyond them IPFC+ drives on.
+    capture_m: Annotated[float, Field(ge=0, le=1)] = 0.3
+    capture_kmh: Annotated[float, Field(ge=0, le=4)] = 1.0
+    #: Largest correction of the end phase. Jerk is at most this times the actuator's pole.
+    correction_max_mps2: Annotated[float, Field(ge=0, le=10)] = 0.3
+    #: Deviations that weigh as much as each other: position and speed at the stop, demand held for 1 s.
+    stop_position_m: Annotated[float, Field(ge=1e-4, le=1)] = 0.001
+    stop_speed_mps: Annotated[float, Field(ge=1e-4, le=1)] = 0.001
+    stop_demand_mps2: Annotated[float, Field(ge=1e-2, le=10)] = 0.02
+
+
+@dataclass(frozen=True)
+class IpfcPlusStopConstants(IpfcPlusConstants):
+    """Constant table of the law on one scenario."""
+
+    ending: Row = field(metadata=held(0, "1 in the end phase"))
+    stop_by_position: Row = field(metadata=held(STOP_GAIN_Q, "end phase: gain on the position error"))
+    stop_by_speed: Row = field(metadata=held(UNIT_Q, "end phase: gain on the speed error"))
+    stop_by_force: Row = field(metadata=held(UNIT_Q, "end phase: gain on the error of the acting force"))
+    capture_position: Constant = field(metadata=held(GAP_Q, "largest position error of the end phase"))
+    capture_speed: Constant = field(metadata=held(SPEED_Q, "largest speed error of the end phase"))
+    correction_max: Constant = field(metadata=held(ACCEL_Q, "largest correction of the end phase"))
+    tolerance: Constant = field(metadata=held(WHEEL_Q, "survey tolerance as a share of the run"))
+    bound_max: Constant = field(metadata=held(WHEEL_Q, "format limit"))
+    share_min: Constant = field(metadata=held(SHARE_Q, "share of the run from which balises bound the wheel"))
+    half: Constant = field(metadata=held(UNIT_Q, "1/2"))
+
+
+def _end_phase(p: IpfcPlusStopParameters, scenario: Scenario, speed_kmh: np.ndarray) -> dict[str, ArrayLike]:
+    """Rows of the end phase: from the last planned speed above the handover, or the largest one, to the stop."""
+    period_s, stop_s = scenario.timing.control_period_ns / 1e9, Target(scenario.target).stop_time_s
+    left_s = stop_s - (np.arange(speed_kmh.size, dtype=np.float64) * period_s + p.loop_delay_s)
+    before = np.flatnonzero((speed_kmh > p.handover_kmh) & (left_s > 0.0))
+    ending = left_s > 0.0
+    ending[: before[-1] + 1 if before.size else np.argmax(speed_kmh)] = False
+    gains = np.zeros((speed_kmh.size, 3))
+    if ending.any():
+        weights = StopWeights(p.stop_position_m, p.stop_speed_mps, p.stop_demand_mps2)
+        gains[ending] = stop_gains(scenario.train.actuator_pole_per_s, left_s[ending], weights)
+    return {
+        "ending": ending.astype(np.float64),
+        "stop_by_position": gains[:, 0] * _KMH / _01MM,
+        "stop_by_speed": gains[:, 1],
+        "stop_by_force": gains[:, 2],
+    }
+
+
+def stop_constants(p: IpfcPlusStopParameters, scenario: Scenario) -> IpfcPlusStopConstants:
+    """The constant table of a scenario. Raises ``ValueError`` as that of IPFC+ does."""
+    base: Mapping[str, ArrayLike] = constant_values(p, scenario)
+    distance_m = scenario.plan.distance_m
+    added: dict[str, ArrayLike] = {
+        "capture_position": p.capture_m * _01MM,
+        "capture_speed": p.capture_kmh,
+        "correction_max": p.correction_max_mps2 * _KMH,
+        "tolerance": min(p.survey_tolerance_m / distance_m, TOLERANCE_MAX),
+        "bound_max": BOUND_MAX,
+        "share_min": SHARE_MIN,
+        "half": 0.5,
+    }
+    speed_kmh = np.asarray(base["target_speed"])
+    return rounded(IpfcPlusStopConstants, {**base, **_end_phase(p, scenario, speed_kmh), **added})
