@@ -82,7 +82,7 @@ class _Program(Generic[T]):
         solver = daqp_solver(law)
         self._programs = [self._program(extra_s, given, limits, solver) for extra_s in self.bank.extra_s]
         apart = 2 * self.count - 1
-        sizes = (given.horizon + 1, 5, apart, self.count, self.count * self.past)
+        sizes = (given.horizon + 1, 6, apart, self.count, self.count * self.past)
         self._edges = np.cumsum(sizes)[:-1]
         self.problem = Problem("quadratic program", sum(sizes), self.count + apart, self._solved)
 
@@ -101,11 +101,12 @@ class _Program(Generic[T]):
     def _solved(self, values: Sequence[float]) -> Sequence[float]:
         """Commands of the units, and ``apart`` one sample later, from what :meth:`step` passes."""
         parts = np.split(np.asarray(values, dtype=np.float64), self._edges)
-        reference, (speed, disturbance, gain, delay_s, free), apart, lags, past = parts
+        reference, (speed, disturbance, gain, delay_s, *words), apart, lags, past = parts
         program = self._programs[int(np.argmin(np.abs(np.array(self.bank.extra_s) - delay_s)))]
         state = np.concatenate([apart, lags])
         past = past.reshape(self.count, self.past)
-        situation = Situation(reference, float(speed), float(disturbance), float(gain), bool(free > 0.0), state, past)
+        emergency, first = (bool(word > 0.0) for word in words)
+        situation = Situation(reference, float(speed), float(disturbance), float(gain), emergency, first, state, past)
         commands, after = program.decide(situation)
         after[: self.count] -= np.dot(self.group.shares, after[: self.count])
         return [*commands.tolist(), *after[: len(apart)].tolist()]
@@ -125,8 +126,7 @@ class _Program(Generic[T]):
         speed = lines.mean([one.speed for one in inputs])
         filters, found = self.bank.step(state.bank, state.commands, speed)
         belief = found.belief
-        free = re.ar.maximum(inputs[0].emergency, state.new)
-        known = (belief.speed, belief.disturbance, belief.gain, found.delay, free)
+        known = (belief.speed, belief.disturbance, belief.gain, found.delay, inputs[0].emergency, state.new)
         past = (command for own in state.commands for command in own)
         solved = re.ar.solve(self.problem, (*reference, *known, *state.apart, *found.accel, *past))
         commands, apart = solved[: self.count], solved[self.count :]

@@ -29,7 +29,7 @@ from railhil.controller_node.laws.high_speed.train_model import Prediction
 
 _Weight = Annotated[float, Field(ge=0, le=1e6)]
 #: Jerk limit where there is none: an emergency, and the first command of a run.
-FREE_MPS3 = 100.0
+_FREE_MPS3 = 100.0
 _CRAWL_MPS = 1.0
 #: Of p and n in a command.
 _SIGNS = np.array([1.0, -1.0])
@@ -48,7 +48,9 @@ class QpParameters:
     #: Nu: samples with commands of their own.
     control_horizon: Annotated[int, Field(ge=1, le=10)] = 6
     #: lambda, on the increments of the deviation from the plan.
-    control_weight: Annotated[float, Field(gt=0, le=1e4)] = 4.0
+    control_weight: Annotated[float, Field(gt=0, le=1e4)] = 3.0
+    #: lambda in an emergency, where nobody counts the slope of the command.
+    emergency_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.1
     #: rho, on the deviation from the plan.
     plan_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.05
     #: kappa, on the side that is not planned: traction and braking do not act against each other for less.
@@ -56,11 +58,11 @@ class QpParameters:
     #: On the work of the traction by mass, per J/kg.
     energy_weight: _Weight = 0.0
     #: J, m/s^3; not in an emergency.
-    jerk_max_mps3: Annotated[float, Field(gt=0, le=100)] = 0.3
+    jerk_max_mps3: Annotated[float, Field(gt=0, le=100)] = 0.2
     #: Of the couplers, per kN^2, with ``loop = "train"``.
     force_weight: _Weight = 1e-5
     #: Largest force of a coupler as predicted, kN.
-    force_max_kn: Annotated[float, Field(gt=0, le=1e4)] = 5.0
+    force_max_kn: Annotated[float, Field(gt=0, le=1e4)] = 2.0
     #: Half the span over which the acceleration of the reference is taken, s.
     slope_span_s: Annotated[float, Field(ge=0.1, le=1)] = 0.4
 
@@ -76,7 +78,7 @@ class Limits(NamedTuple):
 class Situation(NamedTuple):
     """What is known at a sample: ``reference`` w(k) ... w(k+N) and ``speed`` in m/s, ``disturbance`` in m/s^2, gain.
 
-    ``free``: no jerk limit. ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each
+    ``emergency``: no jerk limit, and lambda of an emergency; ``first``: no jerk limit, nothing was sent before. ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each
     unit, (units, past), m/s^2.
     """
 
@@ -84,7 +86,8 @@ class Situation(NamedTuple):
     speed: float
     disturbance: float
     gain: float
-    free: bool
+    emergency: bool
+    first: bool
     state: Matrix
     past: Matrix
 
@@ -128,10 +131,11 @@ class Qp:
         # Increments of p - n of each unit: (units * moves, size).
         steps = np.eye(moves) - np.eye(moves, k=-1)
         self._steps = np.kron(np.eye(n), np.kron(_SIGNS, steps))
-        self._on_steps = given.control_weight * self._steps.T * np.repeat(shares, moves)
+        self._on_steps = self._steps.T * np.repeat(shares, moves)
+        self._steps_square = self._on_steps @ self._steps
         self._shares = np.repeat(shares, 2 * moves)
         self._side = given.side_weight * self._shares
-        self._constant = self._on_steps @ self._steps + np.diag(given.plan_weight * self._shares)
+        self._plan_square = np.diag(given.plan_weight * self._shares)
         self._speed_square = self._on_speed.T @ self._on_speed
         self._force_square = self._on_force.T @ self._on_force * given.force_weight
         self._slacks = n > 1
@@ -209,8 +213,10 @@ class Qp:
         given, gain = self._given, now.gain
         before = np.zeros((len(near), near.shape[2]))
         before[:, 0] = deviation
-        hessian = self._constant + gain * gain * (self._speed_square + self._force_square)
-        linear = -gain * (ahead @ self._on_speed) - self._on_steps @ before.reshape(-1)
+        weight = given.emergency_weight if now.emergency else given.control_weight
+        hessian = gain * gain * (self._speed_square + self._force_square) + self._plan_square
+        hessian += weight * self._steps_square
+        linear = -gain * (ahead @ self._on_speed) - weight * (self._on_steps @ before.reshape(-1))
         linear += gain * given.force_weight * (force @ self._on_force)
         linear += self._side * (near <= 0.0).reshape(-1)
         work = np.zeros(near.shape)
@@ -220,7 +226,7 @@ class Qp:
     def _bounds(self, now: Situation, near: Matrix, most: Matrix, force: Matrix) -> tuple[Matrix, Matrix]:
         """Upper and lower bounds of the unknowns and of the rows."""
         given, moves = self._given, near.shape[2]
-        jerk = (FREE_MPS3 if now.free else given.jerk_max_mps3) * self._period_s
+        jerk = (_FREE_MPS3 if now.emergency or now.first else given.jerk_max_mps3) * self._period_s
         # What the power no longer allows is taken back at the jerk limit.
         allowed = np.maximum(most[:moves], now.past[:, :1] - jerk * np.arange(1, moves + 1))
         highest = np.stack([allowed - near[:, 0], self._limits.braking_mps2 - near[:, 1]], axis=1)
