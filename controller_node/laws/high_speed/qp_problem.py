@@ -78,8 +78,9 @@ class Limits(NamedTuple):
 class Situation(NamedTuple):
     """What is known at a sample: ``reference`` w(k) ... w(k+N) and ``speed`` in m/s, ``disturbance`` in m/s^2, gain.
 
-    ``emergency``: no jerk limit, and lambda of an emergency; ``first``: no jerk limit, nothing was sent before. ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each
-    unit, (units, past), m/s^2.
+    ``emergency``: no jerk limit, and lambda of an emergency. ``first``: no jerk limit, nothing was sent before.
+    ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each unit, (units, past),
+    m/s^2.
     """
 
     reference: Matrix
