@@ -160,3 +160,16 @@ def test_what_was_really_sent_is_what_the_program_knows() -> None:
     controller.step(raws)
     controller.sent(100, 1, 200, 1, 300, 1)
     assert [own[0] for own in controller.state.loops[0].commands] == pytest.approx([0.1, 0.2, 0.3])
+
+
+@pytest.mark.slow
+def test_runs_together_are_the_runs_alone() -> None:
+    pytest.importorskip("numba")
+    from railhil.batch.case import Case
+    from railhil.batch.coupled import run_coupled
+    from railhil.batch.high_speed.runs import run_high_speed
+
+    case = Case(load_any("emu3_short", ["task.start_s=3440", "task.duration_s=12"]), spec(loop="train"))
+    together, alone = run_high_speed(case, [3, 4]), run_coupled(case, [3, 4])
+    assert together.notch_digest == alone.notch_digest
+    assert [one.values for one in together.scores] == [one.values for one in alone.scores]
