@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from benchmarks.figures import Figure, MeasurementError, Setting, median
@@ -19,9 +19,22 @@ METHOD = (
     "`railhil run` (law ipfc, recording on) as plant, controller and supervisor over the hub on a Unix socket, three "
     "runs. Speed factor: simulated seconds per wall second from the first to the last frame. One process: same nodes "
     "and recorder, codec and stores included, frames handed over by function call; log hashes are checked to be equal. "
-    "Whole command: Python's start, the run, the score and all files of the run folder."
+    "Whole command: Python's start, the run, the score and all files of the run folder. "
+    "High-speed train (law pid, float64): three runs of the first two minutes of its journey, and one of all of it."
 )
 _ARITHMETICS = ("iq", "float64")
+#: Journey of a high-speed train: figure, scenario, number of runs.
+_JOURNEYS = (("first 120 s", "hst_short", 3), ("all of 3757 s", "jinan_xuzhou", 1))
+#: What such a journey is asked for.
+_ASKED_FACTOR = 50.0
+_QUICK_JOURNEY_TOML = """\
+system = "hst1"
+extends = "hst_short"
+name = "benchmark_journey"
+title = "8 s of a journey"
+[task]
+duration_s = 8
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,4 +97,24 @@ def measure(setting: Setting) -> list[Figure]:
             Figure(f"{arithmetic}: command to first frame, median", median(found["first frame"]), "s"),
             Figure(f"{arithmetic}: whole command, median", median(found["wall"]), "s"),
         ]
+    return figures + _journeys(setting)
+
+
+def _journeys(setting: Setting) -> list[Figure]:
+    """Speed factors of a high-speed train (quick: 8 s of its journey)."""
+    journeys = _JOURNEYS
+    if setting.quick:
+        path = setting.folder / "journey.toml"
+        path.write_text(_QUICK_JOURNEY_TOML, encoding="utf-8")
+        journeys = (("first 8 s", str(path), 1),)
+    figures = []
+    for part, scenario, runs in journeys:
+        factors = []
+        for number in range(runs):
+            out = setting.folder / f"journey{len(figures)}-{number}"
+            with RunCommand(replace(setting, scenario_name=scenario), "float64", out) as running:
+                factors.append(running.finish().score["run"]["speed_factor"])
+        factor = median(factors)
+        name, against = f"high-speed train, {part}: speed factor, median", f"to {_ASKED_FACTOR:g}"
+        figures.append(Figure(name, factor, "sim s/s", factor / _ASKED_FACTOR, against, {"min": min(factors)}))
     return figures

@@ -83,6 +83,19 @@ class Curve:
         return cls(name, function, q_in, q_out, tuple(samples))
 
 
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A problem that a library solves in each step, such as an optimisation with constraints: no formula of operations.
+
+    ``function``: ``inputs`` numbers in, ``outputs`` numbers out; pure: equal inputs give equal outputs.
+    """
+
+    name: str
+    inputs: int
+    outputs: int
+    function: Callable[[Sequence[float]], Sequence[float]]
+
+
 @dataclass(slots=True)
 class Counters:
     """Events in an arithmetic since it was made; always zero in wide arithmetics."""
@@ -109,6 +122,8 @@ class Arithmetic(ABC, Generic[T]):
     #: True when no format can overflow. Laws put their format limits under ``if not arithmetic.wide``; that is a
     #: property of the build, not of the data.
     wide: ClassVar[bool]
+    #: True when it has :meth:`solve`.
+    solves: ClassVar[bool] = False
 
     def __init__(self) -> None:
         self.counters = Counters()
@@ -245,3 +260,10 @@ class Arithmetic(ABC, Generic[T]):
     @abstractmethod
     def locate(self, table: Any, a: T) -> Any:
         """Index of the last entry <= a of an increasing table, at least 0 and at most the last index minus one."""
+
+    def solve(self, problem: Problem, values: Sequence[T]) -> tuple[T, ...]:
+        """Solution of a problem for its inputs, in double precision.
+
+        :raises TypeError: an arithmetic whose :attr:`solves` is false.
+        """
+        raise TypeError(f"{self.name} cannot solve {problem.name}")

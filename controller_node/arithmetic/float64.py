@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from railhil.controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, T
+from railhil.controller_node.arithmetic.base import Arithmetic, Condition, Constant, Curve, Problem, T
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +25,7 @@ class _Double(Arithmetic[T]):
 
     name: ClassVar[str] = "float64"
     wide: ClassVar[bool] = True
+    solves: ClassVar[bool] = True
 
     def const(self, constant: Constant) -> T:
         value: Any = constant.value
@@ -117,6 +118,9 @@ class Float64(_Double[float]):
     def locate(self, table: Any, a: float) -> Any:
         return min(max(bisect_right(table, a) - 1, 0), len(table) - 2)
 
+    def solve(self, problem: Problem, values: Sequence[float]) -> tuple[float, ...]:
+        return tuple(problem.function(values))
+
 
 class Float64Batch(_Double[Floats]):
     """Double precision for N trains; operands are arrays of shape (N,) or plain numbers common to all."""
@@ -164,3 +168,8 @@ class Float64Batch(_Double[Floats]):
 
     def locate(self, table: Any, a: Floats) -> Any:
         return np.clip(np.searchsorted(table, a, side="right") - 1, 0, table.size - 2)
+
+    def solve(self, problem: Problem, values: Sequence[Floats]) -> tuple[Floats, ...]:
+        # One after the other, so that each train has the bits that it has alone.
+        rows = np.stack(np.broadcast_arrays(*(np.atleast_1d(value) for value in values)), axis=1).tolist()
+        return tuple(np.array([problem.function(row) for row in rows], dtype=np.float64).T)

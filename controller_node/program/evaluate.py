@@ -48,6 +48,10 @@ class Evaluator:
         curve = operation.curve
         if curve is not None:
             return lambda values: ar.curve(curve, readers[0](values))
+        problem = operation.problem
+        if problem is not None:
+            (place,) = parameters
+            return lambda values: ar.solve(problem, [read(values) for read in readers])[place]
         if op == "dot":
             half = len(readers) // 2
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NoReturn
 
-from railhil.controller_node.arithmetic.base import Constant, Curve
+from railhil.controller_node.arithmetic.base import Constant, Curve, Problem
 
 #: Inputs of a law with ``track`` in addition to k, speed and position: the fields of a ``BaliseReading``.
 BALISE_INPUTS = ("balise", "balise_01mm", "balise_odometer_01mm")
@@ -99,7 +99,8 @@ class Operation:
     :class:`~railhil.controller_node.arithmetic.base.Arithmetic`.
 
     ``parameters`` are the arguments that are not operands: formats, shift counts, the offset into a table,
-    the last index. ``dot`` has its coefficients first, then as many values.
+    the last index. ``dot`` has its coefficients first, then as many values. ``solve`` is one operation for each output
+    of its problem; its parameter is the number of the output.
     """
 
     op: str
@@ -108,6 +109,7 @@ class Operation:
     parameters: tuple[int, ...] = ()
     table: Table | None = None
     curve: Curve | None = None
+    problem: Problem | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,6 +143,9 @@ class Program:
             elif operation.op == "locate":
                 assert operation.table is not None
                 counts["locate_step"] += len(operation.table.constants).bit_length()
+            elif operation.op == "solve":
+                # All outputs come from one solution.
+                counts["solve"] += operation.parameters == (0,)
             else:
                 counts[operation.op] += 1
         return counts

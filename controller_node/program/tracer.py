@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, ClassVar
 
-from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve
+from railhil.controller_node.arithmetic.base import INT32_MIN, Arithmetic, Condition, Constant, Curve, Problem
 from railhil.controller_node.program.model import Kind, OperandError, Operation, Program, Quantity, Table, Value
 
 
@@ -35,6 +35,7 @@ class Tracer(Arithmetic[Value]):
     """
 
     name: ClassVar[str] = "tracer"
+    solves: ClassVar[bool] = True
 
     def __init__(self, wide: bool = False) -> None:
         super().__init__()
@@ -72,10 +73,11 @@ class Tracer(Arithmetic[Value]):
         kind: Kind = Kind.NUMBER,
         table: Table | None = None,
         curve: Curve | None = None,
+        problem: Problem | None = None,
     ) -> Value:
         into = self._into()
         result = self._new(q, kind)
-        into.operations.append(Operation(op, result, tuple(arguments), parameters, table, curve))
+        into.operations.append(Operation(op, result, tuple(arguments), parameters, table, curve, problem))
         return result
 
     def _refuse(self, what: str) -> None:
@@ -214,3 +216,9 @@ class Tracer(Arithmetic[Value]):
     def locate(self, table: Any, a: Value) -> Any:
         self._expect(f"locate in {table.name}", a, table.constants[0].q)
         return self._emit("locate", [a], None, (), Kind.INDEX, table)
+
+    def solve(self, problem: Problem, values: Sequence[Value]) -> tuple[Value, ...]:
+        if len(values) != problem.inputs:
+            raise FormatError(f"{problem.name} has {problem.inputs} inputs, not {len(values)}")
+        self._refuse(f"{problem.name} is solved by a library, which has no formats")
+        return tuple(self._emit("solve", values, None, (i,), problem=problem) for i in range(problem.outputs))

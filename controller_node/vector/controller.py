@@ -62,6 +62,9 @@ class VectorLoop(Generic[T]):
         self.name = law
         self.interface: Interface = system.part("interface")
         kind = find(law, system.laws, VectorLaw)
+        if kind.solver and not arithmetic.solves:
+            allowed = "float64: this law is computed by a solver, which has no fixed point, single precision or C"
+            raise InputError("controller", f"{law}, arithmetic", Words(arithmetic.name), allowed)
         if kind.floating and not arithmetic.wide:
             allowed = "float64 or float32: this law has no fixed-point formats"
             raise InputError("controller", f"{law}, arithmetic", Words("fixed point"), allowed)

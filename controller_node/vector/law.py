@@ -120,6 +120,10 @@ class VectorLaw(ABC, Generic[T, State]):
     notes: ClassVar[tuple[Any, ...]] = ()
     #: True: the law has no fixed-point formats and needs float64 or float32.
     floating: ClassVar[bool] = False
+    #: True: its steps ask a solver (:meth:`~railhil.controller_node.arithmetic.base.Arithmetic.solve`). Such a law is
+    #: also ``floating`` and needs an arithmetic that solves: float64. Its recorded program contains the solution as one
+    #: operation, so it has no C and no audit.
+    solver: ClassVar[bool] = False
     #: Set-point indexings with which the law works: only time for vector laws.
     indexings: ClassVar[tuple[str, ...]] = ("time",)
 

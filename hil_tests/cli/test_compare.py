@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import signal
+from argparse import Namespace
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +16,11 @@ import pytest
 
 from benchmarks.figures import QUICK_TOML
 from hil_tests.support.cli import Done, Started, railhil, wait_for
+from railhil.cli.bus_run import NeverBegan
+from railhil.cli.compare import _checked
 from railhil.common.extras import install_command
 from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 _PLUGGED = """\
 from railhil.controller_node.laws.ipfc import Ipfc
@@ -186,6 +191,21 @@ def test_all_laws_are_those_that_have_the_indexing(place: Path, monkeypatch: pyt
     assert f"<p>{sentence}</p>".encode() in report
     assert railhil("report", place / "all").exit_code == 0
     assert (place / "all" / "report.html").read_bytes() == report
+
+
+@pytest.mark.slow
+@pytest.mark.loop
+def test_all_laws_are_those_that_have_the_arithmetic() -> None:
+    """A law that is computed by a solver has no single precision; asked for by name it is refused."""
+    wanted = [RunSpec("hst_short", law=LawSpec(law, "float32")) for law in ("pid", "delay_qp")]
+    given = Namespace(laws="all", allow_training_seeds=True, indexing="time")
+    plan, notes = _checked(given, wanted[0].load(), wanted)
+    assert plan == wanted[:1]
+    assert len(notes) == 1
+    assert re.match("Left out. .*delay_qp, arithmetic: found float32, allowed float64", notes[0])
+    for laws, some in (("all", wanted[1:]), ("pid,delay_qp", wanted)):
+        with pytest.raises(NeverBegan, match="allowed float64"):
+            _checked(Namespace(**{**vars(given), "laws": laws}), wanted[0].load(), some)
 
 
 @pytest.mark.slow

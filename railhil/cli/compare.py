@@ -107,20 +107,27 @@ def _checked(
     if not namespace.allow_training_seeds:
         for spec in wanted:
             check_unseen(scenario, spec)
-    plan, left_out = [], []
+    plan, left_out, refused = [], [], []
     for spec, checked in zip(wanted, check_controllers(wanted), strict=True):
         law = spec.law
-        if namespace.laws == _ALL and law.parameters is None and law.indexing not in checked.indexings:
+        own = namespace.laws == _ALL and law.parameters is None
+        if own and law.indexing not in checked.indexings:
             left_out.append(law.controller)
+            continue
+        if own and checked.exit_code == InputError.exit_code:
+            # It needs another arithmetic, or a library that is not installed.
+            refused.append(checked)
             continue
         checked.require()
         if not namespace.allow_training_seeds:
             check_unseen(scenario, spec, checked.origin)
         plan.append(spec)
     if not plan:
+        for checked in refused:
+            checked.require()
         raise InputError("command line", "--indexing", namespace.indexing, "an indexing that some law has")
     notes = [f"Left out, as without set-points over {namespace.indexing}: {', '.join(left_out)}."] if left_out else []
-    return plan, notes
+    return plan, [*notes, *(f"Left out. {checked.line}" for checked in refused)]
 
 
 def work(namespace: argparse.Namespace) -> int:

@@ -34,11 +34,12 @@ class HighSpeedParameters:
     """Parameters of every law: its sampling period, a multiple of the node's, and what a loop controls.
 
     ``loop``: ``unit``: each power unit has a loop of its own; ``mean``: one loop on the mean speed, whose acceleration
-    all units get.
+    all units get; ``train``: one loop that reads all speeds and gives each unit its own acceleration (a law whose
+    :attr:`HighSpeedLaw.loops` has it).
     """
 
     sample_period_s: Annotated[float, Field(gt=0, le=10)] = 1.0
-    loop: Literal["unit", "mean"] = "unit"
+    loop: Literal["unit", "mean", "train"] = "unit"
 
 
 class LoopInputs(NamedTuple, Generic[T]):
@@ -91,10 +92,12 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
     Set at construction: ``ar``, ``sample_s`` (T0), ``models`` (a :class:`LoopModel` for each loop), ``least`` and
     ``most`` (smallest and largest command), ``zero`` (Q-free).
 
-    :raises InputError: the sampling period is not a multiple of the node's.
+    :raises InputError: the sampling period is not a multiple of the node's, or the law does not have the loop.
     """
 
     parameters_type: ClassVar[type[Any]] = HighSpeedParameters
+    #: Values of the parameter ``loop`` that the law has.
+    loops: ClassVar[tuple[str, ...]] = ("unit", "mean")
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
         given = parameters or self.parameters_type()
@@ -102,7 +105,9 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         self.ar = arithmetic
         task = scenario.task
         self.units = len(task.unit)
-        self._per_unit = given.loop == "unit" or self.units == 1
+        if given.loop not in self.loops:
+            raise InputError("parameters", "loop", given.loop, f"one of {', '.join(self.loops)} with {self.name}")
+        self._per_unit = given.loop != "mean" or self.units == 1
         self.models = _models(task.unit, self._per_unit)
         period_s = scenario.timing.control_period_ns / 1e9
         self._periods = round(given.sample_period_s / period_s)
@@ -146,6 +151,18 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
     def loop_step(self, loop: int, state: LoopState, inputs: LoopInputs[T]) -> tuple[LoopState, LoopAnswer[T]]:
         """One sample of a loop; the acceleration need not keep to the limits."""
 
+    def loops_start(self, inputs: Sequence[LoopInputs[T]]) -> tuple[LoopState, ...]:
+        """The states of all loops before their first sample."""
+        return tuple(self.loop_start(loop, one) for loop, one in enumerate(inputs))
+
+    def loops_step(
+        self, states: Sequence[LoopState], inputs: Sequence[LoopInputs[T]]
+    ) -> tuple[tuple[LoopState, ...], tuple[LoopAnswer[T], ...]]:
+        """One sample of all loops."""
+        rows = zip(states, inputs, strict=True)
+        stepped = [self.loop_step(loop, state, one) for loop, (state, one) in enumerate(rows)]
+        return tuple(state for state, _ in stepped), tuple(answer for _, answer in stepped)
+
     def no_notes(self) -> LoopNotes[T]:
         """The notes of a law that estimates nothing."""
         return LoopNotes(self.zero, self.zero, self.zero, self.zero)
@@ -155,8 +172,7 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
     def start(self, readings: Sequence[T]) -> _State[T, LoopState]:
         inputs = self._inputs(readings)
         nothing = LoopAnswer(self.zero, self.no_notes())
-        loops = tuple(self.loop_start(loop, one) for loop, one in enumerate(inputs))
-        return _State(self.zero, self.zero, (nothing,) * len(loops), loops)
+        return _State(self.zero, self.zero, (nothing,) * len(inputs), self.loops_start(inputs))
 
     def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
         ar = self.ar
@@ -164,16 +180,15 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         ar.note("target", every[0].target, SPEED_Q, "m/s")
         for loop, inputs in enumerate(every):
             ar.note(f"measured[{loop}]", inputs.speed, SPEED_Q, "m/s")
-        pairs = zip(state.loops, every, strict=True)
-        stepped = [self.loop_step(loop, one, inputs) for loop, (one, inputs) in enumerate(pairs)]
+        loops, wanted = self.loops_step(state.loops, every)
         answers = tuple(
             LoopAnswer(
                 ar.note(f"accel[{loop}]", ar.clip(answer.accel, self.most, self.least), ACCEL_Q, "m/s2"), answer.notes
             )
-            for loop, (_, answer) in enumerate(stepped)
+            for loop, answer in enumerate(wanted)
         )
         urgent = readings[-1]
-        after = _State(self.zero, urgent, answers, tuple(loop for loop, _ in stepped))
+        after = _State(self.zero, urgent, answers, loops)
         if self._periods > 1:
             # The trigger of an emergency is a sample, from which the next ones are counted.
             since = ar.where(ar.gt(urgent, state.urgent), self.zero, state.period)

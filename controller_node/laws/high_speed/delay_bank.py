@@ -7,7 +7,7 @@ by a margin, so that noise does not change the delay.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Any, Generic, NamedTuple
 
@@ -43,10 +43,11 @@ class BankParameters:
 
 
 class Filter(NamedTuple, Generic[T]):
-    """``accel``: acceleration of the lag, m/s^2. ``score``: forgotten mean square of the normalised errors."""
+    """``accel``: acceleration of the lag, m/s^2, of several units a tuple. ``score``: forgotten mean square of the
+    normalised errors."""
 
     belief: Belief[T]
-    accel: T
+    accel: Any
     score: T
 
 
@@ -60,19 +61,22 @@ class Found(NamedTuple, Generic[T]):
     """
 
     belief: Belief[T]
-    accel: T
+    accel: Any
     error: T
     delay: T
     chosen: tuple[Any, ...]
 
 
 class DelayBank(Generic[T]):
-    """The filters of one power unit.
+    """The filters of one power unit, or of several on which one filter is kept.
 
+    :param lines: makes the lines of the units for the extra delays in periods; None: those of ``unit``.
     :raises ValueError: an extra delay that is not a multiple of the sampling period.
     """
 
-    def __init__(self, re: Reals[T], unit: Unit, given: BankParameters) -> None:
+    def __init__(
+        self, re: Reals[T], unit: Unit, given: BankParameters, lines: Callable[[Sequence[int]], Any] | None = None
+    ) -> None:
         self._re = re
         period_s = unit.sample_period_s
         self.extra_s = (0.0, *given.extra_delays_s)
@@ -81,7 +85,10 @@ class DelayBank(Generic[T]):
             if abs(shift * period_s - extra_s) > 1e-9:
                 raise ValueError(f"extra_delays_s: {extra_s:g}, allowed multiples of sample_period_s, {period_s:g}")
         delays_s = (unit.traction_delay_s, unit.braking_delay_s)
-        self.lines: DelayLines[T] = DelayLines(re, delays_s, unit.lag_s, period_s, self.shifts)
+        #: :class:`.delay_line.DelayLines`, or what has its interface for several units.
+        self.lines: Any = (
+            DelayLines(re, delays_s, unit.lag_s, period_s, self.shifts) if lines is None else lines(self.shifts)
+        )
         root = period_s**0.5
         self._noise = Noise(
             re.number("reading_variance", given.reading_sigma_mps**2, "parameters"),
@@ -103,12 +110,12 @@ class DelayBank(Generic[T]):
         re, zero = self._re, self._re.zero
         vv, dd, kk = self._first
         belief = Belief(speed, zero, re.one, (vv, zero, zero, dd, zero, kk))
-        return (Filter(belief, zero, re.one),) * len(self.shifts)
+        return (Filter(belief, self.lines.rest, re.one),) * len(self.shifts)
 
-    def step(self, bank: Bank[T], commands: Sequence[T], speed: T) -> tuple[Bank[T], Found[T]]:
+    def step(self, bank: Bank[T], commands: Sequence[Any], speed: T) -> tuple[Bank[T], Found[T]]:
         """One sampling period.
 
-        :param commands: u(k-1), u(k-2), ..., m/s^2.
+        :param commands: u(k-1), u(k-2), ..., m/s^2; of several units, those of each.
         :param speed: v(k) as read, m/s.
         """
         re = self._re

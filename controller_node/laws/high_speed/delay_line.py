@@ -9,11 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Generic, NamedTuple
+from typing import Generic, NamedTuple, TypeVar
 
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.high_speed.model import held, lagged
 from railhil.controller_node.laws.high_speed.reals import Reals
+
+#: A number, or one for each of several units.
+Accel = TypeVar("Accel")
 
 
 class SideWeights(NamedTuple):
@@ -44,10 +47,10 @@ def step_response(delay_s: float, lag_s: float, times_s: Sequence[float]) -> tup
     return tuple(s - lag_s * (1.0 - math.exp(-s / lag_s)) for s in left)
 
 
-class Rolled(NamedTuple, Generic[T]):
+class Rolled(NamedTuple, Generic[Accel, T]):
     """``accel``: acceleration of the lag at the end of a period, m/s^2; ``gained``: speed gained in it, m/s."""
 
-    accel: T
+    accel: Accel
     gained: T
 
 
@@ -68,6 +71,8 @@ class DelayLines(Generic[T]):
         self.count = self.whole_max + max(shifts) + 2
         decay = math.exp(-period_s / lag_s)
         self._decay = re.number("decay", decay, "lag")
+        #: Acceleration of the lag of a unit without commands.
+        self.rest = re.zero
         self._coasted = re.number("coasted", lag_s * (1.0 - decay), "lag")
         names = ("traction", "braking")
         self._speed = [re.numbers(f"{name}_speed", side.speed) for name, side in zip(names, sides, strict=True)]
@@ -78,7 +83,7 @@ class DelayLines(Generic[T]):
         ar, zero = self._re.ar, self._re.zero
         return tuple(ar.maximum(u, zero) for u in commands), tuple(ar.minimum(u, zero) for u in commands)
 
-    def roll(self, accel: T, parts: tuple[Sequence[T], Sequence[T]], first: int) -> Rolled[T]:
+    def roll(self, accel: T, parts: tuple[Sequence[T], Sequence[T]], first: int) -> Rolled[T, T]:
         """One period.
 
         :param parts: :meth:`parts` of the commands, newest first.

@@ -110,7 +110,7 @@ def run_on(
             node.run()
         finally:
             link.close()
-            _write_counters(folder, "plant", {**link.counters, **node.counters, **node.plant.gate.counters})
+            _write_counters(folder, "plant", {**link.counters, **node.counters, **node.plant.refused})
             node.write_fault_logs()
         return 0
 

@@ -11,10 +11,13 @@ import pytest
 from hil_tests.support.published import PUBLISHED_SHA256
 from hil_tests.transport.vcan.bench import beginning, counters_of, run_on, socketcan
 from railhil import cli
+from railhil.bench import local_run
 from railhil.bus.frame import Frame
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus
 from railhil.common.exit_codes import PASS
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.testing.health import disturbed
 
 pytestmark = [pytest.mark.needs_socketcan, pytest.mark.timeout(600)]
@@ -37,6 +40,18 @@ def test_published_run_begins_with_the_bytes_of_every_other_transport(lvshun, fo
     recorded, expected = beginning(socketcan(), lvshun, folder)
     assert len(recorded) > 20_000
     assert recorded == expected
+
+
+@pytest.mark.parametrize("name", ["hst_short", "emu3_short"])
+def test_high_speed_trains_give_the_bytes_of_every_other_transport(name, folder, tmp_path):
+    """4 s of one power unit and of three."""
+    scenario = load_any(name, ["task.duration_s=4", "task.rmse_max_kmh=9"])
+    reference = tmp_path / "local"
+    reference.mkdir()
+    expected = local_run(scenario, reference, RunSpec(law=LawSpec("pid", "float64"), seed=3))
+    result, exit_codes = run_on(socketcan(), scenario, folder, seed=3, controller="pid", arithmetic="float64")
+    assert (result.line, exit_codes, result.frames_sha256) == ("", [0, 0], expected.frames_sha256)
+    assert (folder / "frames.log").read_bytes() == expected.log.read_bytes()
 
 
 def test_vcan_is_taken_when_nothing_is_said():

@@ -1,0 +1,160 @@
+"""Measures what constraints give a high-speed train: ``python -m benchmarks.constrained`` prints laws beside delay_qp.
+
+Normal running, emergency and mutation of one power unit, and normal running of three units with couplers, each without
+a bus, with seeds from which no parameter was made. Means over the seeds. RMSE: of the mean speed, in an emergency from
+its trigger on, with a mutation inside its windows. Slope: of the mean command over one second, root mean square and
+largest. Step: processor time of a control period of the law with its telemetry, median of the first seed.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from statistics import fmean, median
+from typing import Any
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from railhil.common.command_line import SEED_MAX, OneLineParser, parse, whole_number
+from railhil.common.exit_codes import guarded
+from railhil.controller_node.vector.controller import VectorController
+from railhil.reproduce.ngpc.runs import windows_rmse_kmh
+from railhil.scenarios.load import load_any
+from railhil.scenarios.parameters import ParameterSet
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.high_speed.ride import Ride
+from railhil.vector_bench import direct_run
+
+#: Of the law with constraints.
+_QP = "delay_qp"
+_ONE: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    ("pid", {}),
+    ("elm_ngpc", {}),
+    ("res_ngpc", {}),
+    ("delay_gpc", {}),
+    (_QP, {}),
+    (_QP, {"jerk_max_mps3": 0.1}),
+    (_QP, {"jerk_max_mps3": 10.0}),
+    (_QP, {"energy_weight": 0.003}),
+)
+_TRAIN: tuple[tuple[str, Mapping[str, Any]], ...] = (
+    ("pid", {"loop": "mean"}),
+    ("elm_ngpc", {"loop": "mean"}),
+    ("delay_gpc", {}),
+    ("delay_gpc", {"loop": "mean"}),
+    (_QP, {}),
+    (_QP, {"loop": "mean"}),
+    (_QP, {"loop": "train", "force_weight": 0.0, "force_max_kn": 1000.0}),
+    (_QP, {"loop": "train", "force_max_kn": 1000.0}),
+    (_QP, {"loop": "train"}),
+)
+#: Title, scenario, laws with their parameters.
+SITUATIONS = (
+    ("one unit, normal", "jinan_xuzhou", _ONE),
+    ("one unit, emergency", "jinan_xuzhou_emergency", _ONE),
+    ("one unit, mutation", "jinan_xuzhou_mutation", _ONE),
+    ("three units with couplers, normal", "jinan_xuzhou_emu3_coupled", _TRAIN),
+)
+_US_PER_NS = 1e-3
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One run; ``coupler_kn`` None: no couplers."""
+
+    rmse_kmh: float
+    max_error_kmh: float
+    slope_mps3: float
+    largest_slope_mps3: float
+    energy_kwh: float
+    coupler_kn: float | None
+    step_us: float
+
+
+class _Timed:
+    """A controller whose steps are timed."""
+
+    def __init__(self, controller: VectorController) -> None:
+        self._controller = controller
+        self.counters = controller.counters
+        self.taken_ns: list[int] = []
+
+    def step(self, raws: Sequence[int]) -> Any:
+        begin_ns = time.process_time_ns()
+        output = self._controller.step(raws)
+        self.taken_ns.append(time.process_time_ns() - begin_ns)
+        return output
+
+
+def measured(name: str, settings: Sequence[str], law: str, values: Mapping[str, Any], seed: int) -> Measured:
+    """One run."""
+    scenario: Any = load_any(name, settings)
+    parameters = ParameterSet(law, dict(values), Path("benchmark.toml")) if values else None
+    spec = RunSpec(name, law=LawSpec(law, "float64", parameters=parameters), seed=seed)
+    timed = _Timed(VectorController(scenario, spec.law))
+    run = direct_run(scenario, spec, timed)
+    ride, found = Ride.of(scenario, run.trace), run.score.values
+    rmse_kmh = found["rmse_kmh"]
+    if scenario.task.emergency is not None:
+        rmse_kmh = found["emergency_rmse_kmh"]
+    elif scenario.faults:
+        rmse_kmh = windows_rmse_kmh(ride)
+    every = round(1.0 / (ride.time_s[1] - ride.time_s[0]))
+    largest = float(np.abs(np.diff(ride.command_mps2[::every])).max())
+    wanted = [rmse_kmh, found["max_error_kmh"], found["slope_mps3"], largest, found["energy_kwh"]]
+    step_us = median(timed.taken_ns) * _US_PER_NS
+    return Measured(*(float(value or 0.0) for value in wanted), found.get("coupler_peak_kn"), step_us)
+
+
+def _row(runs: Sequence[Measured]) -> list[str]:
+    forces = [run.coupler_kn for run in runs if run.coupler_kn is not None]
+    return [
+        f"{fmean(run.rmse_kmh for run in runs):.4f}",
+        f"{fmean(run.max_error_kmh for run in runs):.3f}",
+        f"{fmean(run.slope_mps3 for run in runs):.4f}",
+        f"{fmean(run.largest_slope_mps3 for run in runs):.3f}",
+        f"{fmean(run.energy_kwh for run in runs):.1f}",
+        f"{fmean(forces):.1f} ({max(forces):.1f})" if forces else "-",
+        f"{runs[0].step_us:.0f}",
+    ]
+
+
+def main() -> int:
+    """Print the tables."""
+    parser = OneLineParser(prog="python -m benchmarks.constrained", description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=whole_number(1, 1000), default=5, metavar="N", help="seeds (default 5)")
+    parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 1000), default=301, help="(default 301)")
+    parser.add_argument("--duration", type=whole_number(60, 10_000), metavar="S", help="only so much of each run")
+    parser.add_argument("--only", choices=[scenario for _, scenario, _ in SITUATIONS], help="only this scenario")
+    given = parse(parser)
+    seeds = range(given.first_seed, given.first_seed + given.runs)
+    settings = [] if given.duration is None else [f"task.duration_s={given.duration}"]
+    console = Console(markup=False, emoji=False, highlight=False)
+    if not console.is_terminal:
+        console.width = 130
+    for title, scenario, laws in SITUATIONS:
+        if given.only not in (None, scenario):
+            continue
+        head = f"{title}: {scenario}, seeds {seeds[0]} to {seeds[-1]}"
+        table = Table(title=head, title_justify="left", box=SIMPLE_HEAD, show_edge=False, pad_edge=False)
+        table.add_column("law")
+        table.add_column("parameters")
+        for column in ("RMSE\nkm/h", "largest\nerror", "slope\nm/s3", "largest\nslope", "energy\nkWh",
+                       "coupler kN\nmean (max)", "step\nus"):  # fmt: skip
+            table.add_column(column, justify="right")
+        for law, values in laws:
+            runs = [measured(scenario, settings, law, values, seed) for seed in seeds]
+            table.add_row(law, ", ".join(f"{key} = {value}" for key, value in values.items()), *_row(runs))
+        console.print(table)
+        console.print()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("python -m benchmarks.constrained", main))
