@@ -155,7 +155,7 @@ def test_nodes_whose_recorder_has_left_end(tmp_path: Path) -> None:
 
 @pytest.mark.loop
 @pytest.mark.faults
-@pytest.mark.wall_clock
+@pytest.mark.slow
 def test_in_realtime_nobody_gives_up_earlier(tmp_path: Path) -> None:
     """The ladder reacts, and the record ends 4 s after the loss."""
     with _bench(tmp_path / "run", "--pace", "realtime", "--rate", "20") as nodes:
