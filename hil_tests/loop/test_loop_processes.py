@@ -59,6 +59,7 @@ def certificate(folder: Path) -> dict:
     return json.loads((folder / "certificate.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 def test_run_folder_is_complete(hub_run):
     names = {path.name for path in hub_run.iterdir()}
     documents = {"score.json", "certificate.json", "junit.xml", "telemetry.json"}
