@@ -20,7 +20,7 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint lint-types lint-imports bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -29,8 +29,9 @@ run: $(VENV)/.installed
 
 # Everything: lint, all tests, and the capabilities (compilers, Chromium, kernel SocketCAN, Docker) brought up where this
 # machine permits. The machines run beside each other, each printed whole at its end; the last line is the sum.
-test: lint $(VENV)/.installed-dev
+test: $(VENV)/.installed-dev
 	@rm -f $(COUNTS)
+	@$(MAKE) --no-print-directory BESIDE=compiled lint
 	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" test-here
 	@$(MAKE) --no-print-directory PART="$(PART) --counts $(COUNTS)" -j$$(nproc) -Otarget test-docker-vcan test-vcan test-docker
 	@$(PART) --counts $(COUNTS) --total 5
@@ -66,13 +67,17 @@ test-wheel: $(VENV)/.installed-dev
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	@$(MAKE) --no-print-directory -j$$(nproc) -Otarget lint-types lint-imports
+	@$(MAKE) --no-print-directory -j$$(nproc) -Otarget lint-types lint-imports $(BESIDE)
 
 lint-types: $(VENV)/.installed-dev
 	$(BIN)/mypy
 
 lint-imports: $(VENV)/.installed-dev
 	$(BIN)/lint-imports
+
+# What each worker of the tests would compile for itself. `make test` does it beside mypy, which takes one core.
+compiled: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.compiled
 
 # Every mutant of what judges, moves and protects (hil_tests/mutation/targets.toml); takes minutes.
 mutants: $(VENV)/.installed-dev

@@ -27,7 +27,7 @@ _NOT_PERMITTED = "not permitted here; root, or `ulimit -r 60`"
 
 
 def _lateness(pairs: list[Pair], name: str, setting: Setting) -> Iterator[Figure]:
-    cycles = setting.count(1000, 20)
+    cycles = setting.count(1000, 5)
     for number, pair in enumerate(pairs):
         pair.tell(f"pace {cycles} {_PERIOD_NS} {number * _PERIOD_NS // len(pairs)}")
     late_us, answered_us = {}, {}

@@ -64,6 +64,7 @@ def test_the_examples_of_the_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert not said, "".join(said)
 
 
+@pytest.mark.slow
 def test_a_run_is_that_of_the_command(short: Path, tmp_path: Path) -> None:
     """Over the hub, in this process, and from the command: one log; the documents differ in what is measured."""
     made = railhil.run(short, seed=4, perturbed=True, out=tmp_path / "library")

@@ -40,12 +40,14 @@ def documents(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     return tuple(json.loads((folder / name).read_text()) for name in ("certificate.json", "score.json"))
 
 
+@pytest.mark.slow
 def test_the_default_run_has_the_published_hash(tmp_path: Path) -> None:
     done = railhil("run", "--bus", "local", "--out", tmp_path / "run", "--quiet", "--no-report")
     assert done.exit_code == PASS, done.err
     assert documents(tmp_path / "run")[0]["frames_sha256"] == PUBLISHED_SHA256
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_the_folder_is_that_of_a_run_over_the_hub(short: Path, tmp_path: Path) -> None:
     codes = []
@@ -66,6 +68,7 @@ def test_the_folder_is_that_of_a_run_over_the_hub(short: Path, tmp_path: Path) -
     assert railhil("score", tmp_path / "local").exit_code == codes[0]
 
 
+@pytest.mark.slow
 def test_a_run_from_a_file_is_made_again_from_its_certificate(short: Path, tmp_path: Path) -> None:
     (tmp_path / "law.toml").write_text('law = "ipfc"\n[parameters]\nsoftening_max = 0.83\n')
     spec = tmp_path / "run.toml"
@@ -94,6 +97,7 @@ def test_a_spec_that_is_none_leaves_no_folder(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_laws_are_compared_without_a_bus(short: Path, tmp_path: Path) -> None:
     words = ("--laws", "ipfc,tdmc", "--bus", "local", "--quiet", "--no-report")
     done = railhil("compare", short, *words, "--out", tmp_path / "compared")

@@ -107,6 +107,7 @@ def test_an_odometer_that_jumps_shows_in_the_record(short: str, tmp_path: Path) 
     assert abs(error_m[at] - 30.0).max() < 0.02
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes(short: str, tmp_path: Path) -> None:
     faults = ("speed noise 0.05 @2s", "brake scale uniform(0.7,1.3) @0s", "adhesion low 3% @braking for 1s")
     hashes = [run(short, tmp_path / str(i), *faults, seed=seed).frames_sha256 for i, seed in enumerate((5, 5, 6))]

@@ -24,7 +24,7 @@ from railhil.supervisor.framelog import read_log
 from railhil.supervisor.jitter import LATE_SHARE_MAX
 from railhil.supervisor.trace import trace_of
 
-pytestmark = [pytest.mark.loop, pytest.mark.wall_clock]
+pytestmark = [pytest.mark.loop, pytest.mark.slow]
 
 #: 12.5 m in 10 s: still under traction when the first 64 KiB of the log are written, after 3 s.
 LONG_TOML = """\
@@ -125,6 +125,7 @@ def test_realtime_scheduling_can_be_left_out(scenarios: Path) -> None:
     assert "--no-rt" in json.loads((out / "certificate.json").read_text(encoding="utf-8"))["command"]
 
 
+@pytest.mark.wall_clock
 def test_a_pause_of_the_plant_is_flagged(scenarios: Path, tmp_path: Path) -> None:
     """K2. Simulation time stands still with the plant, so no telegram ages: what is left to do is to say so."""
     done, document = stopped_in_motion(scenarios / "quick.toml", tmp_path / "run", "4", "railhil.plant_sim")
@@ -135,6 +136,7 @@ def test_a_pause_of_the_plant_is_flagged(scenarios: Path, tmp_path: Path) -> Non
     assert document["line"].startswith("timing: ")
 
 
+@pytest.mark.wall_clock
 def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> None:
     done, document = stopped_in_motion(scenarios / "short.toml", tmp_path / "run", "2", None)
     timing = document["run"]["timing"]
@@ -148,6 +150,7 @@ def test_a_pause_of_the_supervisor_is_not(scenarios: Path, tmp_path: Path) -> No
     assert set(np.diff(trace.raw("TRN_SPEED", "SpeedLife")) % 16) == {1}
 
 
+@pytest.mark.wall_clock
 def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenarios: Path, tmp_path: Path) -> None:
     """The train's watch cuts traction after 64 ms and brakes after 256 ms; late answers are not taken for new ones."""
     done, document = stopped_in_motion(scenarios / "long.toml", tmp_path / "run", "2", "railhil.controller_node")
@@ -168,6 +171,7 @@ def test_a_pause_of_the_controller_is_missed_polls_and_the_trains_ladder(scenari
     assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "time goes on without the controller"
 
 
+@pytest.mark.wall_clock
 @pytest.mark.faults
 def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenarios: Path, tmp_path: Path) -> None:
     out = tmp_path / "run"
@@ -187,6 +191,7 @@ def test_a_hub_that_stands_still_across_the_end_delivers_the_last_second(scenari
     assert np.diff(trace.times_s("TRN_SPEED")).max() == pytest.approx(0.01), "nothing is missing in the record"
 
 
+@pytest.mark.wall_clock
 @pytest.mark.faults
 def test_a_controller_suspended_for_good_is_named(scenarios: Path, tmp_path: Path) -> None:
     """The train stops by its own watch; nobody waits for the end of a process that cannot end."""

@@ -77,6 +77,7 @@ def wrapped(lvshun: Scenario, tmp_path_factory: pytest.TempPathFactory) -> Bench
         return local_run(lvshun, folder, RunSpec(law=LawSpec("squared"), seed=1))
 
 
+@pytest.mark.slow
 @pytest.mark.faults
 def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: Path) -> None:
     slow = local_run(lvshun, tmp_path, RunSpec(law=LawSpec(task_period_ms=50), seed=1))
@@ -91,6 +92,7 @@ def test_a_lost_message_is_told(lvshun: Scenario, nominal: BenchRun, tmp_path: P
         )
 
 
+@pytest.mark.slow
 def test_a_wrap_fails_the_run(nominal: BenchRun, wrapped: BenchRun) -> None:
     (failure,) = set(wrapped.score.failures) - set(nominal.score.failures)
     assert wrapped.score.verdict == "FAIL"

@@ -67,6 +67,7 @@ def recorded(site: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_in_process_in_fixed_point_and_in_float(site: Path, recorded: Path, tmp_path: Path) -> None:
     """Both arithmetics drive the carts to their targets; in fixed point the record equals that of the hub's run."""
     runs = python(site, _IN_PROCESS, str(SCENARIO), str(tmp_path))
@@ -153,6 +154,7 @@ def test_report_has_the_panel_of_the_system(site: Path, recorded: Path, tmp_path
         assert foreign not in text
 
 
+@pytest.mark.slow
 def test_a_perturbed_run_draws_what_the_system_draws(site: Path, recorded: Path, tmp_path: Path) -> None:
     """The same over the hub and in one process."""
     folders = [tmp_path / "hub", tmp_path / "local"]
@@ -173,6 +175,7 @@ def test_ports_of_the_system(site: Path, recorded: Path) -> None:
     assert "NOTCH_CMD" not in done.stdout
 
 
+@pytest.mark.slow
 def test_compare(site: Path, tmp_path: Path) -> None:
     """Compares one law with two sets of parameters."""
     soft = tmp_path / "soft.toml"
@@ -187,6 +190,7 @@ def test_compare(site: Path, tmp_path: Path) -> None:
     assert rows[0]["published"] == {"error_m": 0.001, "stretch_m": 0.2}
 
 
+@pytest.mark.slow
 def test_campaign_goes_through_the_nodes_and_says_so(site: Path, tmp_path: Path) -> None:
     """Its figures are those of the run over the hub with the same seed."""
     folder = tmp_path / "campaign"

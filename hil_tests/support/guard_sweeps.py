@@ -371,6 +371,6 @@ GUARD_SWEEPS = (
     sweep_guard_order,
     sweep_guard_safe,
     sweep_guard_findings,
-    sweep_guard_boundaries,
     sweep_guard_random,
+    sweep_guard_boundaries,
 )

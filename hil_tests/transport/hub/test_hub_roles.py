@@ -121,6 +121,7 @@ def _done(process: subprocess.Popen[str]) -> Done:
     return Done(process.returncode, out or "", err)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.faults
 @pytest.mark.parametrize("killed", ["controller", "plant"])
@@ -144,6 +145,7 @@ def test_a_run_of_attached_nodes_names_who_has_left(tmp_path: Path, killed: str)
     assert (trace.raw("RUN_EVENT", "RunEvent")[-1] == 7) == (killed == "controller"), "the train brakes by itself"
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 @pytest.mark.faults
 def test_nodes_whose_recorder_has_left_end(tmp_path: Path) -> None:
@@ -155,7 +157,7 @@ def test_nodes_whose_recorder_has_left_end(tmp_path: Path) -> None:
 
 @pytest.mark.loop
 @pytest.mark.faults
-@pytest.mark.wall_clock
+@pytest.mark.slow
 def test_in_realtime_nobody_gives_up_earlier(tmp_path: Path) -> None:
     """The ladder reacts, and the record ends 4 s after the loss."""
     with _bench(tmp_path / "run", "--pace", "realtime", "--rate", "20") as nodes:

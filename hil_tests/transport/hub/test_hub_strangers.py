@@ -54,6 +54,7 @@ def scenario(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_a_record_with_telegrams_of_a_stranger_is_invalid(tmp_path: Path, scenario: Path) -> None:
     frames = [frame for telegram, _ in FORGED for frame in telegram]
     exit_code, said = attacked(tmp_path / "run", scenario, frames, TIMES)
@@ -66,6 +67,7 @@ def test_a_record_with_telegrams_of_a_stranger_is_invalid(tmp_path: Path, scenar
     assert sorted(path.name for path in (tmp_path / "run").glob("*.sent")) == ["controller.sent", "plant.sent"]
 
 
+@pytest.mark.slow
 def test_a_poll_that_is_not_the_plants_makes_the_record_invalid(tmp_path: Path, scenario: Path) -> None:
     exit_code, said = attacked(tmp_path / "run", scenario, POLL, TIMES)
     assert exit_code == 3, said
@@ -79,6 +81,7 @@ def test_in_real_time_too(tmp_path: Path, scenario: Path) -> None:
     assert "frames on SIM_TRUTH that the plant did not send" in said
 
 
+@pytest.mark.slow
 def test_frames_that_belong_to_no_port_change_no_verdict(tmp_path: Path, scenario: Path) -> None:
     free = Frame(0x7E0, b"stranger")
     assert free.can_id not in {can_id for port in wire_contract().ports for can_id in port.can_ids}

@@ -195,6 +195,7 @@ def test_a_law_that_fails_while_it_drives_is_told_the_same(plugged: Path, arithm
     assert "(ZeroDivisionError: division by zero)" in str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.loop
 def test_a_run_whose_law_fails_keeps_its_record_and_ends_with_exit_code_2(plugged: Path) -> None:
     done = railhil("run", "short.toml", "--controller", "late", "--quiet", "--no-report", "--out", "run", cwd=plugged)

@@ -81,7 +81,7 @@ def test_without_dither_the_pseudo_inverse_fits_best_and_controls_worst(plain: R
     assert learned.errors[1.0].integrated_kmh < shipped["rmse_integrated_kmh"][1]
     values = {"networks": [asdict(network) for network in learned.networks]}
     bad = ParameterSet("elm_ngpc", values, tmp_path / "bad.toml")
-    stretch = {"task__duration_s": "700"}
+    stretch = {"task__duration_s": "300"}
     assert rmse_kmh(bad, **stretch) > 2.0
     assert rmse_kmh(None, **stretch) < 0.25
 

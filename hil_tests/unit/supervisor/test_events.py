@@ -73,6 +73,7 @@ def slow(short_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Slow:
 CUT = "TRACTION CUT from 0.16 s (TRN_SPEED older than 64 ms, for 24.75 s)"
 
 
+@pytest.mark.slow
 def test_the_console_says_why_the_train_has_not_stopped(slow: Slow) -> None:
     assert slow.done.exit_code == 1
     assert f"FAIL: not stopped 0.9 s after the timetable - {CUT}" in slow.done.out.splitlines()

@@ -87,6 +87,7 @@ def mine(own: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(own, tmp_path / "elsewhere"))
 
 
+@pytest.mark.slow
 def test_the_folder_alone_is_enough(mine: Path) -> None:
     wanted = json.loads((mine / "score.json").read_text())
     found = score(*_judged(mine)).as_json()

@@ -1,0 +1,21 @@
+"""What ``make test`` compiles before the tests: every loop of every batch."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+from hil_tests.compiled import BATCHES, compile_batches
+from railhil.batch.compiled import FUNCTIONS
+from railhil.scenarios.load import load_any
+from railhil.scenarios.system import names, system_named
+
+
+def test_every_batch_is_compiled(tmp_path: Path) -> None:
+    compile_batches(tmp_path)
+    kernels = {system_named(load_any(name).system).own.get("kernel") for name in BATCHES}
+    assert kernels == {system_named(name).own.get("kernel") for name in names()}
+    modules = [import_module(str(kernel)) for kernel in kernels]
+    loops = [one for one in FUNCTIONS if any(hasattr(module, one.name) for module in modules)]
+    assert len(loops) >= len(modules)
+    assert all(loop.is_there for loop in loops)
