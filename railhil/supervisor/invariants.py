@@ -227,10 +227,12 @@ def _left_early_by_train(scenario: Scenario, trace: Trace, items: Mapping[str, R
     good_s = _good(trace, items[NotchCmd.PORT])
     first = np.searchsorted(good_s, told_s, side="left")
     # Without the port that opens the ticks, the report has the instant of the last poll, as the answer to it: it is of
-    # its own tick for certain only where that tick and the next one have been opened.
+    # its own tick for certain only where that tick and the next one have been opened, each in time.
     opened_ns = _whole_ns(_good(trace, items[TrnSpeed.PORT]))
     told_ns = _whole_ns(told_s)
     is_before_poll = np.isin(told_ns, opened_ns) & np.isin(told_ns + scenario.timing.base_tick_ns, opened_ns)
+    if any(fault.place.name == TrnSpeed.PORT for fault in parsed(scenario.faults)):
+        is_before_poll[:] = False
     past = np.where(is_before_poll, first, np.searchsorted(good_s, told_s, side="right"))
     speed = trace.raw(SimTruth.PORT, "TrueSpeed")
     index = np.clip(np.searchsorted(truth_s, told_s, side="right") - 1, 0, max(len(truth_s) - 1, 0))

@@ -147,6 +147,11 @@ def test_the_last_good_command_may_have_the_instant_of_the_report(lost: set[int]
     """The port that opens the ticks is lost: the report of a later tick has the instant of the last poll."""
     left = Story(train_level=lambda tick: 3 if 20 <= tick < 38 else 0)
     assert (found(replace(left, speed_lost=lost)) == []) is rule_holds
+    # A fault of that port may also open a tick late.
+    late = replace(SCENARIO, faults=("TRN_SPEED delay 30ms jitter 20ms @0.1s",))
+    assert broken(late, replace(left, speed_lost=lost).trace()) == []
+    earlier = Story(train_level=lambda tick: 3 if 20 <= tick < 36 else 0, speed_lost=lost)
+    assert [text[:11] for text in broken(late, earlier.trace())] == ["invariant 4"]
     # A telegram that its receiver refuses opens no tick either.
     assert (found(replace(left, check=lambda tick: 0 if tick in lost else 1)) == []) is rule_holds
 
