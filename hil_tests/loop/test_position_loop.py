@@ -138,9 +138,10 @@ def test_a_position_that_is_wrong_is_as_good_as_none(
     assert set(run.refused) == {f"controller.{cause}"}
 
 
-def test_lost_half_a_second_before_the_stop(tmp_path: Path) -> None:
+@pytest.mark.parametrize("law", ["ipfc_plus", "ipfc_plus_stop"])
+def test_lost_half_a_second_before_the_stop(tmp_path: Path, law: str) -> None:
     """Reckoned to the stop."""
-    run = run_with(tmp_path, TrnPos, silent(93.5))
+    run = run_with(tmp_path, TrnPos, silent(93.5), controller=law)
     assert run.score.values["stop_error_m"] is not None
     assert run.score.values["stop_error_m"] < 0.1
 
