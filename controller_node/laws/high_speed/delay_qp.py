@@ -146,7 +146,11 @@ class DelayQp(HighSpeedLaw[T, Any]):
     name = "delay_qp"
     parameters_type = DelayQpParameters
     parameters_origin = "ours"
-    design_seeds: ClassVar[Mapping[str, range]] = dict.fromkeys(JOURNEYS, range(1, 204))
+    #: Those of the filters' parameters too, which are :mod:`.delay_gpc`'s.
+    design_seeds: ClassVar[Mapping[str, range]] = {
+        **dict.fromkeys(JOURNEYS, range(1, 204)),
+        **dict.fromkeys(("hst_short", "emu3_short", "jinan_xuzhou_emu3_coupled"), range(100, 101)),
+    }
     loops = ("unit", "mean", "train")
     floating = True
     solver = True

@@ -50,10 +50,11 @@ class QpParameters:
     #: lambda, on the increments of the deviation from the plan.
     control_weight: Annotated[float, Field(gt=0, le=1e4)] = 3.0
     #: lambda in an emergency, where nobody counts the slope of the command.
-    emergency_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.1
+    emergency_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.003
     #: rho, on the deviation from the plan.
     plan_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.05
-    #: kappa, on the side that is not planned: traction and braking do not act against each other for less.
+    #: kappa, on the side that is not planned: traction and braking do not act against each other for less. Not in an
+    #: emergency.
     side_weight: _Weight = 0.01
     #: On the work of the traction by mass, per J/kg.
     energy_weight: _Weight = 0.0
@@ -78,9 +79,9 @@ class Limits(NamedTuple):
 class Situation(NamedTuple):
     """What is known at a sample: ``reference`` w(k) ... w(k+N) and ``speed`` in m/s, ``disturbance`` in m/s^2, gain.
 
-    ``emergency``: no jerk limit, and lambda of an emergency. ``first``: no jerk limit, nothing was sent before.
-    ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each unit, (units, past),
-    m/s^2.
+    ``emergency``: no jerk limit, no kappa, and lambda of an emergency. ``first``: no jerk limit, as nothing was sent
+    before. ``state``: of the :class:`.train_model.TrainModel`. ``past``: u(k-1), u(k-2), ... of each unit,
+    (units, past), m/s^2.
     """
 
     reference: Matrix
@@ -219,7 +220,8 @@ class Qp:
         hessian += weight * self._steps_square
         linear = -gain * (ahead @ self._on_speed) - weight * (self._on_steps @ before.reshape(-1))
         linear += gain * given.force_weight * (force @ self._on_force)
-        linear += self._side * (near <= 0.0).reshape(-1)
+        if not now.emergency:
+            linear += self._side * (near <= 0.0).reshape(-1)
         work = np.zeros(near.shape)
         work[:, 0] = given.energy_weight * max(now.speed, 0.0) * self._period_s
         return hessian, linear + self._shares * work.reshape(-1)
