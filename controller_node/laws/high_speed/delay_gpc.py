@@ -41,6 +41,8 @@ class DelayGpcParameters(BankParameters, LawParameters):
     control_horizon: Annotated[int, Field(ge=1, le=10)] = 4
     #: lambda, on the increments of the correction.
     control_weight: Annotated[float, Field(gt=0, le=1e4)] = 4.0
+    #: lambda from the trigger of an emergency on, when the predicted error is large and comfort does not matter.
+    emergency_weight: Annotated[float, Field(gt=0, le=1e4)] = 0.5
     #: Half the span over which the acceleration of the reference is taken, s.
     slope_span_s: Annotated[float, Field(ge=0.1, le=1)] = 0.4
 
@@ -79,16 +81,22 @@ class DelayCore(Core[T, DelayState[T]]):
         # For each extra delay and each side: the law's weights on the errors, and the centre of the time in which a
         # command acts (in periods after it was computed).
         times_s = [j * period_s for j in range(1, given.horizon + 1)]
-        self._laws, self._centres = [], []
+        self._laws: list[tuple[tuple[T, ...], ...]] = []
+        self._urgent_laws: list[tuple[tuple[T, ...], ...]] = []
+        self._centres: list[list[float]] = []
         for extra_s in self._bank.extra_s:
             total_s = [delay_s + extra_s for delay_s in delays_s]
             responses = [step_response(delay_s, unit.lag_s, times_s) for delay_s in total_s]
-            self._laws.append(
-                tuple(
-                    re.numbers(f"{name}_{extra_s:g}s", error_weights(s, given.control_horizon, given.control_weight))
-                    for name, s in zip(_SIDES, responses, strict=True)
+            for laws, kind, weight in (
+                (self._laws, "", given.control_weight),
+                (self._urgent_laws, "urgent_", given.emergency_weight),
+            ):
+                laws.append(
+                    tuple(
+                        re.numbers(f"{kind}{name}_{extra_s:g}s", error_weights(s, given.control_horizon, weight))
+                        for name, s in zip(_SIDES, responses, strict=True)
+                    )
                 )
-            )
             self._centres.append([(delay_s + unit.lag_s) / period_s + 0.5 for delay_s in total_s])
         # The fraction is the same for every extra delay, which is a whole number of periods.
         shares = [center % 1.0 for center in self._centres[0]]
@@ -106,9 +114,10 @@ class DelayCore(Core[T, DelayState[T]]):
         last = state.correction
         errors = self._errors(state.commands, found.accel, plans, last, belief, sample, found.chosen)
         per_gain = re.div(re.one, belief.gain)
+        urgent = re.gt(sample.emergency, re.zero)
+        laws = re.select(urgent, bank.pick(found.chosen, self._urgent_laws), bank.pick(found.chosen, self._laws))
         sides = [
-            re.add(plan[0], last, re.mul(per_gain, re.dot(law, errors)))
-            for plan, law in zip(plans, bank.pick(found.chosen, self._laws), strict=True)
+            re.add(plan[0], last, re.mul(per_gain, re.dot(law, errors))) for plan, law in zip(plans, laws, strict=True)
         ]
         command = re.clip(self._joined(*sides), sample.lowest, sample.highest)
         correction = re.sub(command, self._joined(plans[0][0], plans[1][0]))

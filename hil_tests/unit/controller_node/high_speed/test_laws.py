@@ -111,6 +111,39 @@ def test_the_trigger_of_an_emergency_is_a_sample():
     assert all((k - 51) % 5 == 0 for k in changes if k >= 51)
 
 
+def still(target, later, emergency=0):
+    """Raw readings: a train at 0.36 km/h; the target now and up to 3.25 s ahead, and 3.5 s ahead, raw."""
+    return [36, *[target] * 13, later, target, emergency]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_train_is_held_at_the_end_of_the_reference_and_not_before_its_start(law):
+    ends, starts = loop(law), loop(law)
+    for _ in range(6):
+        held, begun = ends.step(still(0, 0))[1], starts.step(still(0, 165))[1]
+    assert held.commands[0] <= -300
+    assert held.commands[1] == 2.0
+    assert begun.commands[0] > -300
+
+
+def test_the_first_command_of_an_emergency_is_stronger_with_the_smaller_weight():
+    commands = []
+    for values in ({}, {"emergency_weight": 4.0}):
+        law = loop("delay_gpc", **values)
+        for _ in range(20):
+            law.step([30000] * 16 + [0])
+        profile = [30000 - round(223 * max(0.25 * j - 0.5, 0.0)) for j in range(15)]
+        commands.append(law.step([30000, *profile[1:], profile[0], 1])[1].commands[0])
+    assert commands[0] < 1.2 * commands[1] < 0
+
+
+@pytest.mark.slow
+def test_our_law_follows_the_emergency_profile_and_stands_at_its_end():
+    found = journey(load_any("jinan_xuzhou_emergency"), "delay_gpc", 105)
+    assert found.rmse_kmh < 0.15
+    assert found.commands_mps2[-1] <= -0.3
+
+
 @pytest.mark.slow
 def test_the_identification_error_of_002_lets_the_train_run_away():
     scenario = load_any("hst_short", ["task.duration_s=400"])
