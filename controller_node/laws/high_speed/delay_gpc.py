@@ -12,20 +12,24 @@ were best for some time is used.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 
 import numpy as np
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
+from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
-from railhil.controller_node.laws.high_speed.delay_bank import Bank, BankParameters, DelayBank
+from railhil.controller_node.laws.high_speed.delay_bank import Bank, BankParameters, DelayBank, Found
 from railhil.controller_node.laws.high_speed.delay_line import DelayLines, step_response
-from railhil.controller_node.laws.high_speed.kalman import Belief
+from railhil.controller_node.laws.high_speed.delay_loop import loop_radius
+from railhil.controller_node.laws.high_speed.kalman import Belief, steady_gains
 from railhil.controller_node.laws.high_speed.law import JOURNEYS, CoreLaw, LawParameters
-from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
+from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon, refuse_unstable
 from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.laws.high_speed.stability import Train
 
 _SIDES = ("traction", "braking")
 
@@ -74,7 +78,8 @@ class DelayCore(Core[T, DelayState[T]]):
         delays_s = (unit.traction_delay_s, unit.braking_delay_s)
         self.horizon = given.horizon
         self._bank = DelayBank(re, unit, given)
-        self._lines: DelayLines[T] = self._bank.lines
+        self.lines: DelayLines[T] = self._bank.lines
+        self.nominal, self.noise = self._bank.nominal, self._bank.noise
         self._period = re.number("period", period_s, "T0")
         self._half = max(1, round(given.slope_span_s / period_s))
         self._per_span = re.number("per_span", 0.5 / (self._half * period_s), "parameters")
@@ -104,15 +109,24 @@ class DelayCore(Core[T, DelayState[T]]):
 
     def start(self, sample: Sample[T]) -> DelayState[T]:
         zero = self.re.zero
-        return DelayState((zero,) * self._lines.count, zero, self._bank.start(sample.speed))
+        return DelayState((zero,) * self.lines.count, zero, self._bank.start(sample.speed))
 
     def step(self, state: DelayState[T], sample: Sample[T]) -> tuple[DelayState[T], Move[T]]:
-        re, bank = self.re, self._bank
-        filters, found = bank.step(state.bank, state.commands, sample.speed)
-        belief = found.belief
+        re = self.re
+        filters, found = self._bank.step(state.bank, state.commands, sample.speed)
+        command, correction = self.commanded(state.commands, state.correction, found, sample)
+        after = DelayState((command, *state.commands[:-1]), correction, filters)
+        xi = re.mul(found.belief.disturbance, self._period)
+        return after, Move(command, found.error, xi, found.belief.gain, found.delay)
+
+    def commanded(self, past: tuple[T, ...], last: T, found: Found[T], sample: Sample[T]) -> tuple[T, T]:
+        """Command and correction, m/s^2.
+
+        :param past: u(k-1), u(k-2), ...; ``last``: correction of the last sample.
+        """
+        re, bank, belief = self.re, self._bank, found.belief
         plans = self._plans(sample, belief, found.chosen)
-        last = state.correction
-        errors = self._errors(state.commands, found.accel, plans, last, belief, sample, found.chosen)
+        errors = self._errors(past, found.accel, plans, last, belief, sample, found.chosen)
         per_gain = re.div(re.one, belief.gain)
         urgent = re.gt(sample.emergency, re.zero)
         laws = re.select(urgent, bank.pick(found.chosen, self._urgent_laws), bank.pick(found.chosen, self._laws))
@@ -120,10 +134,7 @@ class DelayCore(Core[T, DelayState[T]]):
             re.add(plan[0], last, re.mul(per_gain, re.dot(law, errors))) for plan, law in zip(plans, laws, strict=True)
         ]
         command = re.clip(self._joined(*sides), sample.lowest, sample.highest)
-        correction = re.sub(command, self._joined(plans[0][0], plans[1][0]))
-        after = DelayState((command, *state.commands[:-1]), correction, filters)
-        xi = re.mul(belief.disturbance, self._period)
-        return after, Move(command, found.error, xi, belief.gain, found.delay)
+        return command, re.sub(command, self._joined(plans[0][0], plans[1][0]))
 
     def _plans(self, sample: Sample[T], belief: Belief[T], chosen: Sequence[Any]) -> tuple[tuple[T, ...], ...]:
         """Steady commands of both sides, now and in the following samples of the horizon, m/s^2."""
@@ -156,7 +167,7 @@ class DelayCore(Core[T, DelayState[T]]):
         chosen: Sequence[Any],
     ) -> list[T]:
         """w - v over the horizon if the plans are carried out with the last correction, m/s."""
-        re, ar, lines, count = self.re, self.re.ar, self._lines, self.horizon
+        re, ar, lines, count = self.re, self.re.ar, self.lines, self.horizon
         old_up, old_down = lines.parts(past)
         traction = (*(ar.maximum(re.add(u, correction), re.zero) for u in reversed(plans[0])), *old_up)
         braking = (*(ar.minimum(re.add(u, correction), re.zero) for u in reversed(plans[1])), *old_down)
@@ -195,4 +206,20 @@ class DelayGpc(CoreLaw[T]):
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> DelayCore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))
-        return DelayCore(re, unit, parameters)
+        core = DelayCore(re, unit, parameters)
+        refuse_unstable(self.name, parameters, radii(unit, parameters))
+        return core
+
+
+@cache
+def radii(unit: Unit, parameters: DelayGpcParameters) -> Mapping[str, float]:
+    """Spectral radius of the closed loop with the nominal train in each mode, before and in an emergency."""
+    found = {}
+    for mode, delay_s in (("traction", unit.traction_delay_s), ("braking", unit.braking_delay_s)):
+        sides = replace(unit, traction_delay_s=delay_s, braking_delay_s=delay_s)
+        core = DelayCore(Reals(Float64()), sides, parameters)
+        gains = steady_gains(core.re, unit.sample_period_s, core.noise)
+        train = Train(delay_s, unit.lag_s)
+        found[mode] = loop_radius(core, train, gains, emergency=False)
+        found[f"{mode} in an emergency"] = loop_radius(core, train, gains, emergency=True)
+    return found

@@ -51,6 +51,14 @@ def test_an_unstable_loop_is_refused_with_its_spectral_radius():
         loop("res_ngpc", sample_period_s=0.4, control_weight=0.01)
 
 
+@pytest.mark.parametrize(("law", "weight"), [("mm_gpc", 0.01), ("a_gpc", 0.3)])
+def test_an_unstable_loop_of_a_comparator_is_refused_too(law, weight):
+    message = r"spectral radius 1\.\d+ in braking( with gain 1)?, allowed a spectral radius below 1"
+    with pytest.raises(InputError, match=message):
+        loop(law, control_weight=weight)
+    loop(law, control_weight=weight, override=True)
+
+
 def test_fixed_point_is_refused_in_one_line():
     with pytest.raises(InputError, match="float64 or float32: this law has no fixed-point formats"):
         VectorController(SHORT, LawSpec("res_ngpc", arithmetic="iq"))
