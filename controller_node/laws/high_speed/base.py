@@ -57,6 +57,8 @@ class HighSpeedParameters:
 class LoopInputs(NamedTuple, Generic[T]):
     """Inputs of a loop, m/s: measured speed, present target, the 14 targets ahead; ``emergency`` is 0 or 1 (Q0).
 
+    ``error``: target less speed. Of one unit it is the difference of the counts, which single precision has exactly.
+
     ``most``: largest command now, m/s2 (Q ``ACCEL_Q``); while the train is to be held, that of the holding brake.
     """
 
@@ -65,6 +67,7 @@ class LoopInputs(NamedTuple, Generic[T]):
     preview: tuple[T, ...]
     emergency: T
     most: T
+    error: T
 
 
 class LoopNotes(NamedTuple, Generic[T]):
@@ -216,10 +219,15 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
             for speed in speeds[1:]:
                 mean = ar.add(mean, speed)
             speeds = [ar.mpy(mean, self._share, 30)]
+            errors = [ar.sub(target, speeds[0])]
+        else:
+            counts = [ar.sub(readings[self.units + PREVIEW], reading) for reading in readings[: self.units]]
+            errors = [ar.mpy_iqx(count, 0, self._mps, 30, SPEED_Q) for count in counts]
         # The last point of the preview tells the end of a journey from its start.
         ahead = ar.maximum(preview[self._braked], preview[-1])
         most = ar.where(ar.gt(self._still, ahead), self._holding, self.most)
-        return [LoopInputs(speed, target, preview, readings[-1], most) for speed in speeds]
+        pairs = zip(speeds, errors, strict=True)
+        return [LoopInputs(speed, target, preview, readings[-1], most, error) for speed, error in pairs]
 
     def _answer(self, held: tuple[LoopAnswer[T], ...], emergency: T) -> Answer[T]:
         ar = self.ar

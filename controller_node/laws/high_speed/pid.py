@@ -76,7 +76,7 @@ class Pid(HighSpeedLaw[T, PidState]):
         return PidState(self.zero, self._error(inputs), self._wave)
 
     def _error(self, inputs: LoopInputs[T]) -> T:
-        return self.ar.clip(self.ar.sub(inputs.target, inputs.speed), *self._far)
+        return self.ar.clip(inputs.error, *self._far)
 
     def loop_step(self, loop: int, state: PidState, inputs: LoopInputs[T]) -> tuple[PidState, LoopAnswer[T]]:
         ar = self.ar
