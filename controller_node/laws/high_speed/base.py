@@ -115,6 +115,8 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
     """
 
     parameters_type: ClassVar[type[Any]] = HighSpeedParameters
+    #: Whether it holds the train at the end of the reference.
+    holds = True
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
         given = parameters or self.parameters_type()
@@ -225,7 +227,7 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
             errors = [ar.mpy_iqx(count, 0, self._mps, 30, SPEED_Q) for count in counts]
         # The last point of the preview tells the end of a journey from its start.
         ahead = ar.maximum(preview[self._braked], preview[-1])
-        most = ar.where(ar.gt(self._still, ahead), self._holding, self.most)
+        most = ar.where(ar.gt(self._still, ahead), self._holding, self.most) if self.holds else self.most
         pairs = zip(speeds, errors, strict=True)
         return [LoopInputs(speed, target, preview, readings[-1], most, error) for speed, error in pairs]
 
