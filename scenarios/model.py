@@ -288,6 +288,10 @@ class AnyScenario(Protocol):
     def can_be_perturbed(self) -> bool:
         """Whether it defines what a perturbed run draws."""
 
+    @property
+    def every_run_is_drawn(self) -> bool:
+        """Whether runs that are not perturbed draw the same."""
+
 
 def watch_sentence(scenario: AnyScenario) -> str:
     """What stands beside every verdict under watches that are weaker than usual: it says less; empty when none is."""
@@ -342,3 +346,8 @@ class Scenario:
     def can_be_perturbed(self) -> bool:
         """Whether there is a distribution to draw from."""
         return any(getattr(self.perturbations, item.name) is not None for item in fields(self.perturbations))
+
+    @property
+    def every_run_is_drawn(self) -> bool:
+        """No: without perturbations the seed only draws the noise of the sensors."""
+        return False

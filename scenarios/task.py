@@ -83,6 +83,11 @@ class Task(Table):
         """Whether the plant draws something with the seed in a perturbed run."""
         return False
 
+    @property
+    def every_run_is_drawn(self) -> bool:
+        """Whether the plant draws as much with the seed in every run: then parameters can be chosen on any run."""
+        return False
+
 
 class TaskFile(Table):
     """The part of a system's scenario file that is common to all systems."""
@@ -131,6 +136,11 @@ class TaskScenario:
     def can_be_perturbed(self) -> bool:
         """Whether the seed draws anything besides the noise."""
         return bool(self.task.can_be_perturbed)
+
+    @property
+    def every_run_is_drawn(self) -> bool:
+        """Whether a perturbed run draws nothing that another run does not."""
+        return bool(self.task.every_run_is_drawn)
 
 
 class TaskScenarios:

@@ -30,6 +30,8 @@ STEP_S = 0.01
 #: Commands that are remembered, in steps: delays up to 10 s.
 REMEMBERED = 1024
 _STRIDE = round(PREVIEW_STEP_S / GRID_S)
+#: Shares of an interval of the curve below this are rounding errors of a time.
+_NEAR = 1e-6
 SPEED_RAW_MAX = 0xFFFF
 _KMH = 3.6
 
@@ -198,7 +200,7 @@ class Wayside:
         self._task = task
         self._tick_s = tick_s
         self._curve: SpeedCurve = journey_curve(task)
-        self._raw = _raw_speeds(self._curve)
+        self._raw = _raw_speeds(self._curve.speeds_mps)
         self._from_s = -task.start_s
         self.emergency = False
 
@@ -209,7 +211,7 @@ class Wayside:
             return False
         now_s = tick * self._tick_s
         self._curve = emergency_curve(wanted, self.target_mps(tick))
-        self._raw = _raw_speeds(self._curve)
+        self._raw = _raw_speeds(self._curve.speeds_mps)
         self._from_s = now_s
         self.emergency = True
         return True
@@ -219,15 +221,24 @@ class Wayside:
         return self._curve.speed_mps(tick * self._tick_s - self._from_s)
 
     def preview_raw(self, tick: int) -> list[int]:
-        """Target speeds now and at the points of the preview, 0.01 km/h; between points of the curve the earlier.
+        """Target speeds now and at the points of the preview, 0.01 km/h, linear between points of the curve.
+
+        An emergency is triggered at any tick, so the instants of its profile are not those of the grid.
 
         :returns: ``PREVIEW + 1`` numbers, the present one first.
         """
+        place = (tick * self._tick_s - self._from_s) / GRID_S
         # The sum makes up for a quotient just below a whole number.
-        first = int((tick * self._tick_s - self._from_s) / GRID_S + 1e-6)
+        first = int(place + _NEAR)
         found = self._raw[first : first + PREVIEW * _STRIDE + 1 : _STRIDE]
+        share = place - first
+        if share > _NEAR:
+            speeds_mps = self._curve.speeds_mps
+            now = speeds_mps[first : first + PREVIEW * _STRIDE + 1 : _STRIDE]
+            later = speeds_mps[first + 1 : first + PREVIEW * _STRIDE + 2 : _STRIDE]
+            found = _raw_speeds([a + (b - a) * share for a, b in zip(now, later, strict=False)])
         return found + [self._raw[-1]] * (PREVIEW + 1 - len(found))
 
 
-def _raw_speeds(curve: SpeedCurve) -> list[int]:
-    return [round(speed_mps * SPEED_PER_MPS) for speed_mps in curve.speeds_mps]
+def _raw_speeds(speeds_mps: Iterable[float]) -> list[int]:
+    return [round(speed_mps * SPEED_PER_MPS) for speed_mps in speeds_mps]

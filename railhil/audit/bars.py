@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from railhil.audit.bounds import Bounds
 from railhil.audit.effect import Effect
-from railhil.audit.shadow import Codes, ShadowRun, compare_codes
+from railhil.audit.shadow import Codes, QuantityError, ShadowRun, compare_codes
 from railhil.controller_node.arithmetic.base import Arithmetic
 from railhil.controller_node.cost import Cost
 from railhil.scenarios.run_spec import LawSpec
@@ -65,6 +65,13 @@ def _codes_bars(codes: Codes) -> list[Bar]:
     ]
 
 
+def _error_bar(error: QuantityError, most: float) -> Bar:
+    """The limit of one quantity's error, in its unit."""
+    shown = "no value" if error.maximum is None else f"{error.maximum:.2g} {error.unit}"
+    met = error.maximum is not None and error.maximum <= most
+    return Bar(f"largest difference of {error.name} from float64's", shown, f"at most {most:g} {error.unit}", met)
+
+
 def _effect_bars(over_runs: Effect) -> list[Bar]:
     counters = over_runs.counters
     found = [
@@ -86,8 +93,14 @@ def bars(
     look: Look | None = None,
     over_runs: Effect | None = None,
     bounds: Bounds | None = None,
+    errors: Sequence[QuantityError] = (),
+    limits: Mapping[str, float] | None = None,
 ) -> list[Bar]:
-    """Compare the findings with their limits; an examination that was skipped has no limit here."""
+    """Compare the findings with their limits; an examination that was skipped has no limit here.
+
+    :param errors: of the quantities against float64.
+    :param limits: largest error of some quantities (``accel`` for ``accel[0]``, ...), the system's ``audit_limits``.
+    """
     counters = shadow.audited.arithmetic.counters
     not_finite = shadow.audited.not_finite
     found = [Bar("wraps in the run", f"{counters.wraps}", "0", not counters.wraps)]
@@ -98,8 +111,14 @@ def bars(
         Bar("divisions by zero", f"{counters.zero_divisions}", "0", not counters.zero_divisions),
         Bar("infinite values", f"{not_finite}", "0", not not_finite),
     ]
-    for codes in compare_codes(shadow.audited, shadow.reference):
+    for codes in compare_codes(shadow.twin, shadow.reference):
         found += _codes_bars(codes)
+    found += [
+        _error_bar(error, most)
+        for name, most in (limits or {}).items()
+        for error in errors
+        if error.name.split("[")[0] == name
+    ]
     found += look.bars if look is not None else ()
     found.append(Bar("share of the control period, from flash", f"{price.share:.4%}", "below 100%", price.share < 1))
     found += _effect_bars(over_runs) if over_runs is not None else []

@@ -14,6 +14,7 @@ from railhil.audit.shadow import Codes, QuantityError, Watched, compare_codes, e
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.cost import Cost
+from railhil.controller_node.laws import is_floating
 from railhil.controller_node.laws.constant_table import coarse
 from railhil.controller_node.telemetry import QuantityTelemetry
 from railhil.scenarios.model import AnyScenario
@@ -95,7 +96,9 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
         return run_under(scenario, law, Watched(scenario, law, arithmetic), options.seed).score
 
     wide = fresh().wide
-    shadow = shadow_run(scenario, law, fresh(), others=() if wide else (floored(fresh()),), seed=options.seed)
+    twin = fresh() if is_floating(law.controller, system.laws) else None
+    others = () if wide else (floored(fresh()),)
+    shadow = shadow_run(scenario, law, fresh(), others=others, twin=twin, seed=options.seed)
     audited, reference = shadow.audited, shadow.reference
     floor = None
     if not wide:
@@ -107,13 +110,15 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
     price = audited.controller.cost
     over_runs = effect(scenario, options.runs, law) if options.runs else None
     bounds = None if wide else bounds_of(audited.controller)
+    found = errors(shadow.quantities, shadow.twin, reference)
+    limits = system.part("audit_limits") if "audit_limits" in system.own else None
     return Result(
         scenario,
         options,
         audited.telemetry.rows,
         bounds,
-        errors(shadow.quantities, audited, reference),
-        compare_codes(audited, reference),
+        found,
+        compare_codes(shadow.twin, reference),
         floor,
         shadow.run.score,
         driven(make("float64")),
@@ -121,5 +126,5 @@ def audit(scenario: AnyScenario, options: Options) -> Result:
         look,
         price,
         () if wide else coarse(audited.controller.law.constants),
-        bars(shadow, price, look=look, over_runs=over_runs, bounds=bounds),
+        bars(shadow, price, look=look, over_runs=over_runs, bounds=bounds, errors=found, limits=limits),
     )

@@ -2,6 +2,10 @@
 
 Every controller is given the commands that were really sent. Their states therefore stay comparable: differences come
 from the arithmetic alone, not from two plants that drift apart.
+
+The controller that drives is not told its own commands. A law that computes without formats (``VectorLaw.floating``)
+knows them before they are rounded for the bus, by up to half a code, which is far more than the arithmetic does. Such a
+law is therefore compared with float64 by a twin in the same arithmetic, which is told what was sent like all others.
 """
 
 from __future__ import annotations
@@ -101,10 +105,14 @@ class Shadowed(Watched):
 
 @dataclass(frozen=True, slots=True)
 class ShadowRun:
-    """One run: ``audited`` drove the plant, ``reference`` (float64) and ``others`` computed in parallel."""
+    """One run: ``audited`` drove the plant, ``reference`` (float64) and ``others`` computed in parallel.
+
+    ``twin``: the controller in the audited arithmetic that is compared with the reference.
+    """
 
     run: BenchRun
     audited: Watched
+    twin: Watched
     reference: Watched
     others: tuple[Watched, ...]
 
@@ -134,16 +142,20 @@ def shadow_run(
     arithmetic: Arithmetic[Any],
     *,
     others: Sequence[Arithmetic[Any]] = (),
+    twin: Arithmetic[Any] | None = None,
     seed: int = 0,
 ) -> ShadowRun:
     """Run the nominal plant with the audited arithmetic and shadow it.
 
     :param others: fresh arithmetics that compute in parallel, in addition to float64.
+    :param twin: a fresh one like ``arithmetic``, for a law that is compared by a twin; None: the driving one is.
     :raises InputError: like :class:`Watched` and :func:`run_under`.
     """
     reference, *along = (Watched(scenario, law, each) for each in (make("float64"), *others))
-    audited = Shadowed(scenario, law, arithmetic, (reference, *along))
-    return ShadowRun(run_under(scenario, law, audited, seed), audited, reference, tuple(along))
+    twins = [Watched(scenario, law, twin)] if twin is not None else []
+    audited = Shadowed(scenario, law, arithmetic, (reference, *along, *twins))
+    run = run_under(scenario, law, audited, seed)
+    return ShadowRun(run, audited, twins[0] if twins else audited, reference, tuple(along))
 
 
 @dataclass(frozen=True, slots=True)

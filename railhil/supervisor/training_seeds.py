@@ -11,10 +11,12 @@ from railhil.supervisor.telemetry import LawOrigin
 def seed_was_trained(scenario: AnyScenario, run: RunSpec, origin: LawOrigin | None) -> bool | None:
     """True when the parameters were tuned, or the law's own ones designed, on this run.
 
+    Runs that are not perturbed count in a system whose plant draws the same in every run.
+
     :param origin: the law's declaration about its own parameters; None if unknown.
     :returns: None if unknown, because the controller has not declared the origin of its own parameters.
     """
-    if not run.perturbed:
+    if not (run.perturbed or scenario.every_run_is_drawn):
         return False
     if run.law.parameters is not None and run.law.parameters.seen([run.seed]):
         return True

@@ -34,6 +34,7 @@ def _system(name: str, title: str, task: str, units: tuple[str, ...]) -> System:
             "batch": "railhil.batch.high_speed.runs:run_high_speed",
             "kernel": "railhil.batch.high_speed.kernel",
             "digest": "railhil.batch.coupled:command_digest",
+            "audit_limits": "railhil.supervisor.high_speed.judging:AUDIT_LIMITS",
             "catalogue": "railhil.supervisor.high_speed.reactions:CATALOGUE",
             "faulty_plant": "railhil.plant_sim.high_speed.faults:FaultyHighSpeedPlant",
         },

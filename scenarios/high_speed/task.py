@@ -124,6 +124,11 @@ class HighSpeedTask(Task):
         return max(self.gradient_permil, self.wind_sigma_mps2, self.noise_sigma_mps) > 0.0
 
     @property
+    def every_run_is_drawn(self) -> bool:
+        """See :attr:`can_be_perturbed`."""
+        return self.can_be_perturbed
+
+    @property
     def mass_t(self) -> float:
         """Mass of the train, t."""
         return fsum(unit.mass_t for unit in self.unit)

@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Generic, NamedTuple
 from pydantic import Field
 
 from railhil.controller_node.arithmetic.base import T
+from railhil.controller_node.arithmetic.float64 import Float64
 from railhil.controller_node.laws.high_speed.carima import (
     CarimaParameters,
     Track,
@@ -20,6 +21,7 @@ from railhil.controller_node.laws.high_speed.carima import (
     falls,
     increments,
     one_step_error,
+    radius,
     resent,
     start_track,
     tracked,
@@ -27,9 +29,10 @@ from railhil.controller_node.laws.high_speed.carima import (
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
 from railhil.controller_node.laws.high_speed.identification import coefficients, theta_of
 from railhil.controller_node.laws.high_speed.law import JOURNEYS, CoreLaw
-from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
+from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon, refuse_unstable
 from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.laws.high_speed.stability import Train
 
 _PARAMETERS = 5
 
@@ -94,12 +97,20 @@ class ACore(Core[T, AState[T]]):
         self._given = parameters
         self.horizon = parameters.horizon
         model = pade_zoh(unit.traction_delay_s, unit.lag_s, unit.sample_period_s)
+        self._model = model
         self._theta = theta_of(re, model)
         self._weight = re.number("control_weight", parameters.control_weight, "lambda, parameters")
         self._forgetting = re.number("forgetting", parameters.forgetting, "parameters")
         self._covariance = re.number("covariance", parameters.covariance, "parameters")
         self._most = re.number("covariance_max", 1.001 * parameters.covariance, "parameters")
         self._per_b_sum = re.number("per_b_sum", 1.0 / model.b_sum, "1/B(1)")
+
+    def radius(self, train: Train) -> float:
+        """Spectral radius of the loop with the model from which the identification starts."""
+        given, model = self._given, self._model
+        exact = Reals(Float64())
+        law = increments(exact, model.a, model.b, given.horizon, given.control_horizon, given.control_weight)
+        return radius(law, train, self.unit.sample_period_s)
 
     def start(self, sample: Sample[T]) -> AState[T]:
         re = self.re
@@ -134,5 +145,9 @@ class AGpc(CoreLaw[T]):
     parameters_origin = "ours, near those of mm_gpc; the papers print none"
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> ACore[T]:
-        refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))
-        return ACore(re, unit, parameters)
+        delays = {"traction": unit.traction_delay_s, "braking": unit.braking_delay_s}
+        refuse_short_horizon(self.name, parameters, max(delays.values()))
+        core = ACore(re, unit, parameters)
+        radii = {mode: core.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()}
+        refuse_unstable(self.name, parameters, radii)
+        return core

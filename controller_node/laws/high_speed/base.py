@@ -9,12 +9,22 @@ from __future__ import annotations
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import fsum
+from math import ceil, fsum
 from typing import Annotated, Any, ClassVar, Generic, Literal, NamedTuple, TypeVar
 
 from pydantic import Field
 
-from railhil.bus.high_speed import ACCEL_PER_MPS2, BRAKE, COAST, EMERGENCY, NOTES, PREVIEW, SPEED_PER_MPS, TRACTION
+from railhil.bus.high_speed import (
+    ACCEL_PER_MPS2,
+    BRAKE,
+    COAST,
+    EMERGENCY,
+    NOTES,
+    PREVIEW,
+    PREVIEW_STEP_S,
+    SPEED_PER_MPS,
+    TRACTION,
+)
 from railhil.common.errors import InputError
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.high_speed.interface import COMMAND_Q, NOTE_COUNT_Q
@@ -25,6 +35,9 @@ LoopState = TypeVar("LoopState")
 #: Formats inside the laws: speeds (m/s) and estimates, accelerations (m/s2).
 SPEED_Q = 20
 ACCEL_Q = 24
+#: The train is to stand when the target ahead is below this, m/s; then it is braked at least by so much, m/s^2 (D17:
+#: the linear models are not valid at a standstill, and the reference alone lets a train creep).
+_STILL_MPS, _HOLDING_MPS2 = 0.05, 0.3
 #: Accelerations below this are coasting.
 _COASTING_MPS2 = 0.0005
 
@@ -43,12 +56,19 @@ class HighSpeedParameters:
 
 
 class LoopInputs(NamedTuple, Generic[T]):
-    """Inputs of a loop, m/s: measured speed, present target, the 14 targets ahead; ``emergency`` is 0 or 1 (Q0)."""
+    """Inputs of a loop, m/s: measured speed, present target, the 14 targets ahead; ``emergency`` is 0 or 1 (Q0).
+
+    ``error``: target less speed. Of one unit it is the difference of the counts, which single precision has exactly.
+
+    ``most``: largest command now, m/s2 (Q ``ACCEL_Q``); while the train is to be held, that of the holding brake.
+    """
 
     speed: T
     target: T
     preview: tuple[T, ...]
     emergency: T
+    most: T
+    error: T
 
 
 class LoopNotes(NamedTuple, Generic[T]):
@@ -98,6 +118,8 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
     parameters_type: ClassVar[type[Any]] = HighSpeedParameters
     #: Values of the parameter ``loop`` that the law has.
     loops: ClassVar[tuple[str, ...]] = ("unit", "mean")
+    #: Whether it holds the train at the end of the reference.
+    holds = True
 
     def __init__(self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None) -> None:
         given = parameters or self.parameters_type()
@@ -119,6 +141,11 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         self.zero = self.hold("zero", 0.0, 0, "law")
         self.least = self.hold("least", -task.braking_max_mps2, ACCEL_Q, "scenario")
         self.most = self.hold("most", task.traction_max_mps2, ACCEL_Q, "scenario")
+        self._still = self.hold("still", _STILL_MPS, SPEED_Q, "law")
+        self._holding = self.hold("holding", -min(_HOLDING_MPS2, task.braking_max_mps2), ACCEL_Q, "law")
+        # A command given now brakes at this point of the preview.
+        delay_s = max(unit.braking_delay_s for unit in task.unit)
+        self._braked = min(max(ceil(delay_s / PREVIEW_STEP_S - 1e-9), 1), PREVIEW) - 1
         self._mps = self.hold("mps", 1.0 / SPEED_PER_MPS, 30, "port table")
         self._counts = self.hold("counts", ACCEL_PER_MPS2, 16, "port table")
         self._note_counts = [self.hold(f"{name}_counts", counts, 8, "port table") for name, counts in NOTES.items()]
@@ -181,10 +208,9 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
         for loop, inputs in enumerate(every):
             ar.note(f"measured[{loop}]", inputs.speed, SPEED_Q, "m/s")
         loops, wanted = self.loops_step(state.loops, every)
+        limited = [ar.clip(answer.accel, one.most, self.least) for one, answer in zip(every, wanted, strict=True)]
         answers = tuple(
-            LoopAnswer(
-                ar.note(f"accel[{loop}]", ar.clip(answer.accel, self.most, self.least), ACCEL_Q, "m/s2"), answer.notes
-            )
+            LoopAnswer(ar.note(f"accel[{loop}]", limited[loop], ACCEL_Q, "m/s2"), answer.notes)
             for loop, answer in enumerate(wanted)
         )
         urgent = readings[-1]
@@ -210,7 +236,15 @@ class HighSpeedLaw(VectorLaw[T, Any], Generic[T, LoopState]):
             for speed in speeds[1:]:
                 mean = ar.add(mean, speed)
             speeds = [ar.mpy(mean, self._share, 30)]
-        return [LoopInputs(speed, target, preview, readings[-1]) for speed in speeds]
+            errors = [ar.sub(target, speeds[0])]
+        else:
+            counts = [ar.sub(readings[self.units + PREVIEW], reading) for reading in readings[: self.units]]
+            errors = [ar.mpy_iqx(count, 0, self._mps, 30, SPEED_Q) for count in counts]
+        # The last point of the preview tells the end of a journey from its start.
+        ahead = ar.maximum(preview[self._braked], preview[-1])
+        most = ar.where(ar.gt(self._still, ahead), self._holding, self.most) if self.holds else self.most
+        pairs = zip(speeds, errors, strict=True)
+        return [LoopInputs(speed, target, preview, readings[-1], most, error) for speed, error in pairs]
 
     def _answer(self, held: tuple[LoopAnswer[T], ...], emergency: T) -> Answer[T]:
         ar = self.ar

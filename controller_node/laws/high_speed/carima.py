@@ -6,6 +6,7 @@ Nu = 2 as for the other GPC laws; the cost is on the increments of the command.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -18,6 +19,7 @@ from railhil.controller_node.laws.high_speed.core import Sample
 from railhil.controller_node.laws.high_speed.law import LawParameters
 from railhil.controller_node.laws.high_speed.predictor import first_row, predictions
 from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.laws.high_speed.stability import Train, feedback_radius
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,13 @@ class Increments(NamedTuple, Generic[T]):
     p: tuple[T, ...]
     f: tuple[T, ...]
     h: tuple[T, ...]
+
+
+def radius(law: Increments[float], train: Train, period_s: float) -> float:
+    """Spectral radius of the closed loop."""
+    h1, h2 = law.h
+    on_speeds = (math.fsum(law.f) - math.fsum(law.p), *(-x for x in law.f))
+    return feedback_radius(train, period_s, on_speeds, (1.0 - h1, h1 - h2, h2))
 
 
 class Track(NamedTuple, Generic[T]):

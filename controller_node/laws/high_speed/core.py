@@ -16,13 +16,14 @@ class Sample(NamedTuple, Generic[T]):
     """What a law knows at a sampling instant.
 
     ``speed``: m/s, measured. ``reference``: w(k), w(k+1), ..., m/s, one sampling period apart. ``lowest``,
-    ``highest``: limits of the command at this speed, m/s^2.
+    ``highest``: limits of the command now, m/s^2. ``emergency``: 1 from its trigger on, else 0.
     """
 
     speed: T
     reference: tuple[T, ...]
     lowest: T
     highest: T
+    emergency: T
 
 
 class Move(NamedTuple, Generic[T]):

@@ -89,8 +89,10 @@ class DelayBank(Generic[T]):
         self.lines: Any = (
             DelayLines(re, delays_s, unit.lag_s, period_s, self.shifts) if lines is None else lines(self.shifts)
         )
+        #: The choice of the nominal delay, for :meth:`pick`.
+        self.nominal = (False,) * (len(self.shifts) - 1)
         root = period_s**0.5
-        self._noise = Noise(
+        self.noise = Noise(
             re.number("reading_variance", given.reading_sigma_mps**2, "parameters"),
             re.number("speed_variance", (given.speed_walk_mps * root) ** 2, "parameters"),
             re.number("disturbance_variance", (given.disturbance_walk_mps2 * root) ** 2, "parameters"),
@@ -123,8 +125,8 @@ class DelayBank(Generic[T]):
         filters, errors = [], []
         for one, shift in zip(bank, self.shifts, strict=True):
             rolled = self.lines.roll(one.accel, parts, shift)
-            before = predicted(re, one.belief, rolled.gained, self._period, self._noise)
-            belief, innovation = corrected(re, before, speed, self._noise)
+            before = predicted(re, one.belief, rolled.gained, self._period, self.noise)
+            belief, innovation = corrected(re, before, speed, self.noise)
             belief = belief._replace(gain=re.clip(belief.gain, *self._gains))
             square = re.div(re.mul(innovation.error, innovation.error), innovation.variance)
             score = re.add(one.score, re.mul(self._weight, re.sub(square, one.score)))

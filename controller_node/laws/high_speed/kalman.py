@@ -10,6 +10,9 @@ from typing import Generic, NamedTuple
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.high_speed.reals import Reals
 
+#: Periods after which a filter has settled at the latest, and the change of a gain that ends the count.
+_SETTLED, _STEADY = 20_000, 1e-9
+
 
 class Belief(NamedTuple, Generic[T]):
     """Estimates and the upper triangle of their covariance.
@@ -82,3 +85,20 @@ def corrected(re: Reals[T], old: Belief[T], reading: T, noise: Noise[T]) -> tupl
         after,
     )
     return belief, Innovation(error, variance)
+
+
+def steady_gains(re: Reals[float], period: float, noise: Noise[float]) -> tuple[float, float]:
+    """Gains on speed (1) and disturbance (1/s) after many periods without a command, when K is not observed.
+
+    :param period: T0, s.
+    """
+    belief = Belief(0.0, 0.0, 1.0, (noise.reading, 0.0, 0.0, noise.reading, 0.0, 0.0))
+    gains = (0.0, 0.0)
+    for _ in range(_SETTLED):
+        before = predicted(re, belief, 0.0, period, noise)
+        vv, vd, *_ = before.covariance
+        belief, innovation = corrected(re, before, 0.0, noise)
+        last, gains = gains, (vv / innovation.variance, vd / innovation.variance)
+        if max(abs(new - old) for new, old in zip(gains, last, strict=True)) < _STEADY:
+            break
+    return gains

@@ -97,8 +97,8 @@ class CoreLaw(HighSpeedLaw[T, Any]):
             points[places[0]] if len(places) == 1 else re.dot(shares, [points[i] for i in places])
             for places, shares in self._instants
         )
-        highest = re.ar.minimum(self.most, re.div(self._power, re.ar.maximum(inputs.speed, self._crawl)))
-        return Sample(inputs.speed, reference, self.least, highest)
+        highest = re.ar.minimum(inputs.most, re.div(self._power, re.ar.maximum(inputs.speed, self._crawl)))
+        return Sample(inputs.speed, reference, self.least, highest, inputs.emergency)
 
     def loop_start(self, loop: int, inputs: LoopInputs[T]) -> Any:
         return self.cores[loop].start(self._sample(inputs))

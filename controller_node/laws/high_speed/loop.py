@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Protocol
 
 from railhil.common.errors import InputError, Words
-from railhil.controller_node.laws.high_speed.core import Unit
-from railhil.controller_node.laws.high_speed.model import Sampled
-from railhil.controller_node.laws.high_speed.predictor import Weights
-from railhil.controller_node.laws.high_speed.stability import Train, spectral_radius
 
 if TYPE_CHECKING:
-    from railhil.controller_node.laws.high_speed.ngpc import GpcParameters
+    from railhil.controller_node.laws.high_speed.law import LawParameters
+
+
+class Spanning(Protocol):
+    """Parameters of a law with a horizon."""
+
+    @property
+    def horizon(self) -> int: ...
+
+    @property
+    def sample_period_s(self) -> float: ...
+
+    @property
+    def override(self) -> bool: ...
+
 
 _HINT = "parameter override = true runs it"
 
 
-def refuse_short_horizon(law: str, parameters: GpcParameters, delay_s: float) -> None:
+def refuse_short_horizon(law: str, parameters: Spanning, delay_s: float) -> None:
     """Refuse N * T0 <= T: within such a horizon no command has any effect, or the wrong one.
 
     :param delay_s: the longest delay.
@@ -28,24 +39,13 @@ def refuse_short_horizon(law: str, parameters: GpcParameters, delay_s: float) ->
         raise InputError("controller", law, found, f"more than the longest delay, {delay_s:g} s", _HINT)
 
 
-def refuse_unstable(
-    law: str,
-    parameters: GpcParameters,
-    model: Sampled,
-    weights: Weights[float],
-    mode: str,
-    delay_s: float,
-    unit: Unit,
-    smoothing: float | None,
-) -> float:
-    """The spectral radius of the closed loop in one mode (``traction``, ``braking``), also with the residual closed.
+def refuse_unstable(law: str, parameters: LawParameters, radii: Mapping[str, float]) -> None:
+    """Refuse a closed loop with a spectral radius of 1 or more.
 
-    :raises InputError: it is 1 or more and ``parameters.override`` is not set.
+    :param radii: of each mode of the train, in words (``traction``, ``braking``).
+    :raises InputError: one of them is 1 or more and ``parameters.override`` is not set.
     """
-    train = Train(delay_s, unit.lag_s)
-    loops = [spectral_radius(train, model, weights, unit.sample_period_s, part) for part in {None, smoothing}]
-    radius = max(loops)
+    mode, radius = max(radii.items(), key=lambda pair: pair[1])
     if radius >= 1.0 and not parameters.override:
         found = Words(f"a closed loop with the spectral radius {radius:.3f} in {mode}")
         raise InputError("controller", law, found, "a spectral radius below 1", _HINT)
-    return radius

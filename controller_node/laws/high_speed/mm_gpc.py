@@ -17,15 +17,17 @@ from railhil.controller_node.laws.high_speed.carima import (
     command_of,
     increments,
     one_step_error,
+    radius,
     resent,
     start_track,
     tracked,
 )
 from railhil.controller_node.laws.high_speed.core import Core, Move, Sample, Unit
 from railhil.controller_node.laws.high_speed.law import DESIGN_SEEDS, CoreLaw
-from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon
+from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon, refuse_unstable
 from railhil.controller_node.laws.high_speed.model import pade_zoh
 from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.laws.high_speed.stability import Train
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,8 @@ class MmCore(Core[T, MmState[T]]):
         self.horizon = parameters.horizon
         delays = (unit.traction_delay_s, unit.braking_delay_s)
         models = [(delay_s, gain) for gain in parameters.gains for delay_s in delays]
+        #: Spectral radius of the loop of each model and the train that it describes.
+        self.radii: dict[str, float] = {}
         self._models = [self._model(i, *model, parameters) for i, model in enumerate(models)]
         self._forgetting = re.number("forgetting", parameters.forgetting, "parameters")
 
@@ -70,6 +74,9 @@ class MmCore(Core[T, MmState[T]]):
         b = tuple(gain * x for x in sampled.b)
         exact = Reals(Float64())
         law = increments(exact, sampled.a, b, given.horizon, given.control_horizon, given.control_weight)
+        mode = "traction" if i % 2 == 0 else "braking"
+        train = Train(delay_s, self.unit.lag_s, gain)
+        self.radii[f"{mode} with gain {gain:g}"] = radius(law, train, self.unit.sample_period_s)
         alpha = (1.0 + sampled.a[0], 1.0 + sampled.a[0] + sampled.a[1])
         return _Model(
             re.numbers(f"alpha_{i}", alpha, "004 eq. 8"),
@@ -113,4 +120,6 @@ class MmGpc(CoreLaw[T]):
 
     def core(self, re: Reals[T], unit: Unit, parameters: Any) -> MmCore[T]:
         refuse_short_horizon(self.name, parameters, max(unit.traction_delay_s, unit.braking_delay_s))
-        return MmCore(re, unit, parameters)
+        core = MmCore(re, unit, parameters)
+        refuse_unstable(self.name, parameters, core.radii)
+        return core

@@ -29,6 +29,7 @@ from railhil.controller_node.laws.high_speed.loop import refuse_short_horizon, r
 from railhil.controller_node.laws.high_speed.model import Sampled, bilinear_without_direct, pade_zoh
 from railhil.controller_node.laws.high_speed.predictor import Weights, first_row, predictions, weights
 from railhil.controller_node.laws.high_speed.reals import Reals
+from railhil.controller_node.laws.high_speed.stability import Train, spectral_radius
 
 _DISCRETISATIONS = {"zoh": pade_zoh, "bilinear": bilinear_without_direct}
 
@@ -105,6 +106,12 @@ class NgpcCore(Core[T, NgpcState[T]]):
         theta = theta_of(exact, self.model)
         return self._weights_of(exact, theta, self.parameters.control_weight)
 
+    def radius(self, train: Train) -> float:
+        """Spectral radius of the loop with the nominal model, the larger one of those without and with the residual."""
+        found, period_s = self.nominal_weights(), self.unit.sample_period_s
+        smoothings = {None, self.estimator.smoothing}
+        return max(spectral_radius(train, self.model, found, period_s, smoothing) for smoothing in smoothings)
+
     def _weights_of(self, re: Reals[Any], theta: Theta[Any], weight: Any) -> Weights[Any]:
         given = self.parameters
         found = predictions(re, coefficients(re, theta), theta.b, given.horizon)
@@ -180,8 +187,7 @@ class NgpcLaw(CoreLaw[T]):
         delays = {"traction": unit.traction_delay_s, "braking": unit.braking_delay_s}
         refuse_short_horizon(self.name, parameters, max(delays.values()))
         core = NgpcCore(re, unit, parameters, self.estimator(re, unit, parameters))
-        for mode, delay_s in delays.items():
-            refuse_unstable(
-                self.name, parameters, core.model, core.nominal_weights(), mode, delay_s, unit, core.estimator.smoothing
-            )
+        refuse_unstable(
+            self.name, parameters, {mode: core.radius(Train(delay_s, unit.lag_s)) for mode, delay_s in delays.items()}
+        )
         return core

@@ -65,6 +65,9 @@ class Pid(HighSpeedLaw[T, PidState]):
         self._proportional = self.hold("kp", given.kp_per_s, _GAIN_Q, "parameters")
         self._integral = self.hold("ki_sample", given.ki_per_s2 * sample_s, _GAIN_Q, "parameters")
         self._differential = self.hold("kd_by_sample", given.kd / sample_s, _GAIN_Q, "parameters")
+        # With the wave it makes records. To the last bit these are those of the shipped networks: no holding brake, and
+        # an error of two rounded speeds.
+        self.holds = not given.dither_mps2
         self._wave: tuple[T, ...] = ()
         if given.dither_mps2:
             self._wave = self.zero, self.hold("dither", given.dither_mps2, ACCEL_Q, "parameters")
@@ -76,7 +79,8 @@ class Pid(HighSpeedLaw[T, PidState]):
         return PidState(self.zero, self._error(inputs), self._wave)
 
     def _error(self, inputs: LoopInputs[T]) -> T:
-        return self.ar.clip(self.ar.sub(inputs.target, inputs.speed), *self._far)
+        error = self.ar.sub(inputs.target, inputs.speed) if self._wave else inputs.error
+        return self.ar.clip(error, *self._far)
 
     def loop_step(self, loop: int, state: PidState, inputs: LoopInputs[T]) -> tuple[PidState, LoopAnswer[T]]:
         ar = self.ar

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from dataclasses import asdict
 from pathlib import Path
+from statistics import fmean
 
 import pytest
 
@@ -36,12 +37,12 @@ def recorded(tmp_path: Path, seed: int, parameters: ParameterSet | None) -> Reco
     return Record(log, scenario, trace, certificate={"controller": "pid", "seed": seed})
 
 
-def rmse_kmh(parameters: ParameterSet | None, scenario: str = "jinan_xuzhou", **of: str) -> float:
+def rmse_kmh(parameters: ParameterSet | None, scenario: str = "jinan_xuzhou", seed: int = SEED, **of: str) -> float:
     """RMSE of ELM-NGPC on a stretch of the journey: its start, or the emergency."""
     settings = [f"{key.replace('__', '.')}={value}" for key, value in of.items()]
     found = direct_run(
         load_any(scenario, settings),
-        RunSpec(law=LawSpec("elm_ngpc", "float64", parameters=parameters), seed=SEED),
+        RunSpec(law=LawSpec("elm_ngpc", "float64", parameters=parameters), seed=seed),
     )
     scores = found.score.as_json()["scores"]
     return float(scores["emergency_rmse_kmh"] or scores["rmse_kmh"])
@@ -88,7 +89,9 @@ def test_without_dither_the_pseudo_inverse_fits_best_and_controls_worst(plain: R
 
 @pytest.mark.slow
 def test_the_emergency_is_followed_within_the_figures_of_the_specification() -> None:
-    assert 0.15 < rmse_kmh(None, "jinan_xuzhou_emergency") < 0.36
+    """The mean: identification makes single runs differ by half of it."""
+    found = [rmse_kmh(None, "jinan_xuzhou_emergency", seed) for seed in range(SEED, SEED + 5)]
+    assert 0.24 < fmean(found) < 0.36
 
 
 @pytest.mark.slow

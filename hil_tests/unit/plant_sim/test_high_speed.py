@@ -116,6 +116,19 @@ def test_traction_and_braking_have_delays_of_their_own_and_add() -> None:
     assert back[60] == pytest.approx(0.3 - 0.2)
 
 
+def test_an_emergency_profile_is_told_for_the_instant_at_which_it_is_read() -> None:
+    """A trigger can be at any tick; from then on the instants of the telegrams are not those of the curve's grid."""
+    task: Any = load_any("jinan_xuzhou_emergency").task
+    wayside = Wayside(task, TICK_S)
+    assert wayside.look(1934, 210_000.0)
+    for tick in (1935, 1940, 1945, 3000, 4335):
+        told = wayside.preview_raw(tick)
+        assert len(told) == 15
+        for j, raw in enumerate(told):
+            at_s = (tick - 1934) * TICK_S + 0.25 * j
+            assert abs(raw / 360 - wayside._curve.speed_mps(at_s)) <= 0.5001 / 360, (tick, j)
+
+
 def test_a_run_under_way_begins_in_balance() -> None:
     task = still_air(start_s=1500.0)
     train = HighSpeedTrain(task, 0, TICK_S)

@@ -56,7 +56,7 @@ def made(figure: Callable[[str, str, int], Figures], **beside: Figures) -> Resul
             names.SPREAD: 0.1,
             names.COUPLER_KN: kn if kind == "coupled" else None,
         }
-        runs[names.units_key(kind, law, loop, SEEDS[0])] = found
+        runs |= {names.units_key(kind, law, loop, seed): found for seed in SEEDS}
     for seed in SEEDS[:1]:
         errors = (("linear", 0.8), ("integrated", 0.2))
         runs[names.record_key(seed)] = {
@@ -79,7 +79,10 @@ def test_each_run_has_its_scenario_and_its_law() -> None:
     planned = PAPER.planned(PAPER.seeds)
     assert len({one.key for one in planned}) == len(planned)
     often = [(EMERGENCY, law) for law in LAWS] + [(at, law) for at in (NORMAL, MUTATION) for law in names.MAIN]
+    often += [(at, law) for at, laws in names.BESIDE.items() for law in laws]
     assert {names.key(at, law, seed) for at, law in often for seed in PAPER.seeds} <= {one.key for one in planned}
+    units = {names.units_key(*which, seed) for which in names.UNITS for seed in PAPER.seeds}
+    assert units <= {one.key for one in planned}
     for scenario, law in {(one.spec.scenario, one.spec.law.controller) for one in planned}:
         system_named(load_any(scenario).system).check_law(law, scenario, "law")
 
@@ -106,6 +109,18 @@ def test_statements_do_not_follow_from_the_opposite() -> None:
 def test_least_effort_of_one_of_two_follows_in_part() -> None:
     quick: Figures = {names.CYCLES: 100.0}
     assert statements(made(as_published, **{names.effort_key(ADAPTIVE): quick}))[7].verdict == IN_PART
+
+
+def test_one_loop_must_have_less_coupler_force_with_every_seed() -> None:
+    weak: Figures = {names.UNITS_RMSE: 0.1, names.SPREAD: 0.1, names.COUPLER_KN: 1.9}
+    found = made(as_published, **{names.units_key("coupled", ELM, "unit", SEEDS[1]): weak})
+    said = statements(found)[-1]
+    assert said.verdict == IN_PART
+    assert "elm_ngpc 2.5 kN with three loops, 1.0 kN with one (1.9 to 3.0 times)" in said.measured
+    units = next(table for table in tables(found) if table.name == "units")
+    line = next(line for line in units.lines if "force" in line.quantity and line.item.startswith("elm_ngpc, a loop"))
+    assert line.measured == pytest.approx((2.45, 1.9, 3.0))
+    assert line.remark == "2 runs"
 
 
 @pytest.mark.slow

@@ -16,10 +16,11 @@ PID, RESIDUAL, DELAY = "pid", "res_ngpc", "delay_gpc"
 MAIN = (ELM, MULTI_MODEL, ADAPTIVE, PID, RESIDUAL, DELAY)
 #: Laws that the figures show.
 DRAWN = (ELM, MULTI_MODEL, ADAPTIVE)
-#: Situations: of the paper with one unit; with the delay 1 s longer, or the gain 1.4, instead of its mutation; and
-#: without gradient and wind.
+#: Situations: of the paper with one unit; with the delay 0.5 s or 1 s longer, or the gain 1.4, instead of its mutation;
+#: without gradient and wind; the emergency without identification of the model.
 NORMAL, EMERGENCY, MUTATION = "normal", "emergency", "mutation"
-LATER, STRONGER, CALM = "delay+1s", "gain1.4", "calm"
+LATE, LATER, STRONGER, CALM = "delay+0.5s", "delay+1s", "gain1.4", "calm"
+FIXED_MODEL = "emergency-fixed"
 #: RMSE inside the windows of a mutation.
 WINDOWS = "windows_rmse_kmh"
 #: The figure of each situation that says how well the target is followed.
@@ -27,12 +28,16 @@ RMSE: Mapping[str, str] = {
     NORMAL: "rmse_kmh",
     EMERGENCY: "emergency_rmse_kmh",
     MUTATION: WINDOWS,
+    FIXED_MODEL: "emergency_rmse_kmh",
+    LATE: WINDOWS,
     LATER: WINDOWS,
     STRONGER: WINDOWS,
     CALM: "rmse_kmh",
 }
-#: Laws that are run in the situations beside the papers, and those of them that are run with every seed.
+#: Laws that are run in the situations beside the papers.
 BESIDE: Mapping[str, tuple[str, ...]] = {
+    FIXED_MODEL: (ELM, BP),
+    LATE: (ELM, PID, RESIDUAL, DELAY),
     LATER: (ELM, PID, RESIDUAL, DELAY),
     STRONGER: (ELM, PID, DELAY),
     CALM: (ELM, MULTI_MODEL, ADAPTIVE, PID),
@@ -73,16 +78,8 @@ def laws_of(situation: str) -> tuple[str, ...]:
 
 def seeds_of(situation: str, law: str, seeds: Sequence[int]) -> tuple[int, ...]:
     """The seeds with which a law is run in a situation."""
-    often = (
-        situation == EMERGENCY
-        or (situation in (NORMAL, MUTATION) and law in MAIN)
-        or (situation, law)
-        == (
-            LATER,
-            DELAY,
-        )
-    )
-    return tuple(seeds) if often else tuple(seeds[:1])
+    once = situation in (NORMAL, MUTATION) and law not in MAIN
+    return tuple(seeds[:1]) if once else tuple(seeds)
 
 
 def units_key(kind: str, law: str, loop: str, seed: int) -> str:
@@ -121,8 +118,18 @@ def over_seeds(
 
 def count(results: Results, situation: str, law: str) -> str:
     """How many runs the figures come from, in words."""
-    number = len(made(results, situation, law))
-    return f"{number} run{'s' * (number != 1)}"
+    return counted(made(results, situation, law))
+
+
+def counted(keys: Sequence[str]) -> str:
+    """The number of some runs, in words."""
+    return f"{len(keys)} run{'s' * (len(keys) != 1)}"
+
+
+def units_made(results: Results, kind: str, law: str, loop: str) -> list[str]:
+    """Names of the runs with three units that were made."""
+    keys = [units_key(kind, law, loop, seed) for seed in results.seeds]
+    return [one for one in keys if one in results.runs]
 
 
 def mean(results: Results, situation: str, law: str, name: str) -> float | None:

@@ -16,9 +16,10 @@ from railhil.reproduce.ngpc.names import (
     BESIDE,
     CALM,
     CYCLES,
-    DELAY,
     DRAWN,
     EMERGENCY,
+    FIXED_MODEL,
+    LATE,
     LATER,
     LAWS,
     MAIN,
@@ -48,13 +49,21 @@ SCENARIOS: Mapping[str, str] = {
     NORMAL: "jinan_xuzhou",
     EMERGENCY: "jinan_xuzhou_emergency",
     MUTATION: "jinan_xuzhou_mutation",
+    FIXED_MODEL: "jinan_xuzhou_emergency",
+    LATE: "jinan_xuzhou",
     LATER: "jinan_xuzhou",
     STRONGER: "jinan_xuzhou",
     CALM: "jinan_xuzhou",
 }
 #: Begin and duration of the mutations of jinan_xuzhou_mutation, s; those of the other situations are at the same times.
 WINDOWS_S = ((1030, 80), (2800, 90), (3590, 85))
-_FAULT: Mapping[str, str] = {LATER: "train.delay longer 1000ms", STRONGER: "train.gain scale 1.4"}
+_FAULT: Mapping[str, str] = {
+    LATE: "train.delay longer 500ms",
+    LATER: "train.delay longer 1000ms",
+    STRONGER: "train.gain scale 1.4",
+}
+#: Parameters of the laws in a situation that are not their own, and the file for them.
+_GIVEN: Mapping[str, tuple[Mapping[str, str], str]] = {FIXED_MODEL: ({"ident": "off"}, "ident_off.toml")}
 _CALM = ("task.gradient_permil=0", "task.wind_sigma_mps2=0")
 #: The first two minutes, in an arithmetic whose operations are counted.
 _SHORT, _COUNTED = "hst_short", "float32"
@@ -73,16 +82,16 @@ PROTOCOL = (
     "jinan_xuzhou_mutation: the papers name the line, delays, lags and the emergency at km 210; everything else is "
     "assumed, and listed by `railhil scenarios jinan_xuzhou`.",
     "No parameter of a law was chosen on the seeds, nor was a network trained on them.",
-    f"Each law in float64 with its own parameters. Every seed: emergency, all laws; normal and mutation, "
-    f"{', '.join(MAIN)}"
-    f"; {LATER}, {DELAY}. Only the first seed: everything else.",
-    f"Beside the papers: {LATER}, {STRONGER} (delay 1 s longer, gain 1.4, at the times of the mutation and instead of "
-    f"it); {CALM} (neither gradient nor wind).",
+    f"Each law in float64 with its own parameters. Only the first seed: the record, and in normal running and with "
+    f"mutations the laws {', '.join(law for law in LAWS if law not in MAIN)}. Every seed: everything else.",
+    f"Beside the papers: {LATE}, {LATER}, {STRONGER} (delay 0.5 s or 1 s longer, gain 1.4, at the times of the "
+    f"mutation and instead of it); {CALM} (neither gradient nor wind); {FIXED_MODEL} (the emergency, and the model is "
+    f'not identified: `ident = "off"`).',
     "Runs of the journeys, but for the record, are made without a bus: the plant and the law coupled by the same raw "
     "integers. Tests show telegrams and scores equal to those of the nodes. Such a run has no frames.log; the command "
     "beside it makes the same run over the in-process bus. For a run with `--parameters` the file has to be "
-    f'written first: `{_DITHER} = {_DITHER_MPS2}` for the record, `loop = "mean"` for one loop on '
-    "the mean speed of three units.",
+    f'written first: `{_DITHER} = {_DITHER_MPS2}` for the record, `ident = "off"` for {FIXED_MODEL}, '
+    '`loop = "mean"` for one loop on the mean speed of three units.',
     "Modelling error: an ELM is trained on the record of a run with a dithered PID, without 300 samples spread over "
     "it, and judged on these.",
     "Computing effort: estimated cycles of the target processor for one control period in float32, counted in the "
@@ -91,17 +100,20 @@ PROTOCOL = (
 
 
 def planned(seeds: Sequence[int]) -> list[Planned]:
-    """All runs, those with every seed first."""
-    return [*_tracking(seeds), *_records(seeds[:1]), *_units(seeds[:1]), *_efforts()]
+    """All runs."""
+    return [*_tracking(seeds), *_records(seeds[:1]), *_units(seeds), *_efforts()]
 
 
 def _tracking(seeds: Sequence[int]) -> Iterator[Planned]:
     for situation, scenario in SCENARIOS.items():
         faults = tuple(f"{_FAULT[situation]} @{at}s for {s}s" for at, s in WINDOWS_S) if situation in _FAULT else ()
         settings = _CALM if situation == CALM else ()
+        values, file = _GIVEN.get(situation, ({}, ""))
         for law in laws_of(situation):
+            given = ParameterSet(law, values, Path(file)) if values else None
             for seed in seeds_of(situation, law, seeds):
-                spec = RunSpec(scenario, settings, LawSpec(law, _ARITHMETIC), seed, bus="local", faults=faults)
+                how = LawSpec(law, _ARITHMETIC, parameters=given)
+                spec = RunSpec(scenario, settings, how, seed, bus="local", faults=faults)
                 is_drawn = law in DRAWN and situation not in BESIDE and seed == seeds[0]
                 yield Planned(key(situation, law, seed), spec, is_drawn, _PORTS)
 

@@ -24,13 +24,14 @@ from railhil.reproduce.ngpc.names import (
     WIDEST,
     WINDOWS,
     count,
+    counted,
     effort_key,
     laws_of,
     made,
     model_error,
     over_seeds,
     record_key,
-    units_key,
+    units_made,
 )
 from railhil.reproduce.paper import Line, Results, Table
 
@@ -116,18 +117,18 @@ def _bands(results: Results) -> Table:
 
 
 def _units(results: Results) -> Table:
-    seed = results.seeds[0]
-    lines = tuple(
-        Line(
-            f"{law}, {'a loop for each unit' if loop == 'unit' else 'one loop on the mean'}", f"{kind} units, {title}",
-            unit, digits, None, (results.value(units_key(kind, law, loop, seed), name),),
-        )
-        for title, name, unit, digits in UNIT_FIGURES
-        for kind, law, loop in UNITS
-        if kind == "coupled" or name != COUPLER_KN
-    )  # fmt: skip
-    note = "The paper with three units prints curves and no numbers."
-    return Table("units", "Three power units, normal running", ("measured",), lines, note)
+    lines = []
+    for title, name, unit, digits in UNIT_FIGURES:
+        for kind, law, loop in UNITS:
+            if kind == "free" and name == COUPLER_KN:
+                continue
+            keys = units_made(results, kind, law, loop)
+            found = tuple(results.over(keys, name, join) for join in (fmean, min, max))
+            loops = "a loop for each unit" if loop == "unit" else "one loop on the mean"
+            at = f"{kind} units, {title}"
+            lines.append(Line(f"{law}, {loops}", at, unit, digits, None, found, remark=counted(keys)))
+    note = "The paper with three units prints curves and no numbers. Mean, least and greatest over the seeds."
+    return Table("units", "Three power units, normal running", _OVER_SEEDS, tuple(lines), note)
 
 
 def _stop(results: Results) -> Table:

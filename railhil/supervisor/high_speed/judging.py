@@ -37,6 +37,8 @@ OF_UNITS = (
     Criterion("spread_kmh", "speed spread", "km/h", 3, Ride.spread_kmh),
     Criterion("coupler_peak_kn", "coupler force", "kN", 1, Ride.coupler_peak_kn),
 )
+#: Largest difference of a command from that in float64 on the same readings, before it is rounded for the bus, m/s2.
+AUDIT_LIMITS = {"accel": 1e-4}
 #: Where the controller reports on its arithmetic.
 _STATUS = Status("LAW_STAT", "LawFlags")
 #: No unit has this level of the ladder.

@@ -51,6 +51,14 @@ def test_an_unstable_loop_is_refused_with_its_spectral_radius():
         loop("res_ngpc", sample_period_s=0.4, control_weight=0.01)
 
 
+@pytest.mark.parametrize(("law", "weight"), [("mm_gpc", 0.01), ("a_gpc", 0.3)])
+def test_an_unstable_loop_of_a_comparator_is_refused_too(law, weight):
+    message = r"spectral radius 1\.\d+ in braking( with gain 1)?, allowed a spectral radius below 1"
+    with pytest.raises(InputError, match=message):
+        loop(law, control_weight=weight)
+    loop(law, control_weight=weight, override=True)
+
+
 def test_fixed_point_is_refused_in_one_line():
     with pytest.raises(InputError, match="float64 or float32: this law has no fixed-point formats"):
         VectorController(SHORT, LawSpec("res_ngpc", arithmetic="iq"))
@@ -84,6 +92,18 @@ def test_single_precision_commands_what_double_precision_does(law, ident):
     assert max(differences) <= 1e-4
 
 
+def test_the_integral_of_the_pid_does_not_drift_in_single_precision():
+    """At 300 km/h a speed in single precision is rounded to 8e-6 m/s; the difference of two counts is exact."""
+    double, single = loop("pid"), loop("pid", "float32")
+    generator = np.random.default_rng(7)
+    for _ in range(400):
+        speed = 30000 + round(7 * generator.standard_normal())
+        for law in (double, single):
+            law.step([speed, *[30001] * 15, 0])
+    ours, theirs = (law.state.held[0].accel for law in (single, double))
+    assert abs(ours - theirs) <= 1e-6
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_the_law_runs_on_arrays_as_on_one_train(law):
     one, many = loop(law), VectorLoop(system_named("hst1"), SHORT, law, make("float64", batch=True), None, None)
@@ -109,6 +129,39 @@ def test_the_trigger_of_an_emergency_is_a_sample():
     assert all(k % 5 == 0 for k in changes if k < 51)
     assert 51 in changes
     assert all((k - 51) % 5 == 0 for k in changes if k >= 51)
+
+
+def still(target, later, emergency=0):
+    """Raw readings: a train at 0.36 km/h; the target now and up to 3.25 s ahead, and 3.5 s ahead, raw."""
+    return [36, *[target] * 13, later, target, emergency]
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_train_is_held_at_the_end_of_the_reference_and_not_before_its_start(law):
+    ends, starts = loop(law), loop(law)
+    for _ in range(6):
+        held, begun = ends.step(still(0, 0))[1], starts.step(still(0, 165))[1]
+    assert held.commands[0] <= -300
+    assert held.commands[1] == 2.0
+    assert begun.commands[0] > -300
+
+
+def test_the_first_command_of_an_emergency_is_stronger_with_the_smaller_weight():
+    commands = []
+    for values in ({}, {"emergency_weight": 4.0}):
+        law = loop("delay_gpc", **values)
+        for _ in range(20):
+            law.step([30000] * 16 + [0])
+        profile = [30000 - round(223 * max(0.25 * j - 0.5, 0.0)) for j in range(15)]
+        commands.append(law.step([30000, *profile[1:], profile[0], 1])[1].commands[0])
+    assert commands[0] < 1.2 * commands[1] < 0
+
+
+@pytest.mark.slow
+def test_our_law_follows_the_emergency_profile_and_stands_at_its_end():
+    found = journey(load_any("jinan_xuzhou_emergency"), "delay_gpc", 105)
+    assert found.rmse_kmh < 0.15
+    assert found.commands_mps2[-1] <= -0.3
 
 
 @pytest.mark.slow
