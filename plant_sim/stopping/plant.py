@@ -35,7 +35,7 @@ from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
-_DOORS_NS = 1_000_000_000
+DOORS_NS = 1_000_000_000
 _ODO_MAX = 2**32 - 1
 _WHEEL_PER_UNIT = 1e6
 
@@ -112,7 +112,7 @@ class StopPlant(TimedPlant):
 
     def _state(self) -> Telegram:
         stop_tick = self._stop_tick
-        doors = stop_tick is not None and (self.tick - stop_tick) * self.tick_ns >= _DOORS_NS
+        doors = stop_tick is not None and (self.tick - stop_tick) * self.tick_ns >= DOORS_NS
         run = self.train.run
         return TrainState(
             round(run.load_percent),
