@@ -91,6 +91,7 @@ class _Coupled:
         ports: Collection[str] | None,
     ) -> None:
         system = system_named(scenario.system)
+        self._contract = system.contract
         self.trace = Trace(system.contract)
         self.ended: Event | None = None
         self.milestones = Milestones(self.publish, scenario.timing.base_tick_ns)
@@ -108,6 +109,7 @@ class _Coupled:
         self._last_k = -1
         self._steps = 0
         self._life: dict[str, int] = {}
+        self._status_ticks: dict[str, int] = {}
 
     def needs(self, port: str) -> bool:
         """Whether the plant publishes a port in this run."""
@@ -140,6 +142,7 @@ class _Coupled:
             self._plant.take(telegram)
             self.publish(telegram)
         elif self._output is not None and port.name in self._statuses:
+            self._status_ticks[port.name] = self._plant.tick
             self.publish(status_telegram(interface, self._statuses[port.name], self._output, self._steps, life))
 
     def _stepped(self) -> VectorOutput:
@@ -154,5 +157,9 @@ class _Coupled:
         """Nothing to send."""
 
     def end(self, event: Event) -> None:
+        # Like the plant's node: the record has the status of the last tick.
+        for name in self._plant.statuses:
+            if self._status_ticks.get(name) != self._plant.tick:
+                self.poll(self._contract.port(name))
         self.ended = event
         self.milestones.end(event, 0, 0)
