@@ -36,7 +36,7 @@ from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
 _DOORS_NS = 1_000_000_000
-_ODO_MAX = 2**32 - 1
+_ODO_MAX = 2**24 - 1
 _WHEEL_PER_UNIT = 1e6
 
 
