@@ -37,7 +37,7 @@ from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION
 from railhil.controller_node.laws.fault import law_fault
 from railhil.controller_node.vector.controller import VectorController, VectorLoop
 from railhil.plant_sim.any_plant import PlantError
-from railhil.plant_sim.stopping.plant import DOORS_NS, TICK_NS
+from railhil.plant_sim.stopping.plant import DOORS_NS, ODO_MAX, TICK_NS
 from railhil.plant_sim.timed_run import due_tick_of
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
@@ -196,7 +196,7 @@ class _Runs:
             stopped = fleet.stop_tick >= 0
             error = np.rint((position_m - self._task.stop_m + self._mark_m) * MM).astype(np.int64)
             self._report = np.where(stopped, self._numbers, 0), np.where(stopped, error, 0)
-        odometer = np.clip((position_m - self._task.start_m) * (1.0 + fleet.wheel) * MM, 0.0, 2.0**32 - 1)
+        odometer = np.clip((position_m - self._task.start_m) * (1.0 + fleet.wheel) * MM, 0.0, ODO_MAX)
         balise = np.where(fleet.passed > 0, fleet.passed + common.first_balise, 0)
         constant = [np.full(count, value, dtype=np.int64) for value in (tick & 0xFFFF, 1, 0)]
         counted, one, zero = constant
