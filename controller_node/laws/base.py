@@ -133,11 +133,19 @@ class Law(ABC, Generic[T, State]):
     def memory_key(cls, scenario: Scenario) -> str:
         """Key of the law's memory from run to run (train, platform, ...); empty: it keeps none.
 
-        A law with a key is constructed with one more argument, ``memory``: what :meth:`memory` returned at the end of
-        its last run, None before the first. Its program is recorded with that memory too, so that its formats are
-        checked.
+        A law with a key is constructed with one more argument, ``memory``
+        (:class:`railhil.controller_node.laws.memory.Remembered`): what :meth:`memory` returned at the end of its last
+        run, and where it was stored. Its program is recorded with that memory too, so that its formats are checked.
         """
         return ""
+
+    @classmethod
+    def check_memory(cls, scenario: Scenario, values: Mapping[str, Any]) -> None:
+        """Refuse stored values with which the law must not begin, although they are undamaged: out of range, missing.
+
+        :param values: as :meth:`memory` returned them, after JSON.
+        :raises Exception: of any kind; its text says what is wrong. Another record is then used, or none.
+        """
 
     def memory(self, state: State) -> Mapping[str, Any]:
         """The memory to keep after the run: a dict of numbers, strings and lists that JSON can hold.

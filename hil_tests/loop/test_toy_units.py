@@ -160,7 +160,7 @@ from two_carts.laws import Apart
 class Counting(Apart):
     def __init__(self, arithmetic, scenario, parameters=None, memory=None):
         super().__init__(arithmetic, scenario, parameters)
-        self.runs = 0 if memory is None else memory["runs"]
+        self.runs = memory.values["runs"] if memory.values else 0
 
     @classmethod
     def memory_key(cls, scenario):

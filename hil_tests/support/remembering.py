@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant
 from railhil.controller_node.laws.base import NOTCH_Q, SPEED_Q, LawInputs, LawOutputs
 from railhil.controller_node.laws.ipfc import Ipfc
+from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.scenarios.model import Scenario
 
 #: Notches added in the next run for each km/h of deviation at the end of the last run.
@@ -31,19 +32,24 @@ class Learning(Ipfc[Any]):
         arithmetic: Arithmetic[Any],
         scenario: Scenario,
         parameters: Any = None,
-        memory: Mapping[str, Any] | None = None,
+        memory: Remembered = NOTHING,
     ) -> None:
         super().__init__(arithmetic, scenario, parameters)
-        self._runs = 0 if memory is None else int(memory["runs"])
-        self._learned = 0.0 if memory is None else float(memory["offset"])
+        values = memory.values or {"runs": 0, "offset": 0.0}
+        self._runs, self._learned = int(values["runs"]), float(values["offset"])
         most = scenario.train.notch_max
-        values = {"offset": self._learned, "most": most, "least": -most}
-        constants = [Constant(name, value, NOTCH_Q, "memory") for name, value in values.items()]
+        held = {"offset": self._learned, "most": most, "least": -most}
+        constants = [Constant(name, value, NOTCH_Q, "memory") for name, value in held.items()]
         self._offset, *self._range = arithmetic.load(constants)
 
     @classmethod
     def memory_key(cls, scenario: Scenario) -> str:
         return f"{scenario.line.name}, {scenario.train.name}"
+
+    @classmethod
+    def check_memory(cls, scenario: Scenario, values: Mapping[str, Any]) -> None:
+        if not abs(values["offset"]) <= scenario.train.notch_max:
+            raise ValueError(f"offset {values['offset']}, allowed +-{scenario.train.notch_max}")
 
     def memory(self, state: Any) -> dict[str, Any]:
         error_kmh = self._ar.raw(state.error, SPEED_Q) / 2**SPEED_Q

@@ -1,0 +1,50 @@
+"""The system ``stop``: a train that stops at a platform, and learns from run to run."""
+
+from __future__ import annotations
+
+from railhil.faults.truth import Truth
+from railhil.scenarios.system import System
+
+#: Milestones of the system.
+EVENTS = {"slide_begun": 32}
+
+#: Places of faults inside its plant: mutations of brake and rail, sensors, traction and brake.
+INJECTS = (
+    "train.gain",
+    "train.lag",
+    "train.delay",
+    "train.adhesion",
+    "sensor.speed",
+    "sensor.position",
+    "sensor.balise",
+    "actuator.traction",
+    "actuator.brake",
+)
+
+STOP = System(
+    name="stop",
+    title="precise stopping at a platform",
+    ports="railhil.dbc:stop.toml",
+    plant="railhil.plant_sim.stopping.plant:StopPlant",
+    controller="railhil.controller_node.vector.node:VectorNode",
+    laws="railhil.laws_stop",
+    law="ilc_stop",
+    arithmetic="float64",
+    judging="railhil.supervisor.precise_stopping.judging:STOP",
+    pictures="railhil.supervisor.precise_stopping.panels:pictures",
+    events=EVENTS,
+    numbered=True,
+    injects=INJECTS,
+    own={
+        "task": "railhil.scenarios.stopping.task:StopTask",
+        "interface": "railhil.controller_node.laws.stopping.interface:STOP",
+        "direct": "railhil.vector_bench:direct_run",
+        "batch": "railhil.batch.stopping.runs:run_stops",
+        "together": "railhil.batch.stopping.runs:run_together",
+        "kernel": "railhil.batch.stopping.kernel",
+        "digest": "railhil.batch.coupled:command_digest",
+        "catalogue": "railhil.supervisor.precise_stopping.reactions:CATALOGUE",
+        "faulty_plant": "railhil.plant_sim.stopping.faults:FaultyStopPlant",
+    },
+    truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("TRUE_DATA",)),
+)
