@@ -13,7 +13,7 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
-from railhil.scenarios.memory import no_memory, write_memory
+from railhil.scenarios.memory import Memory, Record, Stored, write_memory
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
@@ -98,20 +98,21 @@ def test_every_variable_says_its_key() -> None:
 
 
 def test_the_memory_of_a_law_is_said_by_one_of_two_keys(tmp_path: Path) -> None:
-    memory = no_memory("ipfc", tmp_path / "old.json")
+    record = Record("ipfc", "here", 1, 1, {"offset_m": 0.5})
+    memory = Memory("ipfc", (Stored("A", record),), tmp_path / "old.json")
     write_memory(memory, memory.source)
-    path = written(tmp_path / "run.toml", 'memory_file = "new.json"\n')
-    assert RunSpec.from_file(path).memory_file == str(tmp_path / "new.json")
+    path = written(tmp_path / "run.toml", 'memory_store = "new"\n')
+    assert RunSpec.from_file(path).memory_store == str(tmp_path / "new")
     begun = asked("--spec", path, "--memory-from", memory.source)
-    assert (begun.memory_file, begun.law.memory) == (None, memory)
+    assert (begun.memory_store, begun.law.memory) == (None, memory)
     assert begun.law.label == f"ipfc@{memory.digest}"
     assert begun.law.words[-2:] == ["--memory-from", str(memory.source)]
     assert asked(RAILHIL_MEMORY_FROM=str(memory.source)) == begun
-    kept = asked("--memory", "x.json", RAILHIL_MEMORY_FROM=str(memory.source))
-    assert (kept.memory_file, kept.law.memory) == (str(Path("x.json").resolve()), None)
+    kept = asked("--memory", "x", RAILHIL_MEMORY_FROM=str(memory.source))
+    assert (kept.memory_store, kept.law.memory) == (str(Path("x").resolve()), None)
     document = begun.as_json()
     assert RunSpec.from_json(document, memory.source) == begun
-    document["memory"]["values"] = {"offset_m": 1.0}
+    document["memory"]["stored"][0]["slot"] = "B"
     with pytest.raises(InputError, match=r"old\.json: memory\.sha256: found .*values that nobody changed"):
         RunSpec.from_json(document, memory.source)
 
