@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -26,8 +25,8 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from railhil.common import whole_file as wholefile
 from railhil.common.errors import InputError, Words, near_file
+from railhil.common.whole_file import write_synced
 from railhil.scenarios.validation import validated
 
 VERSION = 1
@@ -104,9 +103,14 @@ class Record:
         return json.dumps(self.document, indent=2, sort_keys=True, allow_nan=False) + "\n"
 
     @property
+    def content(self) -> bytes:
+        """:attr:`text` as bytes."""
+        return self.text.encode("ascii")
+
+    @property
     def sha256(self) -> str:
-        """Hash of :attr:`text`, and therefore of its file."""
-        return hashlib.sha256(self.text.encode("ascii")).hexdigest()
+        """Hash of :attr:`content`, and therefore of its file."""
+        return hashlib.sha256(self.content).hexdigest()
 
     @property
     def digest(self) -> str:
@@ -306,28 +310,8 @@ def memory_from_json(document: Mapping[str, Any], source: Path) -> Memory:
 
 def write_memory(memory: Memory, path: Path) -> None:
     """Write the document of :meth:`Memory.as_json`, completely or not at all. Raises OSError."""
-    write_synced(json.dumps(memory.as_json(), indent=2, sort_keys=True, allow_nan=False) + "\n", path)
-
-
-def write_synced(text: str, path: Path) -> None:
-    """Write a file completely or not at all, even if interrupted: temporary file, fsync, rename.
-
-    :raises OSError: it cannot be written; the previous file is kept.
-    """
-    with wholefile.whole_file(path) as draft, draft.open("w", encoding="ascii") as stream:
-        stream.write(text)
-        stream.flush()
-        os.fsync(stream.fileno())
-    sync_folder(path.resolve().parent)
-
-
-def sync_folder(path: Path) -> None:
-    """Make the names in a folder survive a power cut. Raises OSError."""
-    folder = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+    text = json.dumps(memory.as_json(), indent=2, sort_keys=True, allow_nan=False) + "\n"
+    write_synced(path, text.encode("ascii"))
 
 
 def runs_said(runs: int) -> str:

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from railhil.common.errors import InputError, Words
-from railhil.common.whole_file import check_writable
+from railhil.common.whole_file import check_writable, sync_folder, write_synced
 from railhil.scenarios.memory import (
     LINE_DEFAULT,
     SLOT_A,
@@ -32,8 +32,6 @@ from railhil.scenarios.memory import (
     Stored,
     load_memory,
     read_record,
-    sync_folder,
-    write_synced,
 )
 
 #: Place in a store -> file.
@@ -104,7 +102,7 @@ class MemoryStore:
                 if one.slot != LINE_DEFAULT and (one.fault or one.slot in refused):
                     self._set_aside(one.slot)
             slot = SLOT_B if used == SLOT_A else SLOT_A
-            write_synced(record.text, self.file(slot))
+            write_synced(self.file(slot), record.content)
         return slot
 
     @contextmanager

@@ -11,8 +11,9 @@ from typing import Any
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import FAIL, PASS
 from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.whole_file import write_synced
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import Memory, Record, Stored, write_synced
+from railhil.scenarios.memory import Memory, Record, Stored
 from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
 from railhil.scenarios.settings import add_set_argument
 from railhil.scenarios.system import system_named
@@ -126,7 +127,7 @@ def _export(namespace: argparse.Namespace) -> int:
         raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")
     out: Path = namespace.out
     try:
-        write_synced(record.text, out)
+        write_synced(out, record.content)
     except OSError as error:
         raise not_written("--out", out, "file", error) from None
     if namespace.json:

@@ -17,8 +17,8 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
-from railhil.common.whole_file import whole_file
-from railhil.scenarios.memory import MEMORY_AFTER, write_synced
+from railhil.common.whole_file import whole_file, write_synced
+from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import any_judged_sha256
@@ -304,7 +304,7 @@ def write_folder(
         with whole_file(folder / "junit.xml") as draft:
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
         if result.memory is not None and result.memory.record is not None:
-            write_synced(result.memory.record.text, folder / MEMORY_AFTER)
+            write_synced(folder / MEMORY_AFTER, result.memory.record.content)
         told = {"received": None if trace.told is None else trace.told.as_json()}
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments) | told)
     except BaseException as error:

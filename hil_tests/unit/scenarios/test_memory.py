@@ -24,7 +24,6 @@ from railhil.scenarios.memory import (
     no_memory,
     read_record,
     write_memory,
-    write_synced,
 )
 
 GOLDEN = ROOT / "hil_tests" / "data" / "memory" / "golden.json"
@@ -46,7 +45,7 @@ def test_the_golden_file() -> None:
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     path = tmp_path / "memory.json"
-    write_synced(SOME.text, path)
+    path.write_text(SOME.text)
     assert load_memory(path) == Memory("mylaw", (Stored("file", SOME),), path)
     for memory in (in_slots(path), no_memory("mylaw", path)):
         write_memory(memory, path)
