@@ -19,6 +19,8 @@ from railhil.common.scheduling import PRIORITY_MAX
 
 #: Seeds travel as 32 bit in the handshake.
 SEED_MAX = 0xFFFF_FFFF
+#: Numbers of runs are reported in 16 bit.
+RUN_NUMBER_MAX = 0xFFFF
 #: Below this rate ticks are so rare that a dead bench cannot be told from a slow one.
 RATE_MIN, RATE_MAX = 0.01, 1000.0
 #: Rate of a real-time run started without ``--rate``.
@@ -190,6 +192,13 @@ def add_run_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scenario", nargs="?", default="lvshun_tieshan", help="shipped name or TOML file")
     parser.add_argument("--seed", type=whole_number(0, SEED_MAX), default=0, help="random seed of the run (default 0)")
     parser.add_argument("--perturbed", action="store_true", help="draw parameters from the scenario's distributions")
+    parser.add_argument(
+        "--run-number",
+        type=whole_number(1, RUN_NUMBER_MAX),
+        default=1,
+        metavar="N",
+        help="number of the run in the sequence of its seed, for systems that learn from run to run (default 1)",
+    )
     parser.add_argument("--pace", choices=PACES, default="lockstep")
     parser.add_argument(
         "--appear-timeout",

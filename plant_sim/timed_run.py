@@ -92,15 +92,18 @@ class TimedPlant(ABC):
     def act(self, telegram: Telegram) -> None:
         """Carry out an accepted command, from the current tick on."""
 
-    def milestone(self, kind: str, position_01mm: int, *, once: bool = False) -> None:
-        """Record a milestone of the current tick for RUN_EVENT.
+    def milestone(self, kind: str, position_01mm: int, *, once: bool = False, instant_01ms: int | None = None) -> None:
+        """Record a milestone for RUN_EVENT.
 
         :param once: only the first time in the run.
+        :param instant_01ms: None: that of the current tick.
         """
         if once and kind in self._reached:
             return
         self._reached.add(kind)
-        self._milestones.append(Milestone(kind, self.tick * self.tick_ns // 100_000, position_01mm))
+        if instant_01ms is None:
+            instant_01ms = self.tick * self.tick_ns // 100_000
+        self._milestones.append(Milestone(kind, instant_01ms, position_01mm))
 
     def drain_events(self) -> list[Milestone]:
         """Milestones since the last call."""

@@ -156,6 +156,7 @@ def run(
     faults: Sequence[str] = (),
     seed: int = 0,
     perturbed: bool = False,
+    run_number: int = 1,
     pace: str = "lockstep",
     rate: float = RATE,
     bus: str = "local",
@@ -169,6 +170,7 @@ def run(
         and ``out`` are used.
     :param controller: the law; None: the usual one of the scenario's system.
     :param faults: what is injected besides the scenario's own faults, one text each (docs/faults.md).
+    :param run_number: of the run in the sequence of its seed, for systems whose runs have numbers.
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
@@ -185,7 +187,7 @@ def run(
         spec = spec_of(
             scenario, controller=controller, arithmetic=arithmetic, indexing=indexing, parameters=parameters,
             settings=settings, faults=tuple(faults), seed=seed, perturbed=perturbed, pace=pace, rate=rate, bus=kind,
-            memory=memory,
+            memory=memory, run_number=run_number,
         )  # fmt: skip
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:

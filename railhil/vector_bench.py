@@ -18,6 +18,7 @@ from railhil.bus.schedule import Schedule
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface
+from railhil.controller_node.vector.status import status_telegram
 from railhil.dbc import Port
 from railhil.faults.language import parse
 from railhil.plant_sim.any_plant import AnyPlant
@@ -90,12 +91,14 @@ class _Coupled:
         ports: Collection[str] | None,
     ) -> None:
         system = system_named(scenario.system)
+        self._contract = system.contract
         self.trace = Trace(system.contract)
         self.ended: Event | None = None
         self.milestones = Milestones(self.publish, scenario.timing.base_tick_ns)
         self._plant = plant
         self._law = law
         self._interface = interface
+        self._statuses = {kind.PORT: kind for kind in interface.statuses}
         self._ports = ports
         self._own_events = system.events
         self._read = {reading.telegram.PORT for reading in interface.readings}
@@ -106,6 +109,7 @@ class _Coupled:
         self._last_k = -1
         self._steps = 0
         self._life: dict[str, int] = {}
+        self._status_ticks: dict[str, int] = {}
 
     def needs(self, port: str) -> bool:
         """Whether the plant publishes a port in this run."""
@@ -137,8 +141,9 @@ class _Coupled:
             telegram = kind(**fields, life=life)
             self._plant.take(telegram)
             self.publish(telegram)
-        elif interface.status is not None and self._output is not None:
-            self.publish(self._status(interface.status, self._output, life))
+        elif self._output is not None and port.name in self._statuses:
+            self._status_ticks[port.name] = self._plant.tick
+            self.publish(status_telegram(interface, self._statuses[port.name], self._output, self._steps, life))
 
     def _stepped(self) -> VectorOutput:
         k = self._now_ns // self._control_ns
@@ -148,16 +153,13 @@ class _Coupled:
             self._steps += 1
         return self._output
 
-    def _status(self, kind: type[Telegram], output: VectorOutput, life: int) -> Telegram:
-        ranges = {name: signal.raw_range for name, signal in kind.signals()}
-        fields = {"step_count": self._steps & 0xFFFF, "overflow_flags": output.overflow_flags, "life": life}
-        notes = zip(self._interface.notes, output.notes, strict=True)
-        fields |= {note.field: min(max(raw, ranges[note.field][0]), ranges[note.field][1]) for note, raw in notes}
-        return kind(**{name: value for name, value in fields.items() if name in ranges})
-
     def finish(self) -> None:
         """Nothing to send."""
 
     def end(self, event: Event) -> None:
+        # Like the plant's node: the record has the status of the last tick.
+        for name in self._plant.statuses:
+            if self._status_ticks.get(name) != self._plant.tick:
+                self.poll(self._contract.port(name))
         self.ended = event
         self.milestones.end(event, 0, 0)

@@ -15,7 +15,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from railhil.common.choices import ARITHMETICS, BUSES, INDEXINGS, PACES
-from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, SEED_MAX, TASK_PERIOD_MAX_MS
+from railhil.common.command_line import APPEAR_MAX_S, RATE_MAX, RATE_MIN, RUN_NUMBER_MAX, SEED_MAX, TASK_PERIOD_MAX_MS
 from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
 from railhil.faults import FAULT
@@ -42,6 +42,7 @@ OPTIONS: Mapping[str, str] = {
     "task_period_ms": "--task-period-ms",
     "seed": "--seed",
     "perturbed": "--perturbed",
+    "run_number": "--run-number",
     "pace": "--pace",
     "rate": "--rate",
     "patience_s": "--patience",
@@ -76,6 +77,7 @@ class RunDocument(BaseModel):
     task_period_ms: int = Field(default=0, ge=0, le=TASK_PERIOD_MAX_MS)
     seed: int = Field(default=0, ge=0, le=SEED_MAX)
     perturbed: bool = False
+    run_number: int = Field(default=1, ge=1, le=RUN_NUMBER_MAX)
     pace: Literal[PACES] = "lockstep"  # type: ignore[valid-type]
     rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
     patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from railhil.common.command_line import RATE
-from railhil.common.errors import Faults
+from railhil.common.errors import Faults, InputError
 from railhil.common.patience import PATIENCE_S
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
@@ -24,6 +24,7 @@ from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
 from railhil.scenarios.settings import fault_words, set_words
+from railhil.scenarios.system import system_named
 from railhil.scenarios.validation import validated
 
 
@@ -117,6 +118,7 @@ class RunSpec:
     :param settings: keys that override those of its files, ``KEY=VALUE`` (:mod:`railhil.scenarios.settings`).
     :param faults: what is injected besides the scenario's own faults (:mod:`railhil.faults.language`).
     :param perturbed: draw the scenario's perturbations with the seed.
+    :param run_number: of the run in the sequence of its seed, from 1; for systems whose runs have numbers.
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
@@ -136,6 +138,7 @@ class RunSpec:
     bus: str = "auto"
     memory_store: str | None = None
     faults: tuple[str, ...] = ()
+    run_number: int = 1
 
     @classmethod
     def from_namespace(cls, namespace: argparse.Namespace, law: LawSpec) -> RunSpec:
@@ -155,6 +158,7 @@ class RunSpec:
             # Only the commands that make complete runs have it.
             bus=getattr(namespace, "bus", "auto"),
             faults=tuple(getattr(namespace, "fault", ())),
+            run_number=namespace.run_number,
         )
 
     @classmethod
@@ -185,6 +189,7 @@ class RunSpec:
             bus=found.bus,
             memory_store=found.memory_store,
             faults=tuple(found.faults),
+            run_number=found.run_number,
         )
 
     @classmethod
@@ -228,11 +233,17 @@ class RunSpec:
         return [self.scenario, *set_words(self.settings), *fault_words(self.faults)]
 
     @property
+    def number_words(self) -> list[str]:
+        """The words that number the run; none for the first."""
+        return ["--run-number", str(self.run_number)] if self.run_number != 1 else []
+
+    @property
     def words(self) -> list[str]:
         """As words of a command line after ``railhil run``."""
         words = [*self.scenario_words, *self.law.words, "--seed", str(self.seed), "--pace", self.pace]
         words += ["--rate", f"{self.rate:g}"] if self.is_realtime else []
         words += ["--perturbed"] * self.perturbed
+        words += self.number_words
         words += ["--patience", f"{self.patience_s:g}"] if self.patience_s != PATIENCE_S else []
         return words + (["--bus", self.bus] if self.is_local else [])
 
@@ -244,12 +255,23 @@ class RunSpec:
     def load(self) -> AnyScenario:
         """The scenario, nominal regardless of the seed.
 
-        :raises InputError: it cannot be loaded, or a perturbed run is requested and it has no perturbations.
+        :raises InputError: it cannot be loaded, a perturbed run is requested and it has no perturbations, or the run
+            has a number and those of its system have none.
         """
         scenario = load_any(self.scenario, self.settings, self.faults)
+        self.check_number(scenario)
         if self.perturbed:
             require_perturbations(scenario, "--perturbed")
         return scenario
+
+    def check_number(self, scenario: AnyScenario) -> None:
+        """Refuse a number of the run in a system whose runs have none.
+
+        :raises InputError: it has a number.
+        """
+        if self.run_number != 1 and not system_named(scenario.system).numbered:
+            allowed = f"1: runs of system {scenario.system} have no numbers"
+            raise InputError("run", "run_number", self.run_number, allowed)
 
     def as_json(self) -> dict[str, Any]:
         """All fields without nesting: the keys of a certificate. ``rate`` is None in lockstep."""
@@ -260,6 +282,7 @@ class RunSpec:
             **self.law.as_json(),
             "seed": self.seed,
             "perturbed": self.perturbed,
+            "run_number": self.run_number,
             "pace": self.pace,
             "rate": self.rate if self.is_realtime else None,
             "patience_s": self.patience_s,

@@ -22,6 +22,10 @@ FAULT_SAMPLES = 7
 WIND = 8
 #: Grades of a high-speed line.
 GRADES = 9
+#: What belongs to the train of a sequence of runs, and to its line.
+SEQUENCE = 10
+#: What differs from run to run of a sequence: values drawn once, noise of the speed, wander of the speed, balises.
+RUN_VALUES, RUN_SPEED_NOISE, RUN_WANDER, RUN_BALISES = 11, 12, 13, 14
 
 
 def generator(seed: int, stream: int) -> np.random.Generator:
@@ -32,6 +36,16 @@ def generator(seed: int, stream: int) -> np.random.Generator:
     if seed < 0 or stream < 0:
         raise ValueError(f"seed {seed} and stream {stream} must be >= 0")
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, stream])))
+
+
+def run_generator(seed: int, stream: int, run_number: int) -> np.random.Generator:
+    """Random generator of one stream of one run of a sequence.
+
+    :param seed: of the sequence.
+    :param run_number: of the run in it, from 1.
+    :raises ValueError: a negative number.
+    """
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, stream, run_number])))
 
 
 def fault_generator(stream: int, run_seed: int, number: int, own_seed: int | None) -> np.random.Generator:

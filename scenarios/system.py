@@ -33,21 +33,22 @@ class System:
 
     ``ports``: port table, ``package:file``. ``scenarios``: reads its scenario files
     (:class:`railhil.scenarios.task.ScenarioKind`). ``plant``: makes the plant from (scenario, seed, perturbed, rate)
-    (:class:`railhil.plant_sim.any_plant.AnyPlant`). ``controller``: makes the controller's side of the bus from
-    (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`). ``laws``:
-    entry point group of its laws. ``law``: the default law. ``arithmetic``: the default of its runs. ``events``: its
-    own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a :class:`railhil.supervisor.judging.Judging`.
-    ``pictures``: makes the figures of its report from (scenario, recorded runs). ``own``: parts used by some modules
-    only: ``task``, ``interface``,
-    ``batch`` (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of
-    their module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign
-    and audit run the nodes), ``audit`` (:data:`railhil.audit.bars.OwnLook`), ``export``
-    (:class:`railhil.controller_node.export.control.Control`; without it a law is exported by ``interface``),
-    ``catalogue`` (path of its fault catalogue; without it that of ``ato``), ``faulty_plant``
-    (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file (without it:
-    :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where the truth is
-    on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first words of the
-    ports of each unit, if a train has several; ``injects``: places of faults inside its plant (``sensor.speed``).
+    (:class:`railhil.plant_sim.any_plant.AnyPlant`), and from the run's number after these if the system is
+    ``numbered``: a seed then is a sequence of runs that differ. ``controller``: makes the controller's side of the bus
+    from (scenario, law, controller, fd, bit_rate) (:class:`railhil.controller_node.any_controller.AnyController`).
+    ``laws``: entry point group of its laws. ``law``: the default law. ``arithmetic``: the default of its runs.
+    ``events``: its own milestones by name, numbers in :data:`OWN_EVENTS`. ``judging``: a
+    :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
+    runs). ``own``: parts used by some modules only: ``task``, ``interface``, ``batch``
+    (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
+    module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes), ``audit``
+    (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without
+    it a law is exported by ``interface``), ``catalogue`` (path of its fault catalogue; without it that of ``ato``),
+    ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file
+    (without it: :mod:`railhil.supervisor.report.signals_picture`). For faults (:mod:`railhil.faults`): ``truth``: where
+    the truth is on its bus; ``named``: commands by name, each a port and a signal (``PORT.Signal``); ``units``: first
+    words of the ports of each unit, if a train has several; ``injects``: places of faults inside its plant
+    (``sensor.speed``).
     """
 
     name: str
@@ -67,6 +68,7 @@ class System:
     named: Mapping[str, str] = field(default_factory=dict)
     units: tuple[str, ...] = ()
     injects: tuple[str, ...] = ()
+    numbered: bool = False
 
     def part(self, name: str) -> Any:
         """The object that one of this system's references names.

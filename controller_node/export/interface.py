@@ -107,7 +107,7 @@ class InterfaceControl(Control):
             use=(*textwrap.wrap(use, _COMMENT_COLUMNS), *commands),
             inputs=_lines(f"Raw integers of {readings}"),
             sent="The commands really sent since the last control period, raw integers",
-            status="" if interface.status is None else interface.status.PORT,
+            status=", ".join(kind.PORT for kind in interface.statuses),
             what="commands",
             other="commands other than the law's were",
             constants="its scenario and its law",
@@ -124,11 +124,12 @@ class InterfaceControl(Control):
 
     def macros(self) -> list[Macro]:
         interface = self._interface
-        if interface.status is None:
-            return []
         found = []
         for number, note in enumerate(interface.notes):
-            low, high = raw_range(interface.status, note.field)
+            status = interface.status_of(note)
+            if status is None:
+                continue
+            low, high = raw_range(status, note.field)
             words = ", ".join(filter(None, (note.field, f"1/2^{note.q}", note.unit)))
             held = (max(low, INT32_MIN), min(high, INT32_MAX))
             found.append(Macro(identifier(note.name), f"out.notes[{number}]", note.law_q - note.q, held, words))
@@ -165,25 +166,22 @@ class InterfaceControl(Control):
     def constants(self) -> list[Define]:
         interface = self._interface
         _, sent = self.ports()
-        status = "-1" if interface.status is None else f"RAILHIL_{interface.status.PORT}"
         return [
             Define("SOURCE_COUNT", str(len(self._signs())), "ports with readings"),
             Define("CHECK_COUNT", str(len(self._checks())), "check variables of these ports; at least 1"),
             Define("READING_COUNT", str(len(interface.readings))),
             Define("COMMAND_COUNT", str(len(interface.commands))),
-            Define("TOLD_COUNT", str(len(self.macros()) + 2), "notes, overflow flags, number of steps"),
-            Define("ANSWER_COUNT", str(len(sent) - 1), "ports with commands or the status"),
-            Define("STATUS_PORT", status, "port of the status, -1: none"),
+            Define("NOTE_COUNT", str(len(self.macros())), "notes"),
+            Define("TOLD_COUNT", str(len(self._told())), "notes; overflow flags and number of steps of each status"),
+            Define("ANSWER_COUNT", str(len(sent) - 1), "ports with commands or a status"),
         ]
 
     def tables(self) -> list[str]:
         """Positions of all numbers in the process data, and the process data before they are written."""
-        interface, status = self._interface, self._interface.status
+        interface = self._interface
         _, sent = self.ports()
-        kinds = {kind.PORT: kind for kind in (*(item.telegram for item in interface.commands), status) if kind}
+        kinds = {kind.PORT: kind for kind in (*(item.telegram for item in interface.commands), *interface.statuses)}
         answers = [kinds[port.name] for port in sent if port.name in kinds]
-        told = [_place(status, note.field) for note in interface.notes if status]
-        told += [_place(status, field) for field in ("overflow_flags", "step_count")]
         safe = ", ".join(literal(command.safe) for command in interface.commands)
         ages = ", ".join(wide(interface.age_max_ns(reading)) for reading in interface.readings)
         blanks = [line for kind in answers for line in ("    {", *octets(kind().encode()), "    },")]
@@ -208,7 +206,7 @@ class InterfaceControl(Control):
             "/* Commands sent while a reading is missing or too old. */",
             f"static const int32_t railhil_safe[RAILHIL_COMMAND_COUNT] = {{{safe}}};",
             "",
-            *_table("told", "TOLD_COUNT", told),
+            *_table("told", "TOLD_COUNT", self._told()),
             "/* For each port that is sent: its life sign, and its process data before the signals are written. */",
             *_table("lives", "ANSWER_COUNT", [_place(kind, "life") for kind in answers]),
             f"static const unsigned char railhil_blanks[RAILHIL_ANSWER_COUNT][{_OCTETS_MAX}] = {{",
@@ -216,6 +214,15 @@ class InterfaceControl(Control):
             "};",
             "",
         ]
+
+    def _told(self) -> list[str]:
+        """Positions of the notes, then of overflow flags and number of steps in each status."""
+        interface = self._interface
+        notes = [(interface.status_of(note), note.field) for note in interface.notes]
+        # C does not allow an empty array.
+        statuses = interface.statuses or (None,)
+        counts = [(status, field) for status in statuses for field in ("overflow_flags", "step_count")]
+        return [_place(status, field) for status, field in (*(note for note in notes if note[0]), *counts)]
 
     def _signs(self) -> list[str]:
         return [_row(port, life_of(kind)) for port, kind in sources_of(self._interface).items()]
@@ -231,7 +238,12 @@ class InterfaceControl(Control):
             "GIVEN": ", ".join(f"law->raws[{i}]" for i in range(len(self.given))),
             "COMMANDS": ", ".join(f"law->{column}" for column in out[: len(self.told)]),
             "SAFE": ", ".join(f"railhil_safe[{i}]" for i in range(len(self.told))),
-            "NOTES": "".join(f"{macro}(law->out), " for macro in source.macros),
+            "TOLD": ", ".join(
+                [
+                    *(f"{macro}(law->out)" for macro in source.macros),
+                    *["flags, (int32_t)(law->steps & 0xFFFFu)"] * max(1, len(self._interface.statuses)),
+                ]
+            ),
         }
 
 

@@ -63,21 +63,26 @@ class Command:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """An additional figure of a law, in Q ``law_q``; a field of the status contains it in Q ``q``, rounded down."""
+    """An additional figure of a law, in Q ``law_q``; a field of a status contains it in Q ``q``, rounded down.
+
+    ``telegram``: the status that has the field; None: the interface's ``status``.
+    """
 
     name: str
     field: str
     law_q: int
     q: int = 0
     unit: str = ""
+    telegram: type[Telegram] | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Interface:
     """Inputs and outputs of the laws of a system (its part ``interface``).
 
-    ``status``: telegram of the notes; the node also fills its fields ``overflow_flags`` (bit 0 wrap, 1 saturation,
-    2 division by zero), ``step_count`` and ``life``, if it has them. ``age_max_ms``: largest age of a reading, in
+    ``status``: telegram of the notes; ``further_status``: further ones, for notes that name them. The node also fills
+    the fields ``overflow_flags`` (bit 0 wrap, 1 saturation, 2 division by zero), ``step_count`` and ``life`` of each of
+    them, if it has them. ``age_max_ms``: largest age of a reading, in
     simulation time since the last accepted telegram (new life sign ``life``, check variables correct, see
     :class:`railhil.bus.acceptance.Acceptance`); if a reading is older, all commands are the safe ones.
     Each telegram of commands has a field ``life``. A reading may have a largest age of its own.
@@ -88,6 +93,16 @@ class Interface:
     notes: tuple[Note, ...] = ()
     status: type[Telegram] | None = None
     age_max_ms: int = 256
+    further_status: tuple[type[Telegram], ...] = ()
+
+    @property
+    def statuses(self) -> tuple[type[Telegram], ...]:
+        """All telegrams in which the laws report."""
+        return (*(() if self.status is None else (self.status,)), *self.further_status)
+
+    def status_of(self, note: Note) -> type[Telegram] | None:
+        """The telegram that contains a note; None: there is none."""
+        return self.status if note.telegram is None else note.telegram
 
     def age_max_ns(self, reading: Reading) -> int:
         """Largest age of a reading, in ns."""

@@ -17,6 +17,7 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.vector.controller import VectorController, VectorOutput
 from railhil.controller_node.vector.law import Interface, VectorLaw
 from railhil.controller_node.vector.readings import Readings
+from railhil.controller_node.vector.status import status_telegram
 from railhil.dbc import Contract, Port
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import LawSpec
@@ -26,9 +27,7 @@ from railhil.scenarios.system import System, system_named
 def ports_of(contract: Contract, interface: Interface) -> tuple[list[Port], list[Port]]:
     """Ports that a controller of this interface receives (the clock port first), and ports that it sends."""
     read = [*(item.telegram.PORT for item in interface.readings), TimeSync.PORT, RunEvent.PORT]
-    answered = [item.telegram.PORT for item in interface.commands]
-    if interface.status is not None:
-        answered.append(interface.status.PORT)
+    answered = [kind.PORT for kind in (*(item.telegram for item in interface.commands), *interface.statuses)]
     sides = ([contract.clock_port.name, *read], [*answered, CtlIdent.PORT])
     received, sent = ([contract.port(name) for name in dict.fromkeys(side)] for side in sides)
     return received, sent
@@ -89,8 +88,7 @@ class VectorNode:
         self._life: dict[str, int] = {}
         sent = dict.fromkeys(item.telegram for item in self._interface.commands)
         answers: dict[str, Any] = {kind.PORT: partial(self._command, kind) for kind in sent}
-        if self._interface.status is not None:
-            answers[self._interface.status.PORT] = partial(self._status, self._interface.status)
+        answers |= {kind.PORT: partial(self._status, kind) for kind in self._interface.statuses}
         received, _ = ports_of(contract, self._interface)
         self.responder = Responder(
             Role.CONTROLLER,
@@ -159,19 +157,7 @@ class VectorNode:
         return kind(**fields)
 
     def _status(self, kind: type[Telegram]) -> Telegram:
-        known = {name for name, _ in kind.signal_names()}
-        fields = {"step_count": self._steps & 0xFFFF, "life": self._next_life(kind.PORT)}
-        if self._output is not None:
-            fields["overflow_flags"] = self._output.overflow_flags
-            notes = zip(self._interface.notes, self._output.notes, strict=True)
-            fields |= {note.field: _held(kind, note.field, raw) for note, raw in notes}
-        return kind(**{name: value for name, value in fields.items() if name in known})
+        return status_telegram(self._interface, kind, self._output, self._steps, self._next_life(kind.PORT))
 
     def _own_ident(self) -> Ident:
         return self._ident
-
-
-def _held(kind: type[Telegram], field: str, raw: int) -> int:
-    """A note limited to the range of its signal, so that a large note does not end the run."""
-    low, high = dict(kind.signals())[field].raw_range
-    return min(max(raw, low), high)

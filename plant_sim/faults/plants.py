@@ -6,7 +6,7 @@ Every plant is made here, so the language of faults and what injects them are lo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from railhil.common.errors import InputError, Words
 from railhil.plant_sim.any_plant import AnyPlant
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 #: Levels of the faults that live in the plant.
 LEVELS = ("train", "sensor", "actuator")
-#: The part of a system that makes its plant with faults, from (scenario, seed, perturbed, rate, numbered faults): a
+#: The part of a system that makes its plant with faults, from what its plant is made from and the numbered faults: a
 #: :class:`FaultyPlant`. The system lists the places of these faults in ``injects``; others are refused at load.
 PART = "faulty_plant"
 
@@ -49,10 +49,14 @@ def _in_plant(scenario: AnyScenario, seed: int) -> list[tuple[int, Fault]]:
 def make_plant(scenario: AnyScenario, run: RunSpec) -> tuple[AnyPlant, Injections | None]:
     """The plant of a run, and its faults if it has any.
 
-    :raises InputError: the system says that its plant takes faults, and has no such part.
+    :raises InputError: the system says that its plant takes faults, and has no such part; the run has a number, and
+        those of its system have none.
     """
+    run.check_number(scenario)
     system = system_named(scenario.system)
-    given = scenario, run.seed, run.perturbed, run.wall_rate
+    given: tuple[Any, ...] = (scenario, run.seed, run.perturbed, run.wall_rate)
+    if system.numbered:
+        given = (*given, run.run_number)
     found = _in_plant(scenario, run.seed)
     if not found:
         return system.part("plant")(*given), None

@@ -170,8 +170,8 @@ class FaultyHighSpeedPlant(HighSpeedPlant):
             one, one.active and abs(does - healthy) > _NOTICED_MPS2, f"{healthy:.3f} m/s2", f"{does:.3f} m/s2"
         )
 
-    def milestone(self, kind: str, position_01mm: int, *, once: bool = False) -> None:
-        super().milestone(kind, position_01mm, once=once)
+    def milestone(self, kind: str, position_01mm: int, *, once: bool = False, instant_01ms: int | None = None) -> None:
+        super().milestone(kind, position_01mm, once=once, instant_01ms=instant_01ms)
         self.injections.happened(kind)
 
     def _feedback(self, unit: int) -> Telegram:

@@ -17,10 +17,10 @@ _BEYOND_M = 10_000.0
 
 
 class Normals:
-    """Numbers of the standard normal distribution from one stream of a run, one after the other."""
+    """Numbers of the standard normal distribution from one source, one after the other."""
 
-    def __init__(self, seed: int, stream: int) -> None:
-        self._source = streams.generator(seed, stream)
+    def __init__(self, source: np.random.Generator) -> None:
+        self._source = source
         self._block: list[float] = []
         self._next = 0
 
@@ -38,7 +38,7 @@ class Wind:
     """
 
     def __init__(self, seed: int, sigma_mps2: float, time_s: float, step_s: float) -> None:
-        self._normals = Normals(seed, streams.WIND)
+        self._normals = Normals(streams.generator(seed, streams.WIND))
         self.keep = exp(-step_s / time_s)
         self.add = sigma_mps2 * sqrt(1.0 - self.keep * self.keep)
         #: The present value.

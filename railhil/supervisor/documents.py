@@ -127,6 +127,7 @@ class _Certificate(_Part):
     task_period_ms: int | None = None
     seed: int | None = None
     perturbed: bool | None = None
+    run_number: int | None = None
     pace: str | None = None
     rate: float | None = None
     patience_s: float | None = None

@@ -52,7 +52,7 @@ def start_nodes(
     logged = ["--fault-log", str(folder)] if faulty else []
     plant = [*run.scenario_words, "--seed", str(run.seed), "--pace", run.pace]
     plant += ["--appear-timeout", str(start_up.appear_s), *patience]
-    plant += ["--perturbed"] * run.perturbed
+    plant += ["--perturbed"] * run.perturbed + run.number_words
     if run.is_realtime:
         plant += ["--rate", str(run.rate)]
         # Without the option a plant would request it by itself.

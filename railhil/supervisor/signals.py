@@ -24,9 +24,8 @@ def signal_table(scenario: AnyScenario, trace: Trace, notes: Any = None) -> tupl
     judging = judging_of(scenario)
     time_s = trace.times_s(judging.truth)
     found = [(header, port, trace.values(port, signal)) for header, port, signal in judging.columns]
-    if judging.status is not None:
-        port = judging.status.port
-        found += [(note.name, port, note_values(trace, note, port)) for note in judging.status.notes]
+    for status in judging.status.every if judging.status else ():
+        found += [(note.name, status.port, note_values(trace, note, status.port)) for note in status.notes]
     found += judging.told(trace, notes)
     watches = _watches(judging, trace)
     found += [(f"{watch.name}_level", watch.port, ranks(trace, watch)) for watch in watches]
@@ -56,7 +55,9 @@ def signal_units(scenario: AnyScenario, trace: Trace, notes: Any = None) -> dict
     return {
         "time_s": "s",
         **{header: unit(port, signal) for header, port, signal in judging.columns},
-        **{note.name: note.unit for note in (judging.status.notes if judging.status else ())},
+        **{
+            note.name: note.unit for status in (judging.status.every if judging.status else ()) for note in status.notes
+        },
         **dict.fromkeys((header for header, _, _ in judging.told(trace, notes)), ""),
         **{note["name"]: str(note.get("unit", "")) for note in notes or ()},
         **dict.fromkeys((f"{watch.name}_level" for watch in _watches(judging, trace)), ""),

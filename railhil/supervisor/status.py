@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,12 +19,19 @@ WRAP_FAILURE = "fixed-point wrap in the controller"
 class Status:
     """``port`` of the telegram; ``flags``: its signal of :class:`~railhil.bus.codes.ControllerFlag`, empty: none.
 
-    ``notes``: those that are the same for every law of the system; a law may declare further ones.
+    ``notes``: those that are the same for every law of the system; a law may declare further ones. ``further``: other
+    telegrams with notes.
     """
 
     port: str
     flags: str = ""
     notes: tuple[ToldNote, ...] = ()
+    further: tuple[Status, ...] = ()
+
+    @property
+    def every(self) -> tuple[Status, ...]:
+        """This telegram and the further ones."""
+        return (self, *self.further)
 
 
 def interface_status(interface: Any) -> Status | None:
@@ -32,15 +39,18 @@ def interface_status(interface: Any) -> Status | None:
 
     :param interface: a :class:`railhil.controller_node.vector.law.Interface`.
     """
-    telegram = interface.status
-    if telegram is None:
-        return None
+    found = [_of_telegram(interface, telegram) for telegram in interface.statuses]
+    return replace(found[0], further=tuple(found[1:])) if found else None
+
+
+def _of_telegram(interface: Any, telegram: Any) -> Status:
     signals = dict(telegram.signals())
     notes = []
     for note in interface.notes:
-        signal = signals[note.field]
-        column = f"{note.name}_{signal.unit.replace('/', 'p')}" if signal.unit else note.name
-        notes.append(ToldNote(signal.name, column, note.name, "", signal.unit, signal.scale, False, ()))
+        if interface.status_of(note) is telegram:
+            signal = signals[note.field]
+            column = f"{note.name}_{signal.unit.replace('/', 'p')}" if signal.unit else note.name
+            notes.append(ToldNote(signal.name, column, note.name, "", signal.unit, signal.scale, False, ()))
     flags = signals.get("overflow_flags")
     return Status(telegram.PORT, "" if flags is None else flags.name, tuple(notes))
 

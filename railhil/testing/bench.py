@@ -27,6 +27,7 @@ _USUAL: Mapping[str, Any] = {
     "settings": (),
     "faults": (),
     "memory": None,
+    "run_number": 1,
 }
 
 

@@ -25,6 +25,7 @@ _VARIABLES = {
     "RAILHIL_TASK_PERIOD_MS": "50",
     "RAILHIL_SEED": "7",
     "RAILHIL_PERTURBED": "true",
+    "RAILHIL_RUN_NUMBER": "4",
     "RAILHIL_PACE": "realtime",
     "RAILHIL_RATE": "2.5",
     "RAILHIL_PATIENCE": "5",

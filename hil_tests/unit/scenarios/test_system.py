@@ -91,4 +91,4 @@ def test_a_part_that_is_not_there(system: System, part: str, said: str) -> None:
 def test_a_port_table_that_is_not_there() -> None:
     with pytest.raises(InputError, match="package:file"):
         assert NO_PORTS.contract
-    assert systems.names() == ["ato", "emu3", "hst1"]
+    assert systems.names() == ["ato", "emu3", "hst1", "stop"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -22,7 +23,7 @@ from railhil.scenarios.perturb import perturbed
 from railhil.scenarios.profiles import MeanGrade
 from railhil.scenarios.target import Target
 
-YIZHUANG = [name for name in names() if name.startswith("yizhuang_")]
+YIZHUANG = [name for name in names() if re.match(r"yizhuang_\d", name)]
 LIMITS = CurveLimits()
 TRAIN = Train(
     name="test train",

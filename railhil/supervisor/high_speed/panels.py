@@ -5,21 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from railhil.bus.high_speed import NOTES, wire
 from railhil.supervisor.high_speed.ride import Ride
-from railhil.supervisor.report.figures import Picture, svg
-from railhil.supervisor.report.panels import drawing
+from railhil.supervisor.report.figures import Picture
+from railhil.supervisor.report.stacked import line, stacked
 from railhil.supervisor.report.styles import Style, styles
-from railhil.supervisor.trace import FloatArray
 
-_WIDTH_IN, _ROW_IN, _TOP_IN, _BOTTOM_IN, _GAP_IN = 8.5, 1.35, 0.35, 0.5, 0.18
-_LEFT, _RIGHT = 0.09, 0.985
-#: A line has at most twice as many points: minimum and maximum of each stretch.
-_STRETCHES = 500
 _KMH = 3.6
 _UNIT_COLOURS = ("#0072b2", "#d55e00", "#009e73")
 _ESTIMATES = {
@@ -63,19 +56,19 @@ def pictures(scenario: Any, runs: Sequence[Any]) -> list[Picture]:
 def _speed(runs: Sequence[_Run]) -> Picture:
     def speed(axes: Axes) -> None:
         ride = runs[0].ride
-        _line(axes, ride.position_m / 1000.0, ride.target_mps * _KMH, color="0.75", linewidth=3.5, label="target")
+        line(axes, ride.position_m / 1000.0, ride.target_mps * _KMH, color="0.75", linewidth=3.5, label="target")
         for run in runs:
-            _line(axes, run.ride.position_m / 1000.0, run.ride.speed_mps * _KMH, label=run.label, **run.style.line)
+            line(axes, run.ride.position_m / 1000.0, run.ride.speed_mps * _KMH, label=run.label, **run.style.line)
         axes.set(ylabel="speed (km/h)", ylim=(0, None))
 
     def error(axes: Axes) -> None:
         for run in runs:
             scored = run.ride.scored
-            _line(axes, run.ride.position_m[scored] / 1000.0, run.ride.error_kmh[scored], **run.style.alone)
+            line(axes, run.ride.position_m[scored] / 1000.0, run.ride.error_kmh[scored], **run.style.alone)
         axes.set(ylabel="error (km/h)", xlabel="position (km)")
 
     caption = "Speed and target speed, and the error (speed less target), over distance; true values."
-    return _picture("speed", "Speed and error over distance", caption, [speed, error])
+    return stacked("speed", "Speed and error over distance", caption, [speed, error])
 
 
 def _units(runs: Sequence[_Run]) -> Picture:
@@ -85,14 +78,14 @@ def _units(runs: Sequence[_Run]) -> Picture:
             for unit, speed_mps in enumerate(ride.unit_mps):
                 error_kmh = (speed_mps - ride.target_mps)[ride.scored] * _KMH
                 label = f"unit {unit + 1}" if run is runs[0] else None
-                _line(axes, ride.position_m[ride.scored] / 1000.0, error_kmh, color=_UNIT_COLOURS[unit], linewidth=0.9,
+                line(axes, ride.position_m[ride.scored] / 1000.0, error_kmh, color=_UNIT_COLOURS[unit], linewidth=0.9,
                       label=label)  # fmt: skip
             axes.set(ylabel=f"{run.label}\n(km/h)", xlabel="position (km)")
 
         return draw
 
     caption = "Error of each unit's speed: what is between the lines is the difference of the units."
-    return _picture("units", "The units' errors over distance", caption, [row(run) for run in runs])
+    return stacked("units", "The units' errors over distance", caption, [row(run) for run in runs])
 
 
 def _couplers(runs: Sequence[_Run]) -> Picture:
@@ -100,14 +93,14 @@ def _couplers(runs: Sequence[_Run]) -> Picture:
         def draw(axes: Axes) -> None:
             for number, force_n in enumerate(run.ride.coupler_n):
                 label = f"units {number + 1} and {number + 2}" if run is runs[0] else None
-                _line(axes, run.ride.position_m / 1000.0, force_n / 1000.0, color=_UNIT_COLOURS[number], linewidth=0.9,
+                line(axes, run.ride.position_m / 1000.0, force_n / 1000.0, color=_UNIT_COLOURS[number], linewidth=0.9,
                       label=label)  # fmt: skip
             axes.set(ylabel=f"{run.label}\n(kN)", xlabel="position (km)")
 
         return draw
 
     caption = "Force of each coupler, tension positive."
-    return _picture("couplers", "Coupler forces over distance", caption, [row(run) for run in runs])
+    return stacked("couplers", "Coupler forces over distance", caption, [row(run) for run in runs])
 
 
 def _estimates(run: _Run, unit: int) -> list[str]:
@@ -126,53 +119,17 @@ def _estimated(runs: Sequence[_Run], unit: int, units: int) -> Picture:
         def draw(axes: Axes) -> None:
             if note in _TRUE and unit == 1:
                 trace = runs[0].trace
-                _line(axes, trace.times_s("MUTATION"), trace.values("MUTATION", _TRUE[note]), color="0.75",
+                line(axes, trace.times_s("MUTATION"), trace.values("MUTATION", _TRUE[note]), color="0.75",
                       linewidth=3.5, label="true value")  # fmt: skip
             for run in runs:
                 if note in _estimates(run, unit):
                     label = run.label if note == shown[0] else None
                     values = run.trace.values(status.PORT, names[f"{note}{unit}"])
-                    _line(axes, run.trace.times_s(status.PORT), values, label=label, **run.style.alone)
+                    line(axes, run.trace.times_s(status.PORT), values, label=label, **run.style.alone)
             axes.set(ylabel=_ESTIMATES[note], xlabel="time (s)")
 
         return draw
 
     which = f" of unit {unit}" if units > 1 else ""
     caption = "What the law reports: error of its model over one sample, residual, and parameters that it identifies."
-    return _picture(f"estimates{unit}", f"What the law estimates{which}", caption, [row(note) for note in shown])
-
-
-def _picture(name: str, title: str, caption: str, rows: Sequence[Callable[[Axes], None]]) -> Picture:
-    """Axes above each other with a common horizontal axis, the legend above them."""
-    height_in = _TOP_IN + _BOTTOM_IN + len(rows) * _ROW_IN + (len(rows) - 1) * _GAP_IN
-    with drawing("none"):
-        figure = Figure(figsize=(_WIDTH_IN, height_in))
-        first: Axes | None = None
-        for number, draw in enumerate(rows):
-            bottom_in = height_in - _TOP_IN - (number + 1) * _ROW_IN - number * _GAP_IN
-            box = (_LEFT, bottom_in / height_in, _RIGHT - _LEFT, _ROW_IN / height_in)
-            axes = figure.add_axes(box, sharex=first)
-            first = first or axes
-            draw(axes)
-            if number < len(rows) - 1:
-                axes.set_xlabel("")
-                axes.tick_params(labelbottom=False)
-        handles = [pair for axes in figure.axes for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
-        if handles:
-            lines, labels = zip(*handles, strict=True)
-            figure.legend(lines, labels, loc="upper right", ncols=4, frameon=False)
-        figure.align_ylabels()
-        return Picture(name, title, caption, svg(figure, name, title))
-
-
-def _line(axes: Axes, x: FloatArray, y: FloatArray, **style: Any) -> None:
-    """A line with as many points as can be seen: the extremes of each stretch."""
-    size = len(x) // _STRETCHES
-    if size > 2:
-        whole = len(x) // size * size
-        rows = y[:whole].reshape(-1, size)
-        starts = np.arange(0, whole, size)
-        picked = np.sort(np.stack((starts + rows.argmin(axis=1), starts + rows.argmax(axis=1))), axis=0).T.ravel()
-        picked = np.append(picked, len(x) - 1)
-        x, y = x[picked], y[picked]
-    axes.plot(x, y, **style)
+    return stacked(f"estimates{unit}", f"What the law estimates{which}", caption, [row(note) for note in shown])

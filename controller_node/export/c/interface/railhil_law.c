@@ -140,14 +140,18 @@ static void answer_commands(railhil_law_t *law, const railhil_clock_t *clock, in
 }
 
 /* Notes and flags, from the law's first step on; the number of steps always. */
-static void answer_status(const railhil_law_t *law, unsigned char *process)
+static void answer_status(const railhil_law_t *law, int port, unsigned char *process)
 {
     const int32_t flags =
         (law->events.saturations != 0 ? SATURATED : 0) | (law->events.zero_divisions != 0 ? DIVIDED_BY_ZERO : 0);
-    const int32_t told[RAILHIL_TOLD_COUNT] = {@NOTES@flags, (int32_t)(law->steps & 0xFFFFu)};
+    const int32_t told[RAILHIL_TOLD_COUNT] = {@TOLD@};
     int i;
-    for (i = law->steps != 0 ? 0 : RAILHIL_TOLD_COUNT - 1; i < RAILHIL_TOLD_COUNT; i++) {
-        put(process, &railhil_told[i], told[i]);
+    for (i = 0; i < RAILHIL_TOLD_COUNT; i++) {
+        /* After the notes, each status has its flags and then its number of steps. */
+        const int is_count = i >= RAILHIL_NOTE_COUNT && (i - RAILHIL_NOTE_COUNT) % 2 == 1;
+        if (railhil_told[i].port == port && (law->steps != 0 || is_count)) {
+            put(process, &railhil_told[i], told[i]);
+        }
     }
 }
 
@@ -155,11 +159,15 @@ void railhil_law_answer(railhil_law_t *law, const railhil_clock_t *clock, int po
                         uint32_t *counts)
 {
     const int answer = port - RAILHIL_SINK_COUNT;
+    int i, has_commands = 0;
     memcpy(process, railhil_blanks[answer], railhil_ports[port].bytes);
-    if (port == RAILHIL_STATUS_PORT) {
-        answer_status(law, process);
-    } else {
+    for (i = 0; i < RAILHIL_COMMAND_COUNT; i++) {
+        has_commands |= railhil_commands[i].port == port;
+    }
+    if (has_commands) {
         answer_commands(law, clock, port, process, counts);
+    } else {
+        answer_status(law, port, process);
     }
     put(process, &railhil_lives[answer], (int32_t)law->lives[answer]);
     law->lives[answer] = (law->lives[answer] + 1u) & 0xFu;

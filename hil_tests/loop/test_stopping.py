@@ -1,0 +1,117 @@
+"""Whole runs of precise stopping, in one process, without a bus and over the hub."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+from hil_tests.support.cli import railhil
+from hil_tests.support.stops import SHORT, stop_scenario
+from railhil.bench import BenchRun, local_run
+from railhil.bus.codes import Event
+from railhil.bus.stopping import Stage
+from railhil.common.errors import InputError
+from railhil.controller_node.vector.node import ports_of
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.system import system_named
+from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.signals import signal_table
+from railhil.vector_bench import direct_run
+
+#: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
+NOT_COUPLED = ("SUP_CMD", "PLT_IDENT", "SUP_IDENT", "RUN_EVENT")
+LAW = LawSpec("one_shot", arithmetic="float64")
+SPEC = RunSpec(law=LAW, seed=3, run_number=2)
+
+
+class Both(NamedTuple):
+    local: BenchRun
+    direct: BenchRun
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory: pytest.TempPathFactory) -> Both:
+    scenario = stop_scenario(*SHORT, "task.stop_error_max_m=5", name="yizhuang_stop_closed")
+    return Both(local_run(scenario, tmp_path_factory.mktemp("run"), SPEC), direct_run(scenario, SPEC))
+
+
+def test_the_run_is_complete_and_healthy(both: Both) -> None:
+    assert both.local.ended is Event.ENDED_COMPLETE
+    assert both.local.score.failures == ()
+    assert both.local.refused == {}
+
+
+def test_a_run_without_a_bus_has_the_same_telegrams_at_the_same_instants(both: Both) -> None:
+    for port in both.local.trace.contract.ports:
+        if port.name not in NOT_COUPLED:
+            assert list(both.direct.trace.times_ns(port.name)) == list(both.local.trace.times_ns(port.name)), port.name
+            for signal in port.signals:
+                pair = (run.trace.raw(port.name, signal.name).tolist() for run in both)
+                assert next(pair) == next(pair), (port.name, signal.name)
+    assert both.direct.score.values == both.local.score.values
+
+
+def test_the_stop_is_reported_with_the_number_of_the_run_and_the_error_of_the_mark(both: Both) -> None:
+    trace = both.local.trace
+    runs = trace.raw("STOP_REPORT", "ReportRun").tolist()
+    assert runs[0] == 0
+    assert runs[-1] == 2
+    measured_m = trace.values("STOP_REPORT", "ReportError")[-1]
+    error_m = both.local.score.signed["stop_error_m"]
+    assert 0.0 < abs(measured_m - error_m) < 0.15
+
+
+def test_both_status_telegrams_are_recorded_and_are_columns_of_the_signals(both: Both) -> None:
+    trace = both.local.trace
+    assert trace.count("ATO_STATE") > 100
+    assert trace.count("ILC_STATUS") > 5
+    assert {Stage.TRACK, Stage.BRAKE, Stage.STANDSTILL} == {*trace.raw("ATO_STATE", "AtoStage").tolist()} - {0}
+    header, rows = signal_table(stop_scenario(), trace)
+    assert {"stage", "margin_m", "speed_estimate_mps", "memory_source", "memory_variance_m2"} <= {*header}
+    estimated = rows[:, header.index("speed_estimate_mps")]
+    assert estimated[200] == pytest.approx(rows[200, header.index("true_speed_mps")], rel=0.02)
+
+
+def test_no_controller_has_a_mailbox_for_the_truth() -> None:
+    system = system_named("stop")
+    received, _ = ports_of(system.contract, system.part("interface"))
+    names = {port.name for port in received}
+    readings = {"BRAKE_STAT", "SPEED_RAW", "ODO", "TRAIN_STATE", "STOP_REPORT"}
+    assert names == {"TIME_SYNC", "RUN_EVENT"} | readings
+    node = system.part("controller")(stop_scenario(), LAW)
+    assert {*node.responder.store.ports} == names
+
+
+def test_runs_of_a_sequence_differ_and_are_repeated_by_their_number(tmp_path: Path) -> None:
+    scenario = stop_scenario(*SHORT)
+    found = []
+    for place, number in enumerate((1, 2, 2)):
+        folder = tmp_path / str(place)
+        folder.mkdir()
+        found.append(local_run(scenario, folder, RunSpec(law=LAW, run_number=number)).frames_sha256)
+    assert found[0] != found[1]
+    assert found[1] == found[2]
+
+
+def test_a_number_is_refused_where_runs_have_none() -> None:
+    with pytest.raises(InputError, match="run_number: found 2, allowed 1: runs of system ato have no numbers"):
+        RunSpec(run_number=2).load()
+    assert load_any("yizhuang_stop").system == "stop"
+
+
+@pytest.mark.loop
+@pytest.mark.slow
+def test_three_processes_over_the_hub_send_the_same_bytes_and_rerun_repeats_them(tmp_path: Path) -> None:
+    settings = [word for setting in (*SHORT, "task.stop_error_max_m=5") for word in ("--set", setting)]
+    words = (*settings, "--seed", "4", "--run-number", "3", "--no-report")
+    for bus in ("hub", "local"):
+        where = ("--bus", "local") if bus == "local" else ()
+        done = railhil("run", "yizhuang_stop", *words, *where, "--out", tmp_path / bus)
+        assert done.exit_code == 0, done.err
+    assert log_sha256(tmp_path / "hub" / "frames.log") == log_sha256(tmp_path / "local" / "frames.log")
+    assert json.loads((tmp_path / "hub" / "certificate.json").read_text(encoding="utf-8"))["run_number"] == 3
+    assert railhil("rerun", tmp_path / "local").exit_code == 0

@@ -1,0 +1,1 @@
+"""Judging and pictures of precise stopping."""

@@ -1,0 +1,1 @@
+"""Precise stopping at a platform: the system and the keys of its scenarios."""

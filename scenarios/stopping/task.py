@@ -1,0 +1,164 @@
+"""The keys of a scenario of precise stopping, ``[task]``.
+
+What a law knows: :class:`StopTask` without ``true``, ``rail``, ``map_error_sigma_permil`` and the sensors' errors. What
+belongs to the train and its line (drawn once for a seed): gain, delay, wheels, errors of the grade map. What differs
+from run to run (drawn for seed and run number): further gain and delay, cruising speed, load, adhesion, all noise.
+Every draw is from a normal distribution with the given standard deviation unless a key says otherwise.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, ClassVar
+
+from pydantic import AfterValidator, Field, Strict
+
+from railhil.scenarios.schema import Name, Table
+from railhil.scenarios.task import Task
+
+_Accel = Annotated[float, Field(gt=0, le=3)]
+_Share = Annotated[float, Field(ge=0, le=1)]
+_Sigma = Annotated[float, Field(ge=0, le=0.2)]
+_Metres = Annotated[float, Field(ge=0, le=100_000)]
+_Permil = Annotated[float, Field(ge=-60, le=60)]
+_Percent = Annotated[float, Field(ge=0, le=100)]
+
+
+def _rising(pair: tuple[float, float]) -> tuple[float, float]:
+    if pair[0] > pair[1]:
+        raise ValueError("the smallest value first")
+    return pair
+
+
+def _along(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    if any(before[0] >= after[0] for before, after in pairwise(rows)):
+        raise ValueError("positions in rising order")
+    return rows
+
+
+def _towards(rows: tuple[float, ...]) -> tuple[float, ...]:
+    if any(before <= after for before, after in pairwise(rows)):
+        raise ValueError("distances in falling order")
+    return rows
+
+
+class BrakeTable(Table):
+    """Traction and brake as the laws know them: ``exp(-delay s) / (lag s + 1)``."""
+
+    braking_mps2: Annotated[_Accel, Field(description="planned deceleration on a dry rail")] = 0.8
+    wet_braking_mps2: Annotated[_Accel, Field(description="planned deceleration when low adhesion is announced")] = 0.55
+    delay_s: Annotated[float, Field(ge=0, le=3, description="pure delay of the laws' model")] = 0.6
+    lag_s: Annotated[float, Field(gt=0, le=5, description="lag of the laws' model")] = 0.4
+    braking_max_mps2: Annotated[_Accel, Field(description="largest deceleration that can be commanded")] = 1.2
+    traction_max_mps2: Annotated[_Accel, Field(description="largest acceleration that can be commanded")] = 1.0
+    notch_mps2: Annotated[
+        float, Field(ge=0, le=0.5, description="step of a brake with notches: rounded to the nearest; 0: stepless")
+    ] = 0.0
+
+
+class TrueBrakeTable(Table):
+    """The brake as it is."""
+
+    delay_s: Annotated[float, Field(ge=0, le=3, description="pure delay")]
+    lag_s: Annotated[float, Field(gt=0, le=5, description="lag")]
+    gain: Annotated[float, Field(gt=0, le=2, description="share of the commanded deceleration that is achieved")] = 1.0
+    gain_train_sigma: Annotated[_Sigma, Field(description="gain from train to train, relative")] = 0.0
+    gain_run_sigma: Annotated[_Sigma, Field(description="gain from run to run, relative")] = 0.0
+    delay_train_sigma_s: Annotated[_Sigma, Field(description="delay from train to train")] = 0.0
+    delay_run_sigma_s: Annotated[_Sigma, Field(description="delay from run to run")] = 0.0
+    full_load_gain: Annotated[
+        float, Field(gt=0, le=2, description="factor of the gain at full load; linear between empty and full")
+    ] = 1.0
+    low_speed_loss: Annotated[_Share, Field(description="share of the braking that is lost at low speed")] = 0.0
+    low_speed_mps: Annotated[float, Field(ge=0, le=10, description="below this speed")] = 2.0
+
+
+class RailTable(Table):
+    """Runs on a rail that limits the braking: the wheels slide."""
+
+    slide_share: Annotated[_Share, Field(description="share of these runs")] = 0.0
+    adhesion_mps2: Annotated[
+        tuple[_Accel, _Accel],
+        Strict(False),
+        AfterValidator(_rising),
+        Field(description="largest deceleration in such a run, uniform between these"),
+    ] = (0.55, 0.75)
+    seen_share: Annotated[_Share, Field(description="share of these runs in which the slide is reported")] = 1.0
+    announced_share: Annotated[
+        _Share, Field(description="share of these runs in which low adhesion is known before")
+    ] = 0.0
+
+
+class SensorTable(Table):
+    """Errors of what the laws read."""
+
+    speed_noise_mps: Annotated[_Sigma, Field(description="noise of each speed sample")] = 0.01
+    wheel_sigma: Annotated[_Sigma, Field(description="error of the wheel diameter, relative")] = 0.0
+    balise_sigma_m: Annotated[float, Field(ge=0, le=5, description="error of the place at which a balise is read")] = (
+        0.03
+    )
+    mark_sigma_m: Annotated[
+        float, Field(ge=0, le=5, description="error of the stop as the mark balise measures it")
+    ] = 0.03
+
+
+class StopTask(Task):
+    """The section ``[task]``: a train stops at a platform."""
+
+    JUDGING: ClassVar[tuple[str, ...]] = ("stop_error_max_m",)
+
+    train: Annotated[Name, Field(description="the train: its memory is its own")] = "train_1"
+    platform: Annotated[Name, Field(description="the platform")]
+    direction: Annotated[Name, Field(description="direction of travel")]
+    stop_m: Annotated[_Metres, Field(description="position of the stopping point")]
+    start_m: Annotated[_Metres, Field(description="position at which the run begins")]
+    start_kmh: Annotated[
+        float, Field(ge=0, le=200, description="mean speed at which the run begins; 0: from standstill")
+    ]
+    approach_kmh: Annotated[float, Field(gt=0, le=200, description="planned speed of the approach")] = 60.0
+    cruise_sigma_mps: Annotated[float, Field(ge=0, le=5, description="start speed from run to run")] = 0.0
+    start_spread_kmh: Annotated[
+        float, Field(ge=0, le=60, description="start speed from run to run, uniform within plus and minus this")
+    ] = 0.0
+    wander_sigma_mps: Annotated[
+        float, Field(ge=0, le=1, description="slow wander of the speed until the brake is commanded")
+    ] = 0.0
+    wander_time_s: Annotated[float, Field(gt=0, le=1000, description="correlation time of the wander")] = 5.0
+    after_stop_s: Annotated[float, Field(ge=1.5, le=600, description="the run ends this long after the standstill")] = (
+        4.0
+    )
+    grade: Annotated[
+        tuple[Annotated[tuple[_Metres, _Permil], Strict(False)], ...],
+        Strict(False),
+        AfterValidator(_along),
+        Field(min_length=1, description="grade map: position and grade (permil) from there on"),
+    ]
+    map_error_sigma_permil: Annotated[
+        float, Field(ge=0, le=5, description="error of the grade map, drawn for each of its pieces")
+    ] = 0.0
+    balises_m: Annotated[
+        tuple[Annotated[float, Field(gt=0, le=1000)], ...],
+        Strict(False),
+        AfterValidator(_towards),
+        Field(max_length=20, description="balises before the stopping point, by distance; the first one has id 1"),
+    ] = ()
+    load_percent: Annotated[
+        tuple[_Percent, _Percent],
+        Strict(False),
+        AfterValidator(_rising),
+        Field(description="load of a run, uniform between these"),
+    ] = (0.0, 0.0)
+    service_braking_mps2: Annotated[_Accel, Field(description="deceleration of a train that brakes by itself")] = 0.8
+    emergency_braking_mps2: Annotated[
+        _Accel, Field(description="deceleration of the emergency brake, which has neither delay of the valve nor gain")
+    ] = 1.2
+    stop_error_max_m: Annotated[float, Field(gt=0, le=100, description="largest stop error for a PASS")] = 0.3
+    brake: BrakeTable = BrakeTable()
+    true: TrueBrakeTable
+    rail: RailTable = RailTable()
+    sensors: SensorTable = SensorTable()
+
+    @property
+    def can_be_perturbed(self) -> bool:
+        """Every run draws with the seed and its run number; a perturbed run draws nothing else."""
+        return True
