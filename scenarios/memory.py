@@ -18,7 +18,7 @@ from __future__ import annotations
 import hashlib
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
@@ -184,9 +184,37 @@ class Memory:
         """The record in that place."""
         return next((one.record for one in self.stored if one.slot == slot), None)
 
+    def after(self, record: Record, used: str, refused: Collection[str]) -> Memory:
+        """The memory after one more run, as a store has it that was written with the same arguments.
+
+        :param used: the place of the record that the law began with; empty: none.
+        :param refused: slots whose content the law has refused.
+        """
+        slot = next_slot(used)
+        kept = [
+            one
+            for one in self.stored
+            if one.slot != slot and (one.slot == LINE_DEFAULT or not (one.fault or one.slot in refused))
+        ]
+        return in_order(self.law, [Stored(slot, record), *kept], self.source)
+
     def placed(self, source: Path) -> Memory:
         """The same memory, read from somewhere else."""
         return replace(self, source=source)
+
+
+def in_order(law: str, stored: Iterable[Stored], source: Path) -> Memory:
+    """A memory with its places in order: records first, slots before the default, the newest first."""
+
+    def order(one: Stored) -> tuple[bool, bool, int]:
+        return one.record is None, one.slot == LINE_DEFAULT, -(one.record.runs if one.record is not None else 0)
+
+    return Memory(law, tuple(sorted(sorted(stored, key=lambda one: one.slot), key=order)), source)
+
+
+def next_slot(used: str) -> str:
+    """The slot for the record of a run that began with the record in place ``used``."""
+    return SLOT_B if used == SLOT_A else SLOT_A
 
 
 def canonical(content: Any) -> bytes:

@@ -30,7 +30,9 @@ from railhil.scenarios.memory import (
     Memory,
     Record,
     Stored,
+    in_order,
     load_memory,
+    next_slot,
     read_record,
 )
 
@@ -71,7 +73,7 @@ class MemoryStore:
             law = law or (None if one.record is None else one.record.law)
             if one.record is not None and one.record.law != law:
                 raise InputError(self.file(one.slot), "law", one.record.law, f"{law}, the law of this store")
-        return Memory(law or "", tuple(sorted(there, key=_order)), self.path)
+        return in_order(law or "", there, self.path)
 
     def _stored(self, slot: str) -> Stored | None:
         try:
@@ -101,7 +103,7 @@ class MemoryStore:
             for one in began.stored:
                 if one.slot != LINE_DEFAULT and (one.fault or one.slot in refused):
                     self._set_aside(one.slot)
-            slot = SLOT_B if used == SLOT_A else SLOT_A
+            slot = next_slot(used)
             write_synced(self.file(slot), record.content)
         return slot
 
@@ -145,8 +147,3 @@ def memory_at(path: Path) -> Memory:
         bad = [f"slot {one.slot} cannot be used: {one.detail}" for one in found.stored]
         raise InputError(path, "", Words("; ".join(bad) or "no record"), _ALLOWED)
     return found
-
-
-def _order(one: Stored) -> tuple[bool, bool, int]:
-    """Records before what cannot be used, slots before the default, the newest first."""
-    return one.record is None, one.slot == LINE_DEFAULT, -(one.record.runs if one.record is not None else 0)

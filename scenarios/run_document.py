@@ -21,7 +21,7 @@ from railhil.common.patience import PATIENCE_S
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
 from railhil.scenarios.memory import Memory, memory_from_json
-from railhil.scenarios.memory_store import memory_at
+from railhil.scenarios.memory_store import MemoryStore, memory_at
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
@@ -194,6 +194,8 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))
     if "memory_store" in document:
         document["memory_store"] = str(Path(document["memory_store"]).resolve())
+        with faults.kept():
+            _number(document, settings, faults_given)
     parameters = memory = None
     with faults.kept():
         parameters = _parameters(document, said.get("parameters"))
@@ -201,6 +203,17 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         memory = _memory(document, said.get("memory"))
     faults.raise_all()
     return document, parameters, memory
+
+
+def _number(document: dict[str, Any], settings: list[str], faults_given: list[str]) -> None:
+    """Without a number, a run with a memory store is the next one of the store, where runs have numbers.
+
+    :raises InputError: the store cannot be used.
+    """
+    system = system_named(load_any(document["scenario"], settings, faults_given).system)
+    if system.numbered and "run_number" not in document:
+        newest = MemoryStore(Path(document["memory_store"])).read(document["controller"]).newest
+        document["run_number"] = 1 if newest is None else newest.last_run + 1
 
 
 def _scenario(name: str, by: Layer | None) -> str:

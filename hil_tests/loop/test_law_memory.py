@@ -293,9 +293,9 @@ def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monk
     spec = RunSpec.from_file(_toml(tmp_path, 'controller = "learning"\nbus = "local"\nmemory_store = "memory"\n'))
     assert spec.memory_store == str(path)
 
-    def late(spec: RunSpec, folder: Path, result: RunResult) -> Any:
+    def late(scenario: Any, spec: RunSpec, folder: Path, result: RunResult) -> Any:
         put(path, "A", Record("learning", "x", 1, 1, {}))
-        return learned(spec, folder, result)
+        return learned(scenario, spec, folder, result)
 
     monkeypatch.setattr(bus_run, "learned", late)
     with pytest.raises(Exception, match=r"memory was changed during the run") as failed:

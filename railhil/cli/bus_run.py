@@ -215,7 +215,7 @@ def write_results(
     :param result: of :func:`complete`.
     :raises RecordFailed: they cannot be written.
     """
-    result.memory = learned(spec, folder, result)
+    result.memory = learned(scenario, spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
     if result.memory is not None:
         keep_memory(spec, folder, result.memory)

@@ -27,6 +27,10 @@ PROGRAMS = {
     ),
     "completion": ("railhil.cli.completion", "print a completion script for bash or zsh"),
     "export-c": ("railhil.cli.export_c", "write a control law as C99 for the target"),
+    "learn": (
+        "railhil.sequences",
+        "sequences of runs of a law that learns from run to run: how its errors become smaller",
+    ),
     "reproduce": (
         "railhil.reproduce",
         "run the protocol of a paper and print its tables beside the published ones",

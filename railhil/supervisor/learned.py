@@ -20,6 +20,15 @@ class Kept:
     refused: dict[str, tuple[str, str]]
 
 
+def kept_of(document: Mapping[str, Any]) -> Kept:
+    """What :func:`railhil.controller_node.laws.memory.kept` has made.
+
+    :raises LookupError, TypeError, ValueError: something else.
+    """
+    refused = {str(one["slot"]): (str(one["fault"]), str(one["detail"])) for one in document["refused"]}
+    return Kept(str(document["key"]), dict(document["values"]), str(document["used"]), refused)
+
+
 #: :meth:`Learned.as_json` of a run after which nothing was kept.
 NOTHING_LEARNED: Mapping[str, Any] = {"memory_used": None, "memory_refused": {}, "memory_after_sha256": None}
 

@@ -11,9 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from railhil.common.errors import InputError
-from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, next_record, runs_said, write_memory
+from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, runs_said, write_memory
 from railhil.scenarios.memory_store import MemoryStore, StoreChanged
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.learned import Learned
 from railhil.supervisor.result import RunResult
@@ -43,7 +45,7 @@ def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
     return replace(spec, law=replace(spec.law, memory=placed))
 
 
-def learned(spec: RunSpec, folder: Path, result: RunResult) -> Learned | None:
+def learned(scenario: AnyScenario, spec: RunSpec, folder: Path, result: RunResult) -> Learned | None:
     """What is left of a run; None if it cannot be trusted, or the law keeps nothing.
 
     :param spec: the result of :func:`with_memory`.
@@ -52,8 +54,18 @@ def learned(spec: RunSpec, folder: Path, result: RunResult) -> Learned | None:
     if kept is None:
         return None
     before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
-    run = 1 if before is None else before.last_run + 1
-    return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, run))
+    number = number_of(scenario, spec, before)
+    return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, number))
+
+
+def number_of(scenario: AnyScenario, spec: RunSpec, before: Record | None) -> int:
+    """Number under which a law learns from a run: that of the run, or where runs have none the next one.
+
+    :param before: the record with which it began the run.
+    """
+    if system_named(scenario.system).numbered:
+        return spec.run_number
+    return 1 if before is None else before.last_run + 1
 
 
 def keep_memory(spec: RunSpec, folder: Path, after: Learned) -> None:

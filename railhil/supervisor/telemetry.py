@@ -18,7 +18,7 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
-from railhil.supervisor.learned import Kept
+from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.notes import ToldNote, told_notes
 from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace
@@ -140,13 +140,7 @@ def read_origin(folder: Path) -> LawOrigin | None:
 
 def read_kept(folder: Path) -> Kept | None:
     """What the law wants to keep, from a run folder; None if there is nothing."""
-
-    def kept(document: dict[str, Any]) -> Kept:
-        found = document["memory"]
-        refused = {str(one["slot"]): (str(one["fault"]), str(one["detail"])) for one in found["refused"]}
-        return Kept(str(found["key"]), dict(found["values"]), str(found["used"]), refused)
-
-    return _read(folder, kept)
+    return _read(folder, lambda document: kept_of(document["memory"]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -99,6 +99,23 @@ def test_what_the_law_refused_is_kept_aside(tmp_path: Path) -> None:
     assert places(store.read()) == [("A", 3, ""), ("B", 2, "")]
 
 
+def test_a_memory_goes_on_without_a_store_as_with_it(tmp_path: Path) -> None:
+    """Also after faults, and with a default."""
+    store = MemoryStore(tmp_path)
+    (tmp_path / "default.json").write_text(record(3).text)
+    memory = store.read("mylaw")
+    for number in range(4, 16):
+        used = memory.stored[0].slot
+        refused = {"A": "key"} if number == 8 and used == "B" else {}
+        store.write(record(number), memory, used, refused)
+        memory = memory.after(record(number), used, refused)
+        assert memory == store.read("mylaw")
+        if number in (6, 9, 12):
+            for name in ("a.json", "b.json")[: number // 6]:
+                (tmp_path / name).write_text("torn")
+            memory = store.read("mylaw")
+
+
 def test_a_slot_that_is_a_folder_or_a_dead_link_is_no_crash(tmp_path: Path) -> None:
     store = after(tmp_path, 1)
     (tmp_path / "b.json").mkdir()

@@ -13,9 +13,12 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
+from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import Memory, Record, Stored, write_memory
+from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.memory import number_of
 
 _VARIABLES = {
     "RAILHIL_SCENARIO": "yizhuang_05",
@@ -195,3 +198,17 @@ def test_the_table_of_the_documents_is_the_one_of_the_code() -> None:
     for key, _, variable, container in rows:
         assert bool(container) == (f"${{{variable.removeprefix('RAILHIL_')}:-" in compose), key
         assert not container or variable == f"RAILHIL_{container}"
+
+
+def test_a_run_with_a_store_has_the_next_number(tmp_path: Path) -> None:
+    """Where runs have numbers; a number that is given is used, so that a run that was broken off can be made again."""
+    store = MemoryStore(tmp_path / "store")
+    words = ("yizhuang_stop", "--memory", str(store.path))
+    assert asked(*words).run_number == 1
+    store.write(Record("one_shot", "here", 3, 7, {}), store.read("one_shot"), "", {})
+    assert asked(*words).run_number == 8
+    assert asked(*words, "--run-number", "7").run_number == 7
+    assert asked("lvshun_tieshan", "--memory", str(tmp_path / "other")).run_number == 1
+    scenario = load_any("yizhuang_stop")
+    assert number_of(scenario, asked(*words), store.read().newest) == 8
+    assert number_of(scenario, asked(*words, "--run-number", "7"), store.read().newest) == 7
