@@ -21,7 +21,7 @@ _RAW = _REPOSITORY.replace("github.com", "raw.githubusercontent.com")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
-_COMMAND = re.compile(r"\brailhil ((?:bus |memory |new |node )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
+_COMMAND = re.compile(r"\brailhil ((?:bus |memory |new |node |sequence )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
 _OPTION = re.compile(r"(?<!\S)--?[a-z][a-z-]*")
 
 
@@ -45,6 +45,7 @@ def _options() -> dict[str, set[str]]:
     programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
     for name, module in programs.items():
         found[name] = program_parser(module)
+    found |= {f"sequence {verb}": parser for verb, parser in _subparsers(found.pop("sequence")).items()}
     return {name: set(parser._option_string_actions) for name, parser in found.items()}
 
 

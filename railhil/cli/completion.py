@@ -18,6 +18,7 @@ _ARGUMENTS = {
     "railhil.campaign": "railhil.campaign.command",
     "railhil.learning": "railhil.learning.command",
     "railhil.sequences": "railhil.sequences.command",
+    "railhil.sequences.sequence_command": "railhil.sequences.sequence_command",
     "railhil.tuning": "railhil.tuning.command",
     "railhil.machines.vcan": "railhil.machines.vcan",
     "railhil.cli.completion": "railhil.cli.completion",

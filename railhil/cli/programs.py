@@ -35,6 +35,10 @@ PROGRAMS = {
         "railhil.reproduce",
         "run the protocol of a paper and print its tables beside the published ones",
     ),
+    "sequence": (
+        "railhil.sequences.sequence_command",
+        "record runs of a law that learns as one piece of evidence, verify it, make it again",
+    ),
     "train-model": ("railhil.learning", "train the network of a law for high-speed trains on a recorded run"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),
     "vcan": (
