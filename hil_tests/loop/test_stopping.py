@@ -13,13 +13,19 @@ from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
 from railhil.bus.stopping import Stage
+from railhil.cli.bus_run import run_spec
+from railhil.cli.commands import parser
+from railhil.cli.faults import entry_run
 from railhil.common.errors import InputError
 from railhil.controller_node.vector.node import ports_of
+from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
 from railhil.supervisor.signals import signal_table
+from railhil.supervisor.start_up import StartUp
 from railhil.vector_bench import direct_run
 
 #: Ports of the bench's own nodes, which a run without a bus has not; it leaves open where the run ended.
@@ -101,6 +107,32 @@ def test_a_number_is_refused_where_runs_have_none() -> None:
     with pytest.raises(InputError, match="run_number: found 2, allowed 1: runs of system ato have no numbers"):
         RunSpec(run_number=2).load()
     assert load_any("yizhuang_stop").system == "stop"
+
+
+@pytest.mark.faults
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "entry",
+    [entry for entry in catalogue_of(system_named("stop")) if entry.id in ("P1", "P5", "P6", "P8", "P15")],
+    ids=lambda entry: entry.id,
+)
+def test_the_train_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) -> None:
+    """The rest of the catalogue: ``railhil faults yizhuang_stop_closed``."""
+    words = ["faults", "yizhuang_stop_closed", "--arithmetic", "float64", "--set", "task.stop_error_max_m=30"]
+    given = parser("faults").parse_args(words)
+    row = entry_run(given, StartUp(), run_spec(given, "one_shot", None), tmp_path, entry)
+    assert row.failures == []
+
+
+def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
+    system = system_named("stop")
+    for entry in catalogue_of(system):
+        fault_texts(entry.faults, system, lambda row: Path("catalogue"))
+
+
+def test_another_base_tick_is_refused() -> None:
+    with pytest.raises(InputError, match=r"timing\.base_tick_ms: found 8\.0, allowed 16"):
+        direct_run(stop_scenario("timing.base_tick_ms=8"), SPEC)
 
 
 @pytest.mark.loop

@@ -27,8 +27,8 @@ class TrainDraw(NamedTuple):
 class RunDraw(NamedTuple):
     """One run: gain and delay of the brake, start speed, load (percent), rail, error of the mark balise.
 
-    ``adhesion_mps2``: largest deceleration, 0: no limit. ``slide_seen``: a slide is reported. ``wet``: low adhesion has
-    been announced.
+    ``adhesion_mps2``: largest deceleration, 0: no limit. ``slide_seen``: a slide would be reported. ``wet``: low
+    adhesion has been announced.
     """
 
     gain: float
@@ -81,7 +81,7 @@ def drawn_run(task: Any, train: TrainDraw, seed: int, run_number: int) -> RunDra
         max(0.0, start_mps),
         load_percent,
         low + (high - low) * limit if is_slide else 0.0,
-        is_slide and seen < rail.seen_share,
+        seen < rail.seen_share,
         is_slide and announced < rail.announced_share,
         task.sensors.mark_sigma_m * mark,
     )

@@ -25,13 +25,15 @@ from railhil.bus.stopping import (
     TrueData,
     Truth,
 )
+from railhil.common.errors import InputError
 from railhil.plant_sim.any_plant import PlantError
 from railhil.plant_sim.run_end import BRAKING_MAX_NS
-from railhil.plant_sim.stopping.draws import drawn_run, drawn_train
+from railhil.plant_sim.stopping.draws import RunDraw, TrainDraw, drawn_run, drawn_train
 from railhil.plant_sim.stopping.train import StopTrain
 from railhil.plant_sim.stopping.watch import StopWatch
 from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
+TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
 _DOORS_NS = 1_000_000_000
 _ODO_MAX = 2**32 - 1
@@ -45,6 +47,7 @@ class StopPlant(TimedPlant):
     by itself until it stands.
 
     :param run_number: of the run in its sequence, from 1.
+    :raises InputError: the scenario has another base tick than 16 ms.
     """
 
     def __init__(self, scenario: Any, seed: int, drawn: bool, rate: float, run_number: int) -> None:
@@ -61,13 +64,20 @@ class StopPlant(TimedPlant):
             TrueData.PORT: self._data,
         }
         super().__init__(scenario, rate, makers)
+        if self.tick_ns != TICK_NS:
+            # The samples of the speed are part of the telegram's layout.
+            raise InputError(scenario.name, "timing.base_tick_ms", self.tick_ns / 1e6, f"{TICK_NS / 1e6:g}")
         train = drawn_train(task, seed)
-        self.train = StopTrain(task, train, drawn_run(task, train, seed, run_number), seed, run_number)
+        self.train = self.made_train(train, drawn_run(task, train, seed, run_number), seed, run_number)
         period_ns = scenario.timing.port_period_ns.get(BrakeCommand.PORT, CONTRACT.port(BrakeCommand.PORT).period_ns)
         self.watch = StopWatch(self.tick_ns, period_ns, task.service_braking_mps2, task.brake.lag_s)
         self.ending = _StopEnd(task.duration_s, task.after_stop_s, self.tick_ns, self.train)
         self._stop_tick: int | None = None
         self._samples = 0
+
+    def made_train(self, train: TrainDraw, run: RunDraw, seed: int, run_number: int) -> StopTrain:
+        """The train of the run."""
+        return StopTrain(self._task, train, run, seed, run_number)
 
     @property
     def commands(self) -> Mapping[str, type[Telegram]]:
@@ -113,10 +123,10 @@ class StopPlant(TimedPlant):
         )
 
     def _report(self) -> Telegram:
-        life, stop = self.next_life(StopReport.PORT), self.train.last_stop
-        if stop is None or self._stop_tick is None:
+        life = self.next_life(StopReport.PORT)
+        if self._stop_tick is None:
             return StopReport(0, 0, life=life)
-        error_m = stop.position_m - self._task.stop_m + self.train.run.mark_error_m
+        error_m = self.train.motion.position_m - self._task.stop_m + self.train.run.mark_error_m
         return StopReport(self._run_number, round(error_m * MM), life=life)
 
     def _truth(self) -> Telegram:
@@ -128,7 +138,7 @@ class StopPlant(TimedPlant):
 
     def _data(self) -> Telegram:
         train, run = self.train, self.train.run
-        gain, delay, lag = (round(value * TRUE_PER_UNIT) for value in (train.gain, train.delay_s, train.lag_s))
+        gain, delay, lag = (round(value * TRUE_PER_UNIT) for value in (train.gain, train.delay_s, train.course.lag_s))
         return TrueData(
             gain,
             delay,
@@ -136,7 +146,7 @@ class StopPlant(TimedPlant):
             round(train.wheel * _WHEEL_PER_UNIT),
             self._run_number,
             round(run.start_mps * MM),
-            round(run.adhesion_mps2 * MM),
+            round(train.course.adhesion_mps2 * MM),
             life=self.next_life(TrueData.PORT),
         )
 
@@ -172,9 +182,9 @@ class StopPlant(TimedPlant):
         if stood and not stands:
             self._stop_tick = None
             self._happened("departed", now_s, once=True)
-        elif stands and not stood and train.last_stop is not None:
+        elif stands and not stood and train.stopped_s is not None:
             self._stop_tick = self.tick
-            self._happened("stopped", train.last_stop.instant_s, once=True)
+            self._happened("stopped", train.stopped_s, once=True)
 
     def _happened(self, kind: str, instant_s: float, *, once: bool) -> None:
         self.milestone(kind, self.position_01mm, once=once, instant_01ms=round(instant_s * 1e4))

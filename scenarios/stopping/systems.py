@@ -8,6 +8,19 @@ from railhil.scenarios.system import System
 #: Milestones of the system.
 EVENTS = {"slide_begun": 32}
 
+#: Places of faults inside its plant: mutations of brake and rail, sensors, traction and brake.
+INJECTS = (
+    "train.gain",
+    "train.lag",
+    "train.delay",
+    "train.adhesion",
+    "sensor.speed",
+    "sensor.position",
+    "sensor.balise",
+    "actuator.traction",
+    "actuator.brake",
+)
+
 STOP = System(
     name="stop",
     title="precise stopping at a platform",
@@ -21,10 +34,15 @@ STOP = System(
     pictures="railhil.supervisor.precise_stopping.panels:pictures",
     events=EVENTS,
     numbered=True,
+    injects=INJECTS,
     own={
         "task": "railhil.scenarios.stopping.task:StopTask",
         "interface": "railhil.controller_node.laws.stopping.interface:STOP",
         "direct": "railhil.vector_bench:direct_run",
+        "batch": "railhil.batch.coupled:run_coupled",
+        "digest": "railhil.batch.coupled:command_digest",
+        "catalogue": "railhil.supervisor.precise_stopping.reactions:CATALOGUE",
+        "faulty_plant": "railhil.plant_sim.stopping.faults:FaultyStopPlant",
     },
     truth=Truth("TRUTH", position="TruePos", speed="TrueSpeed", acceleration="TrueAccel", beside=("TRUE_DATA",)),
 )

@@ -15,7 +15,6 @@ Beyond that the node sends ``valid`` 0, and the train acts by itself.
 
 from __future__ import annotations
 
-from railhil.bus.layout import Telegram
 from railhil.bus.stopping import (
     AtoState,
     BrakeCommand,
@@ -34,15 +33,16 @@ START_Q = 8
 NOTE_Q = 8
 #: Largest age of the fast readings: twice the three cycles for which a law holds the last speed.
 STALE_MS = 96
-#: A slow reading is too old after this many periods.
+#: The state of the train is too old after this many periods. Without a report only the next run learns nothing: a
+#: report never is too old.
 _SLOW_PERIODS = 3
+_REPORT_MS = 86_400_000
 #: Bounds of the command, mm/s2; scenarios may allow less. A start instant lies within the cycle of 16 ms.
 _LOWEST, _HIGHEST = -2000, 2000
 _START_MAX = 160
 
 
-def _slow(kind: type[Telegram]) -> int:
-    return _SLOW_PERIODS * kind.port().period_ns // 1_000_000
+_STATE_MS = _SLOW_PERIODS * TrainState.port().period_ns // 1_000_000
 
 
 STOP = Interface(
@@ -54,12 +54,12 @@ STOP = Interface(
         Reading("odometer", Odo, "odometer", unit="mm", age_max_ms=STALE_MS),
         Reading("balise", Odo, "balise", age_max_ms=STALE_MS),
         Reading("balise_odometer", Odo, "balise_odometer", unit="mm", age_max_ms=STALE_MS),
-        Reading("load", TrainState, "load", unit="%", age_max_ms=_slow(TrainState)),
-        Reading("wet", TrainState, "wet", age_max_ms=_slow(TrainState)),
-        Reading("standstill", TrainState, "standstill", age_max_ms=_slow(TrainState)),
-        Reading("doors", TrainState, "doors", age_max_ms=_slow(TrainState)),
-        Reading("report_run", StopReport, "run", age_max_ms=_slow(StopReport)),
-        Reading("report_error", StopReport, "error", unit="mm", age_max_ms=_slow(StopReport)),
+        Reading("load", TrainState, "load", unit="%", age_max_ms=_STATE_MS),
+        Reading("wet", TrainState, "wet", age_max_ms=_STATE_MS),
+        Reading("standstill", TrainState, "standstill", age_max_ms=_STATE_MS),
+        Reading("doors", TrainState, "doors", age_max_ms=_STATE_MS),
+        Reading("report_run", StopReport, "run", age_max_ms=_REPORT_MS),
+        Reading("report_error", StopReport, "error", unit="mm", age_max_ms=_REPORT_MS),
         Reading("level", BrakeStatus, "level", age_max_ms=STALE_MS),
     ),
     commands=(

@@ -1,0 +1,314 @@
+"""What the stopping laws share: speed, place, stages, holding the speed of the approach, learning, notes.
+
+Stages (:class:`railhil.bus.stopping.Stage`): start (a), accelerate (b), track (c), armed (d1), brake (d2), standstill
+(d3), learn (d4). A law of this kind says when the brake begins and what is commanded then.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar, Generic, NamedTuple
+
+from pydantic import Field
+
+from railhil.bus.stopping import MM, START_PER_S, VARIANCE_PER_M2, BrakeLevel, Stage
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
+from railhil.controller_node.laws.memory import NOTHING, Remembered
+from railhil.controller_node.laws.stopping.distance import Stop, StoppingDistance
+from railhil.controller_node.laws.stopping.interface import COMMAND_Q, NOTE_Q, START_Q
+from railhil.controller_node.laws.stopping.learning import Learned, Learning, stored_records
+from railhil.controller_node.laws.stopping.model import Grades
+from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
+from railhil.controller_node.laws.stopping.readings import Gap, Inputs, Measured
+from railhil.controller_node.vector.law import Answer, VectorLaw
+
+#: The brake is armed when it will begin within this distance, m.
+_ARMED_M = 60.0
+#: Speeds at which the train has started, and (below that of the approach) has reached it, m/s.
+_MOVING_MPS, _REACHED_MPS = 0.5, 0.1
+#: Acceleration from standstill, m/s2, and the jerk of all commands before the brake, m/s3.
+_START_MPS2, _JERK_MPS3 = 0.6, 0.75
+_SCALE_Q = 16
+
+
+@dataclass(frozen=True)
+class StopParameters:
+    """Parameters of every stopping law."""
+
+    #: gamma of the learning; 0: the rule max(1/j, 0.3).
+    gamma: Annotated[float, Field(ge=0, le=3)] = 0.0
+    #: Offset before the first run: a cold start that undershoots has a positive one.
+    first_offset_m: Annotated[float, Field(ge=-12, le=12)] = 0.0
+    #: Width of the innovation test in standard deviations of the last stops; 0: no test.
+    innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 3.0
+    #: Gain with which the approach holds its speed, 1/s.
+    hold_per_s: Annotated[float, Field(ge=0, le=2)] = 0.2
+
+
+class Estimate(NamedTuple, Generic[T]):
+    """``speed``: m/s, by which the brake is planned. ``left``: to the stopping point, m, without the learned offset."""
+
+    speed: T
+    left: T
+
+
+class Order(NamedTuple, Generic[T]):
+    """What the brake does: command (m/s2) and the instant in the cycle from which it acts (s, Q ``TIME_Q``)."""
+
+    accel: T
+    start: T
+
+
+class StopState(NamedTuple, Generic[T]):
+    """State of a law; ``own`` is that of its estimate and of its brake."""
+
+    gap: Gap[T]
+    stage: T
+    cruise: T
+    cruising: T
+    accel: T
+    braking: T
+    learned: Learned[T]
+    own: Any
+
+
+class StopLaw(VectorLaw[T, StopState[T]]):
+    """Base of the stopping laws."""
+
+    parameters_type: ClassVar[type[Any]] = StopParameters
+    parameters_origin = "ours; the paper prints none"
+
+    def __init__(
+        self, arithmetic: Arithmetic[T], scenario: Any, parameters: Any = None, memory: Remembered = NOTHING
+    ) -> None:
+        self.given = given = parameters or self.parameters_type()
+        self.ar = arithmetic
+        self.numbers = numbers = Numbers(arithmetic)
+        self.task = task = scenario.task
+        self.period_s: float = scenario.timing.control_period_ns / 1e9
+        hold, origin = numbers.hold, "scenario"
+        self.inputs = Inputs(numbers)
+        self.distance = StoppingDistance(numbers, task.brake.delay_s, task.brake.lag_s)
+        self.grades = Grades(numbers, task.grade, task.start_m, task.stop_m)
+        self.learning = Learning(
+            numbers,
+            memory.values,
+            gamma=given.gamma,
+            sigmas=given.innovation_sigmas,
+            active=self.learns,
+            first_offset_m=given.first_offset_m,
+        )
+        self._way = hold("way", task.stop_m - task.start_m, DISTANCE_Q, origin)
+        self._plans = [
+            hold("planned_dry", task.brake.braking_mps2, ACCEL_Q, origin),
+            hold("planned_wet", task.brake.wet_braking_mps2, ACCEL_Q, origin),
+        ]
+        self.most = hold("accel_max", task.brake.traction_max_mps2, ACCEL_Q, origin)
+        self.least = hold("accel_min", -task.brake.braking_max_mps2, ACCEL_Q, origin)
+        self._stages = [hold(f"stage_{stage.name.lower()}", stage, 0, "port table") for stage in Stage]
+        self._standing = task.start_kmh == 0.0
+        self._approach = hold("approach", task.approach_kmh / 3.6, SPEED_Q, origin)
+        self._reached = hold("reached", _REACHED_MPS, SPEED_Q, "law")
+        self._moving = hold("moving", _MOVING_MPS, SPEED_Q, "law")
+        self._armed_m = hold("armed", _ARMED_M, DISTANCE_Q, "law")
+        self._hold = hold("hold", given.hold_per_s, GAIN_Q - 4, "parameters")
+        self._pull = [hold("pull", _START_MPS2, ACCEL_Q, "law"), hold("minus_pull", -_START_MPS2, ACCEL_Q, "law")]
+        jerk = _JERK_MPS3 * self.period_s
+        self._jerk = [hold("jerk", jerk, ACCEL_Q, "law"), hold("minus_jerk", -jerk, ACCEL_Q, "law")]
+        self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
+        self.at_once = hold("at_once", 0.0, TIME_Q, "law")
+        self._mm = hold("mm", MM, _SCALE_Q, "port table")
+        self._units = hold("start_units", START_PER_S, _SCALE_Q, "port table")
+        self._variance = hold("variance_units", VARIANCE_PER_M2, _SCALE_Q, "port table")
+        self._source = hold("memory_source", memory.source, 0, "memory")
+        self._fault = hold("memory_fault", memory.fault, 0, "memory")
+
+    @property
+    def constants(self) -> tuple[Constant, ...]:
+        return tuple(self.numbers.constants)
+
+    # -- what a law adds ------------------------------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def learns(self) -> bool:
+        """Whether the offset is corrected after a run."""
+
+    @property
+    @abstractmethod
+    def warm_up(self) -> int:
+        """Samples of the speed before the brake may be armed."""
+
+    @abstractmethod
+    def own_start(self, measured: Measured[T]) -> Any:
+        """State of the law's own part before the first step."""
+
+    @abstractmethod
+    def estimated(
+        self, own: Any, measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
+    ) -> tuple[Any, Estimate[T]]:
+        """Speed and place. ``accel``: the command of the last cycle, m/s2; ``fresh``: 1 with new samples (Q0)."""
+
+    @abstractmethod
+    def begins(self, estimate: Estimate[T], margin: T) -> T:
+        """1 if the brake begins in this cycle (Q0). ``margin``: distance left before it has to, m."""
+
+    @abstractmethod
+    def brake(
+        self, own: Any, estimate: Estimate[T], margin: T, last: T, offset: T, planned: T, missed: T, first: T
+    ) -> tuple[Any, Order[T]]:
+        """The command while the brake is on, computed in each cycle.
+
+        :param last: command of the last cycle; ``planned``: planned deceleration, m/s2. :param missed: 1 while the
+            speed is not known (Q0). :param first: 1 in the cycle in which the brake begins.
+        """
+
+    def reserve(self, speed: T, planned: T) -> T:
+        """Distance by which the brake begins before the stopping distance of a sudden brake, m (Q ``DISTANCE_Q``)."""
+        return self.numbers.hold("no_reserve", 0.0, DISTANCE_Q, "law")
+
+    # -- the vector law -------------------------------------------------------------------------------------------
+
+    def start(self, readings: Sequence[T]) -> StopState[T]:
+        zero = self.numbers.zero
+        measured = self.inputs.measured(readings)
+        speed = measured.samples[-1]
+        cruise = self._approach if self._standing else speed
+        return StopState(
+            self.inputs.start(measured),
+            zero,
+            cruise,
+            zero,
+            self.steady(measured),
+            self.numbers.hold("no_distance", 0.0, DISTANCE_Q, "law"),
+            self.learning.start(measured.load, measured.wet),
+            self.own_start(measured),
+        )
+
+    def step(self, state: Any, readings: Sequence[T]) -> tuple[Any, Answer[T]]:
+        ar, zero, one = self.ar, self.numbers.zero, self.numbers.one
+        stages = self._stages
+        measured = self.inputs.measured(readings)
+        gap, samples, fresh = self.inputs.bridged(state.gap, measured)
+        refused = self.inputs.refused(gap, self.warm_up)
+        own, estimate = self.estimated(state.own, measured, samples, fresh, state.accel)
+        speed = ar.note("v_hat", estimate.speed, SPEED_Q, "m/s")
+        left = ar.note("left", estimate.left, DISTANCE_Q, "m")
+        planned = ar.where(ar.gt(measured.wet, zero), self._plans[1], self._plans[0])
+        stop: Stop[T] = self.distance(speed, planned)
+        distance = ar.note("f", ar.add(stop.distance, self.reserve(speed, planned)), DISTANCE_Q, "m")
+        offset = state.learned.before.offset
+        margin = ar.note("margin_m", ar.sub(ar.sub(left, distance), offset), DISTANCE_Q, "m")
+
+        # Stages, each from that of the last cycle: at most one change in a cycle.
+        moves = ar.gt(speed, self._moving)
+        idle, begun, rising, tracking, armed, braking, stands, learnt = stages
+        stage = state.stage
+        after = ar.where(moves, tracking, ar.where(ar.gt(measured.doors, zero), idle, begun))
+        after = _at(ar, stage, begun, ar.where(moves, rising, begun), after)
+        close = ar.gt(speed, ar.sub(state.cruise, self._reached))
+        after = _at(ar, stage, rising, ar.where(close, tracking, rising), after)
+        near = ar.where(ar.gt(self._armed_m, margin), armed, tracking)
+        after = _at(ar, stage, tracking, ar.where(ar.gt(refused, zero), tracking, near), after)
+        begins = ar.where(ar.gt(self.begins(estimate, margin), zero), braking, armed)
+        after = _at(ar, stage, armed, ar.where(ar.gt(refused, zero), tracking, begins), after)
+        still = ar.where(ar.gt(measured.standstill, zero), stands, braking)
+        after = _at(ar, stage, braking, still, after)
+        after = _at(ar, stage, stands, ar.where(ar.gt(state.learned.learned, zero), learnt, stands), after)
+        after = ar.where(ar.gt(stage, stands), learnt, after)
+        stage = ar.note("stage_now", after, 0)
+
+        # Before the brake: the speed that the run had when the estimate was first warm, and the grade.
+        warm = ar.maximum(state.cruising, ar.sub(one, refused))
+        cruise = state.cruise
+        if not self._standing:
+            cruise = ar.where(ar.gt(warm, state.cruising), speed, cruise)
+        far = ar.clip(ar.sub(cruise, speed), self._reached_up(), ar.neg(self._reached_up()))
+        kept = ar.mpy_iqx(far, SPEED_Q, self._hold, GAIN_Q - 4, ACCEL_Q)
+        kept = kept if self._standing else ar.where(ar.gt(warm, zero), kept, self.numbers.zero)
+        wanted = ar.sub(ar.clip(kept, *self._pull), self.grades.at(left))
+        pulled = ar.add(state.accel, ar.clip(ar.sub(wanted, state.accel), *self._jerk))
+        pulled = ar.where(ar.gt(stage, idle), pulled, state.accel)
+
+        on = ar.gt(stage, armed)
+        first = ar.where(on, ar.where(ar.gt(braking, state.stage), one, zero), zero)
+        missed = ar.where(ar.gt(gap.missed, zero), one, zero)
+        own, order = self.brake(own, estimate, margin, state.accel, offset, planned, missed, first)
+        accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
+        accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
+        start = ar.where(ar.gt(first, zero), order.start, self.at_once)
+
+        # The braking distance of the run, for the innovation test.
+        distance_used = ar.where(ar.gt(first, zero), distance, state.braking)
+        ready = ar.where(ar.gt(stage, braking), one, zero)
+        by_itself = ar.where(ar.gt(measured.level, self._cut), one, zero)
+        spoiled = ar.where(ar.gt(ready, zero), zero, ar.maximum(measured.slide, by_itself))
+        learned = self.learning.step(state.learned, ready, spoiled, measured.run, measured.error, distance_used)
+
+        new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
+        return new, self._answer(state, stage, accel, start, margin, distance, speed)
+
+    def _reached_up(self) -> T:
+        return self.numbers.hold("far_speed", 8.0, SPEED_Q, "law")
+
+    def _answer(self, state: Any, stage: T, accel: T, start: T, margin: T, distance: T, speed: T) -> Answer[T]:
+        ar, one = self.ar, self.numbers.one
+        record = state.learned.before
+
+        def mm(value: T, q: int) -> T:
+            return ar.mpy_iqx(value, q, self._mm, _SCALE_Q, NOTE_Q)
+
+        commands = (
+            ar.mpy_iqx(accel, ACCEL_Q, self._mm, _SCALE_Q, COMMAND_Q),
+            ar.mpy_iqx(start, TIME_Q, self._units, _SCALE_Q, START_Q),
+            one,
+        )
+        notes = (
+            stage,
+            mm(margin, DISTANCE_Q),
+            mm(distance, DISTANCE_Q),
+            mm(record.offset, DISTANCE_Q),
+            mm(speed, SPEED_Q),
+            self._source,
+            mm(record.offset, DISTANCE_Q),
+            ar.mpy_iqx(record.variance, 24, self._variance, _SCALE_Q, NOTE_Q),
+            record.runs,
+            self._fault,
+        )
+        return Answer(commands, notes)
+
+    def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
+        """Nothing: the safe command is not valid, so the train does not take it; it is known that the run is lost."""
+        learned = state.learned._replace(spoiled=self.numbers.one)
+        return state._replace(learned=learned)
+
+    # -- memory ---------------------------------------------------------------------------------------------------
+
+    @classmethod
+    def memory_key(cls, scenario: Any) -> str:
+        task = scenario.task
+        return f"{task.train} {task.platform} {task.direction}"
+
+    @classmethod
+    def check_memory(cls, scenario: Any, values: Mapping[str, Any]) -> None:
+        stored_records(values)
+
+    def memory(self, state: Any) -> Mapping[str, Any]:
+        return self.learning.memory(state.learned)
+
+    def steady(self, measured: Measured[T]) -> T:
+        """The command with which a train that runs keeps its speed, m/s2; 0 for one that stands."""
+        if self._standing:
+            return self.numbers.hold("no_accel", 0.0, ACCEL_Q, "law")
+        return self.ar.neg(self.grades.at(self.way_left(measured.odometer)))
+
+    def way_left(self, odometer: T) -> T:
+        """Distance to the stopping point by the odometer, m."""
+        return self.ar.sub(self._way, odometer)
+
+
+def _at(ar: Arithmetic[T], stage: T, which: T, then: T, other: T) -> T:
+    """``then`` where the stage is ``which`` or later, else ``other``: applied in the order of the stages."""
+    return ar.where(ar.gt(which, stage), other, then)
