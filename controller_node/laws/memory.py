@@ -19,8 +19,8 @@ class Remembered:
 
     ``values``: what :meth:`memory` of the law returned at the end of its last run; None: nothing that can be used.
     ``source``: where they come from, 0 nothing or the default of the line, 1 slot A, 2 slot B. ``fault``: why a slot
-    could not be used, that of slot A in bits 0 to 3, of slot B in bits 4 to 7; 0: none. A law that reports the two
-    sends them as they are.
+    could not be used, a number of :data:`railhil.scenarios.memory.FAULTS` (four bits), of two slots that of A; 0: none.
+    A law that reports the two sends them as they are.
     """
 
     values: Mapping[str, Any] | None = None
@@ -30,8 +30,8 @@ class Remembered:
 
 #: Before the first run.
 NOTHING = Remembered()
-#: Slot -> its number in ``source``, and the first bit of its fault in ``fault``.
-_SLOTS = {SLOT_A: (1, 0), SLOT_B: (2, 4)}
+#: Slot -> its number in ``source``.
+_SLOTS = {SLOT_A: 1, SLOT_B: 2}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +51,10 @@ class Choice:
     @property
     def remembered(self) -> Remembered:
         """What the law is given."""
-        fault = 0
-        for one in self.stored:
-            if one.record is None and one.slot in _SLOTS:
-                fault |= FAULTS[one.fault] << _SLOTS[one.slot][1]
+        faults = {one.slot: FAULTS[one.fault] for one in self.stored if one.record is None}
+        fault = next((faults[slot] for slot in _SLOTS if slot in faults), 0)
         record = next((one.record for one in self.stored if one.slot == self.used), None)
-        source = _SLOTS.get(self.used, (0, 0))[0]
-        return Remembered(None if record is None else record.values, source, fault)
+        return Remembered(None if record is None else record.values, _SLOTS.get(self.used, 0), fault)
 
 
 def memory_key(kind: type[Any], scenario: Any) -> str:

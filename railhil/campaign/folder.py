@@ -49,5 +49,5 @@ def opened(out: str | None, plan: Plan) -> Iterator[CampaignFolder]:
     def check(path: Path) -> None:
         check_same(path / MANIFEST, "campaign", read_manifest(path).campaign, plan.identity)
 
-    with locked(out, (plan.scenario.name, "campaign"), MANIFEST, manifest(plan), check) as path:
+    with locked(out, (plan.scenario.name, "campaign"), "campaign", MANIFEST, manifest(plan), check) as path:
         yield CampaignFolder(path, plan)

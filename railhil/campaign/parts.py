@@ -128,14 +128,20 @@ def check_same(path: Path, kind: str, recorded: dict[str, Any], ours: dict[str, 
 
 @contextmanager
 def locked(
-    out: str | None, names: tuple[str, str], manifest: str, document: dict[str, Any], check: Callable[[Path], None]
+    out: str | None,
+    names: tuple[str, str],
+    kind: str,
+    manifest: str,
+    document: dict[str, Any],
+    check: Callable[[Path], None],
 ) -> Iterator[Path]:
     """Begin work in a new or empty folder, or resume that in it, with exclusive access.
 
     The lock (flock on the manifest) is released when the process ends, in whatever way.
 
     :param out: the folder; None: ``runs/<utc>-<names>/``.
-    :param names: of the scenario, and of what is in the folder, such as ``campaign``.
+    :param names: of the scenario, and of the command.
+    :param kind: what is in the folder, such as ``campaign``.
     :param manifest: name of the manifest; ``document``: its content for new work.
     :param check: refuses a folder with other work (InputError).
     :raises InputError: the folder contains something else or other work, is not writable, or is in use.
@@ -155,7 +161,7 @@ def locked(
         except OSError as error:
             if error.errno not in (errno.EWOULDBLOCK, errno.EACCES):
                 raise not_written(_OPTIONS, path, "folder", error) from error
-            found = Words(f"a {names[1]} that is running there")
+            found = Words(f"a {kind} that is running there")
             raise InputError(path, "", found, "one process at a time") from None
         try:
             # A process killed at this point leaves an empty or incomplete manifest, and no part.

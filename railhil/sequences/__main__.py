@@ -7,16 +7,18 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 from railhil.campaign.extras import need
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.extras import install_command
 from railhil.common.output import Output, accept_any_text, flush_output, print_json
 from railhil.sequences.command import arguments, check_combination, request_from
 from railhil.sequences.one import runner_of, through_nodes
-from railhil.sequences.plan import Request, make_plan
+from railhil.sequences.plan import Plan, Request, make_plan
 
 
 def _verify(namespace: argparse.Namespace) -> int:
@@ -53,12 +55,22 @@ def _run(namespace: argparse.Namespace) -> int:
     jobs = namespace.jobs or os.cpu_count() or 1
     name = "dask" if namespace.dask is not None else "batch" if jobs == 1 else "joblib"
     with running(name, jobs, namespace.dask, say, work=run_task, kernel=None) as engine:
-        folder, found, _ = execute(plan, namespace.resume or namespace.out, console, engine, say)
+        folder, found, table = execute(plan, namespace.resume or namespace.out, console, engine, say)
+    report = "" if namespace.no_report else _report(plan, found, table, folder)
     if namespace.json:
         print_json(found)
     else:
-        show(Output(), found, folder, "")
+        show(Output(), found, folder, report)
     return PASS
+
+
+def _report(plan: Plan, found: dict[str, Any], table: Any, folder: Path) -> str:
+    """The line about the report."""
+    try:
+        from railhil.sequences.report import report_line
+    except ImportError as error:
+        return f"no report: {error.name} is not installed ({install_command('report')})"
+    return report_line(plan, found, table, folder)
 
 
 def main(words: Sequence[str] | None = None) -> int:

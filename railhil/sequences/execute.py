@@ -53,7 +53,7 @@ class _File(BaseModel):
     """The part that is read back; the rest is information for people."""
 
     model_config = ConfigDict(extra="ignore", strict=True)
-    learn: dict[str, Any]
+    study: dict[str, Any]
     request: _Request
 
 
@@ -73,15 +73,15 @@ def read_manifest(folder: Path) -> tuple[dict[str, Any], Request]:
         raise InputError(path, "format", Words("something else"), f"{_FORMAT}, of this railhil")
     file = validated(_File, document, lambda keys: path)
     values: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in file.request}
-    return file.learn, Request(**values)
+    return file.study, Request(**values)
 
 
 def _manifest(plan: Plan) -> dict[str, Any]:
-    """Content of ``learn.json``: ``learn`` must be the same when resuming, the rest is explanation."""
+    """Content of ``learn.json``: ``study`` must be the same when resuming, the rest is explanation."""
     return {
         "format": _FORMAT,
         "railhil": version("railhil"),
-        "learn": plan.identity,
+        "study": plan.identity,
         "request": asdict(plan.request),
         "scenario": any_document(plan.scenario),
         "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
@@ -102,12 +102,12 @@ def execute(
     """
 
     def check(path: Path) -> None:
-        check_same(path / MANIFEST, "learn", read_manifest(path)[0], plan.identity)
+        check_same(path / MANIFEST, "study", read_manifest(path)[0], plan.identity)
 
     def read(file: Path, chunk: Chunk) -> pa.Table:
         return read_part(file, origin_of(plan, chunk), chunk, plan.judging)
 
-    with locked(out, (plan.scenario.name, "learn"), MANIFEST, _manifest(plan), check) as path:
+    with locked(out, (plan.scenario.name, "learn"), "study", MANIFEST, _manifest(plan), check) as path:
         folder = PartsFolder(path, list(plan.chunks()), read)
 
         def finish() -> tuple[dict[str, Any], pa.Table]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from railhil.supervisor.fault_report import missed_faults
 from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.memory import number_of
 from railhil.supervisor.score import Score
+from railhil.supervisor.trace import Trace
 
 #: Events of the arithmetic that are counted.
 COUNTS = ("wraps", "saturations", "zero_divisions")
@@ -45,6 +46,7 @@ class OneRun:
     missed: str
     digest: str
     kept: Kept | None
+    trace: Trace = field(repr=False, compare=False)
 
     @property
     def began(self) -> Memory:
@@ -101,7 +103,7 @@ def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
     found = controller.kept()
     kept = None if found is None else kept_of(found)
-    return OneRun(scenario, spec, run.score, counts, "", _digest(system, scenario, run), kept)
+    return OneRun(scenario, spec, run.score, counts, "", _digest(system, scenario, run), kept, run.trace)
 
 
 def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
@@ -110,10 +112,8 @@ def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
     run = unrecorded_run(scenario, spec)
     totals, found = run.telemetry["totals"], run.telemetry.get("memory")
     counts = {name: int(totals[name]) for name in COUNTS}
-    kept = None if found is None else kept_of(found)
-    return OneRun(
-        scenario, spec, run.score, counts, missed_faults(run.faults) or "", _digest(system, scenario, run), kept
-    )
+    kept, missed = None if found is None else kept_of(found), missed_faults(run.faults) or ""
+    return OneRun(scenario, spec, run.score, counts, missed, _digest(system, scenario, run), kept, run.trace)
 
 
 def _digest(system: System, scenario: AnyScenario, run: BenchRun) -> str:

@@ -36,7 +36,8 @@ def _rows(measure: Mapping[str, Any]) -> Table:
     return made
 
 
-def _converged(measure: Mapping[str, Any], sequences: int) -> str:
+def converged(measure: Mapping[str, Any], sequences: int) -> str:
+    """How many runs the sequences need, in words."""
     found = measure["converged"]
     inside = f"{found['in_a_row']} runs in a row within {found['limit']:g} {measure['unit']}"
     if not found["sequences"]:
@@ -61,7 +62,7 @@ def show(console: Output, summary: Mapping[str, Any], folder: Path, report: str)
     )
     for measure in summary["measures"].values():
         console.print(_rows(measure))
-        console.say(_converged(measure, summary["sequences"]))
+        console.say(converged(measure, summary["sequences"]))
         if missing := sum(one["runs"] - one["with_a_value"] for one in measure["by_run"]):
             console.say(f"{missing} runs have no {measure['title']}; they count as outside every limit")
     verdicts = ", ".join(f"{count:,} {name}" for name, count in summary["verdicts"].items())

@@ -40,7 +40,7 @@ def verify(folder: Path, sequences: int, draw: int) -> Iterator[Verified]:
     for key in ("scenario_sha256", "law_sha256", "parameters"):
         if begun.get(key) != plan.identity[key]:
             allowed = f"{plan.identity[key]}, what this installation would run"
-            raise InputError(folder / MANIFEST, f"learn.{key}", Words(str(begun.get(key))), allowed)
+            raise InputError(folder / MANIFEST, f"study.{key}", Words(str(begun.get(key))), allowed)
     try:
         table = read_table(folder / RESULTS, schema(plan.judging))
     except FileNotFoundError:

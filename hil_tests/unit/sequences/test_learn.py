@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -24,7 +25,8 @@ _RUNS, _SEQUENCES = 4, 3
 
 def learn(short: Path, out: Path, *words: str, jobs: int = 1) -> int:
     given = ("--runs", str(_RUNS), "--sequences", str(_SEQUENCES), "--chunk", "1", "--seed", "7", "--jobs", str(jobs))
-    return main([str(short), "--controller", "learning", *given, "--out", str(out), *words])
+    report = () if jobs == 1 and out.name == "one" else ("--no-report",)
+    return main([str(short), "--controller", "learning", *given, "--out", str(out), *report, *words])
 
 
 def rows(folder: Path) -> list[dict[str, Any]]:
@@ -47,6 +49,16 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert len({one["memory_after_sha256"] for one in found[:4]}) == 4
     assert main(["--verify", str(tmp_path / "one"), "--sequences", "2"]) == PASS
     assert "8 of 8 runs are the same on the bench" in capsys.readouterr().out
+    page = (tmp_path / "one" / "report.html").read_text()
+    assert f"report {tmp_path / 'one' / 'report.html'}" in said
+    for text in ("Learning: stop error", "Distribution: stop error", "What the law keeps", "Two runs of the first seq"):
+        assert text in page
+    # A single file that opens offline, the same for the same results.
+    assert not re.search(r"(?:src|href)=.https?:|url\(https?:|@import", page)
+    assert str(tmp_path) not in page
+    (tmp_path / "one" / "report.html").unlink()
+    assert main(["--resume", str(tmp_path / "one"), "--jobs", "1"]) == PASS
+    assert (tmp_path / "one" / "report.html").read_text() == page
 
 
 def test_processes_make_no_difference(short: Path, tmp_path: Path) -> None:
@@ -77,7 +89,9 @@ def test_after_a_kill_it_goes_on_with_the_same_bytes(short: Path, tmp_path: Path
 
 def test_other_work_is_not_mixed_in(short: Path, tmp_path: Path) -> None:
     assert learn(short, tmp_path / "out", "--sequences", "1", "--runs", "1") == PASS
-    with pytest.raises(InputError, match=r"learn\.runs: found 1, allowed 2 to go on with it; another --out begins"):
+    with pytest.raises(
+        InputError, match=r"study\.runs: found 1, allowed 2 to go on with it; another --out begins a new study"
+    ):
         learn(short, tmp_path / "out", "--sequences", "1", "--runs", "2")
 
 
