@@ -53,8 +53,8 @@ def _run(namespace: argparse.Namespace) -> int:
     if runner_of(plan.scenario) is through_nodes:
         say(f"system {plan.scenario.system} has no runs without a bus, or not with its faults: the nodes make them all")
     jobs = namespace.jobs or os.cpu_count() or 1
-    name = "dask" if namespace.dask is not None else "batch" if jobs == 1 else "joblib"
-    with running(name, jobs, namespace.dask, say, work=run_task, kernel=None) as engine:
+    name = "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib"
+    with running(name, jobs, namespace.scheduler, say, work=run_task, kernel=None) as engine:
         folder, found, table = execute(plan, namespace.resume or namespace.out, console, engine, say)
     report = "" if namespace.no_report else _report(plan, found, table, folder)
     if namespace.json:

@@ -62,7 +62,9 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument(
         "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="processes (default: one per core)"
     )
-    parser.add_argument("--dask", metavar="ADDRESS", help="workers of the scheduler at tcp://HOST:PORT instead")
+    parser.add_argument(
+        "--scheduler", metavar="ADDRESS", help="workers of the dask scheduler at tcp://HOST:PORT instead"
+    )
     parser.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-learn); resumes there")
     parser.add_argument("--resume", metavar="DIR", help="go on in this folder")
     parser.add_argument("--no-report", action="store_true", help="write no report.html")
@@ -79,10 +81,10 @@ def check_combination(namespace: argparse.Namespace) -> None:
     given = [name for name in _REQUEST if getattr(namespace, name) is not None]
     given += [name for name in ("set", "fault", "nominal") if getattr(namespace, name)]
     if namespace.verify is not None:
-        others = [name for name in (*given, "out", "resume", "jobs", "dask") if getattr(namespace, name)]
+        others = [name for name in (*given, "out", "resume", "jobs", "scheduler") if getattr(namespace, name)]
         if extra := [name for name in others if name != "sequences"]:
             raise InputError("command line", "--verify", _option(extra[0]), "beside it only --sequences and --draw")
-    for one, other in (("resume", "out"), ("jobs", "dask")):
+    for one, other in (("resume", "out"), ("jobs", "scheduler")):
         if getattr(namespace, one) is not None and getattr(namespace, other) is not None:
             raise InputError("command line", f"--{other}", getattr(namespace, other), f"one of --{one} and --{other}")
 

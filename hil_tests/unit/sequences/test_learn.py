@@ -14,6 +14,7 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
+from hil_tests.support.dask_cluster import loopback_cluster
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
 from railhil.sequences.__main__ import main
@@ -61,11 +62,16 @@ def test_sequences_are_those_of_the_bench(short: Path, tmp_path: Path, capsys: p
     assert (tmp_path / "one" / "report.html").read_text() == page
 
 
-def test_processes_make_no_difference(short: Path, tmp_path: Path) -> None:
+def test_processes_and_machines_make_no_difference(short: Path, tmp_path: Path) -> None:
     for jobs in (1, 2):
         assert learn(short, tmp_path / str(jobs), jobs=jobs) == PASS
+    with loopback_cluster(1) as cluster:
+        words = ["--runs", str(_RUNS), "--sequences", str(_SEQUENCES), "--chunk", "1", "--seed", "7", "--no-report"]
+        words += ["--scheduler", cluster.scheduler_address, "--out", str(tmp_path / "dask")]
+        assert main([str(short), "--controller", "learning", *words]) == PASS
     for name in ("results.parquet", "summary.json"):
-        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "2" / name).read_bytes()
+        one, two, dask = ((tmp_path / folder / name).read_bytes() for folder in ("1", "2", "dask"))
+        assert one == two == dask
 
 
 def test_after_a_kill_it_goes_on_with_the_same_bytes(short: Path, tmp_path: Path) -> None:
@@ -101,7 +107,10 @@ def test_other_work_is_not_mixed_in(short: Path, tmp_path: Path) -> None:
         (("--controller", "ipfc"), "--controller: found 'ipfc', allowed a law that keeps a memory from run to run"),
         (("--controller", "nobody"), "--controller: found 'nobody'"),
         (("--seed", "4294967295"), "--seed: found last seed"),
-        (("--jobs", "2", "--dask", "tcp://127.0.0.1:1"), "--dask: found 'tcp://127.0.0.1:1', allowed one of --jobs"),
+        (
+            ("--jobs", "2", "--scheduler", "tcp://127.0.0.1:1"),
+            "--scheduler: found 'tcp://127.0.0.1:1', allowed one of --jobs",
+        ),
         (("--verify", "x", "--runs", "2"), "--verify: found '.*', allowed beside it only --sequences and --draw"),
         (("--resume", "nowhere"), r"learn\.json: found no such file or directory, allowed folder of railhil learn"),
     ],
