@@ -1,4 +1,4 @@
-"""Many sequences of stops at once, without a bus: ``python -m benchmarks.stop_sequences`` prints the tables of the study.
+"""Many sequences of stops at once, without a bus: ``python -m benchmarks.stop_sequences`` prints the tables.
 
 The law is the real one in double precision over arrays, one element for each sequence; the train is written here with
 arrays (delay and lag exact for commands that change at the beginning of a cycle). It is the quick look beside the runs
