@@ -70,7 +70,7 @@ class IpfcPlusStopParameters(IpfcPlusParameters):
     capture_m: Annotated[float, Field(ge=0, le=1)] = 0.3
     capture_kmh: Annotated[float, Field(ge=0, le=4)] = 1.0
     #: Largest correction of the end phase. Jerk is at most this times the actuator's pole.
-    correction_max_mps2: Annotated[float, Field(ge=0, le=10)] = 0.3
+    correction_max_mps2: Annotated[float, Field(ge=0, le=10)] = 0.6
     #: Deviations that weigh as much as each other: position and speed at the stop, demand held for 1 s.
     stop_position_m: Annotated[float, Field(ge=1e-4, le=1)] = 0.001
     stop_speed_mps: Annotated[float, Field(ge=1e-4, le=1)] = 0.001

@@ -110,6 +110,8 @@ def faulty(fault: str, seed: int, law: str = LAW) -> BenchRun:
             code = 0
         if fault == "traction is cut for 5 s" and 40 <= k < 50:
             code = min(code, 0)
+        if fault == "the brake is stuck for 2 s before the stop" and 378 <= k < 382:
+            code = -2 * 256
         controller.sent(code)
         return code
 

@@ -152,15 +152,14 @@ def test_what_is_left_over_is_the_survey() -> None:
 
 
 def test_handover_without_a_bump() -> None:
-    """Until the handover the notches are those without an end phase; at it they differ by less than a notch step of a
-    usual period."""
+    """Until the handover the notches are those without an end phase; at it they differ by less than a tenth."""
     with_it, without = forty(LAW), forty(LAW, handover_kmh=0.0)
     assert with_it.notch_codes is not None
     assert without.notch_codes is not None
     first = next(k for k, constant in enumerate(TABLE.ending) if constant.raw)
     for mine, usual in zip(with_it.notch_codes, without.notch_codes, strict=True):
         assert np.array_equal(mine[:first], usual[:first])
-        assert abs(int(mine[first]) - int(usual[first])) < 0.3 * 256
+        assert abs(int(mine[first]) - int(usual[first])) < 0.1 * 256
 
 
 def test_batch_is_the_bench() -> None:
@@ -169,13 +168,18 @@ def test_batch_is_the_bench() -> None:
 
 
 @pytest.mark.parametrize(
-    ("fault", "seed"),
-    [("the last two balises are missing", 2), ("speed reads 0 now and then", 4), ("held for 5 s", 3)],
+    ("fault", "seed", "punctuality_s"),
+    [
+        ("the last two balises are missing", 2, 0.1),
+        ("speed reads 0 now and then", 4, 0.1),
+        ("held for 5 s", 3, 0.1),
+        ("the brake is stuck for 2 s before the stop", 4, 0.2),
+    ],
 )
-def test_arrives_in_spite_of(fault: str, seed: int) -> None:
+def test_arrives_in_spite_of(fault: str, seed: int, punctuality_s: float) -> None:
     values: Mapping[str, Any] = faulty(fault, seed, LAW).score.values
     assert values["stop_error_m"] < 0.05
-    assert values["punctuality_s"] < 0.1
+    assert values["punctuality_s"] < punctuality_s
 
 
 @pytest.mark.parametrize("period_s", [0.2, 1.0])
