@@ -132,6 +132,7 @@ def main() -> int:
     parser.add_argument("--first-seed", type=whole_number(0, SEED_MAX - 1000), default=301, help="(default 301)")
     parser.add_argument("--duration", type=whole_number(60, 10_000), metavar="S", help="only so much of each run")
     parser.add_argument("--only", choices=[scenario for _, scenario, _ in SITUATIONS], help="only this scenario")
+    parser.add_argument("--law", choices=sorted({law for law, _ in _ONE}), help="only this law")
     given = parse(parser)
     seeds = range(given.first_seed, given.first_seed + given.runs)
     settings = [] if given.duration is None else [f"task.duration_s={given.duration}"]
@@ -149,6 +150,8 @@ def main() -> int:
                        "coupler kN\nmean (max)", "step\nus"):  # fmt: skip
             table.add_column(column, justify="right")
         for law, values in laws:
+            if given.law not in (None, law):
+                continue
             runs = [measured(scenario, settings, law, values, seed) for seed in seeds]
             table.add_row(law, ", ".join(f"{key} = {value}" for key, value in values.items()), *_row(runs))
         console.print(table)

@@ -35,6 +35,8 @@ _CRAWL_MPS = 1.0
 _SIGNS = np.array([1.0, -1.0])
 #: A side with less does not act.
 _ACTS_MPS2 = 1e-6
+#: A side with less is not planned: a constant reference gives a plan of 0, whose sign is a matter of rounding.
+_PLANNED_MPS2 = 1e-3
 #: Cost of the force above its limit, by kN and by kN^2: far above every other one.
 _SLACK, _SLACK_SQUARE = 10.0, 1.0
 
@@ -221,7 +223,7 @@ class Qp:
         linear = -gain * (ahead @ self._on_speed) - weight * (self._on_steps @ before.reshape(-1))
         linear += gain * given.force_weight * (force @ self._on_force)
         if not now.emergency:
-            linear += self._side * (near <= 0.0).reshape(-1)
+            linear += self._side * (near <= _PLANNED_MPS2).reshape(-1)
         work = np.zeros(near.shape)
         work[:, 0] = given.energy_weight * max(now.speed, 0.0) * self._period_s
         return hessian, linear + self._shares * work.reshape(-1)
@@ -248,7 +250,7 @@ def _against(plan: Matrix, sides: Matrix) -> Matrix:
 
     The train would carry out their difference by one side alone.
     """
-    both = (sides.min(axis=1) > _ACTS_MPS2) & (plan.min(axis=1) <= 0.0)
+    both = (sides.min(axis=1) > _ACTS_MPS2) & (plan.min(axis=1) <= _PLANNED_MPS2)
     smaller = sides == sides.min(axis=1, keepdims=True)
     return np.asarray(smaller & both[:, None])
 
