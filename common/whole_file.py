@@ -71,3 +71,24 @@ def whole_file(path: Path) -> Iterator[Path]:
         draft.replace(target)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def write_synced(path: Path, content: bytes) -> None:
+    """Write a file completely or not at all, so that it survives a power cut: temporary file, fsync, rename.
+
+    :raises OSError: it cannot be written; the previous file is kept.
+    """
+    with whole_file(path) as draft, draft.open("wb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+    sync_folder(path.resolve().parent)
+
+
+def sync_folder(path: Path) -> None:
+    """Make the names in a folder survive a power cut. Raises OSError."""
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)

@@ -32,7 +32,7 @@ from railhil.controller_node.laws import find
 from railhil.controller_node.serve import FIRST_FRAME_S, run_controller
 from railhil.controller_node.telemetry_file import check_writable, law_document, write_telemetry
 from railhil.scenarios.load import load_any
-from railhil.scenarios.memory import load_memory
+from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec
 from railhil.scenarios.settings import add_fault_argument, add_fault_log_argument, add_set_argument
@@ -77,7 +77,7 @@ def main(words: Sequence[str] | None = None) -> int:
     scenario = load_any(namespace.scenario, namespace.set, namespace.fault)
     system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
-    memory = None if namespace.memory_from is None else load_memory(namespace.memory_from)
+    memory = None if namespace.memory_from is None else memory_at(namespace.memory_from)
     law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters, memory)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.

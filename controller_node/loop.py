@@ -73,6 +73,7 @@ class ControlLoop(Generic[T]):
         self._scenario = scenario
         #: Name by which the law was requested.
         self.name = name = law.controller
+        self._memory = law.memory
         kind, indexing = load(name), law.indexing
         if indexing in INDEXINGS and indexing not in kind.indexings:
             raise InputError("indexing", name, indexing, f"{' or '.join(kind.indexings)} with this law")
@@ -121,4 +122,4 @@ class ControlLoop(Generic[T]):
 
     def kept(self) -> dict[str, Any] | None:
         """What the law wants kept of the run, see :func:`railhil.controller_node.laws.memory.kept`."""
-        return kept(self.name, self.law, self._scenario, self.state)
+        return kept(self.name, self.law, self._scenario, self.state, self._memory)

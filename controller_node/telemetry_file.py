@@ -47,7 +47,7 @@ def telemetry_document(node: AnyController) -> dict[str, Any]:
 
     ``totals`` count since the arithmetic was made, the quantities since the first control period. ``share`` is the
     share of the control period with the program in flash, where every step takes twice as long as from RAM.
-    ``memory``, of a law that keeps one: its key and values.
+    ``memory``, of a law that keeps one: :func:`railhil.controller_node.laws.memory.kept`.
     """
     controller, law = node.controller, node.law
     counters, cost = controller.counters, controller.cost

@@ -174,7 +174,7 @@ def run(
     :param bus: ``local``: all nodes in this process; ``auto``: three processes over the bus that ``railhil run`` would
         choose; ``hub``: over a hub of the run's own; ``INTERFACE:CHANNEL[@BITRATE]`` of python-can, such as
         ``socketcan:can0``. A ``RunSpec`` has its own unless this is one of the last two.
-    :param memory: file with the law's memory from run to run: read at the beginning, replaced after a valid run.
+    :param memory: folder with the law's memory from run to run: read at the beginning, updated after a valid run.
     :param no_controller: the controller is a board or another program on the bus.
     :param out: the run folder (default ``runs/<utc>-<scenario>-<controller>``).
     :raises InputError: anything that is not allowed, in one line.

@@ -47,8 +47,8 @@ def spec_of(
     if controller is None:
         controller = system_named(load_any(name, given, faults).system).law
     law = LawSpec(controller, arithmetic, indexing, parameters_of(parameters, controller))
-    memory_file = None if memory is None else str(Path(memory).resolve())
-    return RunSpec(name, given, law, memory_file=memory_file, faults=tuple(faults), **beside)
+    memory_store = None if memory is None else str(Path(memory).resolve())
+    return RunSpec(name, given, law, memory_store=memory_store, faults=tuple(faults), **beside)
 
 
 def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
@@ -57,7 +57,7 @@ def checked_spec(spec: RunSpec) -> tuple[RunSpec, AnyScenario]:
     :raises InputError: anything that is not allowed, in one line.
     """
     checked = RunSpec.from_json(spec.as_json(), Path("railhil.run"))
-    spec = replace(checked, law=spec.law, memory_file=spec.memory_file)
+    spec = replace(checked, law=spec.law, memory_store=spec.memory_store)
     loaded = spec.load()
     system_named(loaded.system).check_law(spec.law.controller, "railhil.run", "controller")
     return spec, loaded

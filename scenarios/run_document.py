@@ -20,7 +20,8 @@ from railhil.common.errors import Faults, InputError, Words, near_file
 from railhil.common.patience import PATIENCE_S
 from railhil.faults import FAULT
 from railhil.scenarios.load import load_any, stable_name
-from railhil.scenarios.memory import Memory, load_memory, memory_from_json
+from railhil.scenarios.memory import Memory, memory_from_json
+from railhil.scenarios.memory_store import MemoryStore, memory_at
 from railhil.scenarios.parameters import ParameterSet, load_parameters, parameters_from_json
 from railhil.scenarios.settings import canonical_fault, setting
 from railhil.scenarios.system import system_named
@@ -46,7 +47,7 @@ OPTIONS: Mapping[str, str] = {
     "rate": "--rate",
     "patience_s": "--patience",
     "bus": "--bus",
-    "memory_file": "--memory",
+    "memory_store": "--memory",
     "memory": "--memory-from",
 }
 #: Key of a run -> its environment variable: the name of the option with the prefix ``RAILHIL_``; compose uses the
@@ -56,9 +57,9 @@ ENVIRONMENT: Mapping[str, str] = {
     for key, option in OPTIONS.items()
     if key not in ("settings", "faults")
 }
-#: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_file`` is always one.
-_MEMORY = ("memory", "memory_file")
-_FILES = ("parameters", "memory", "memory_file")
+#: Keys whose value is a file name, except in a certificate, which holds the content; ``memory_store`` is always one.
+_MEMORY = ("memory", "memory_store")
+_FILES = ("parameters", "memory", "memory_store")
 _ALLOWED = "a run in TOML, or certificate.json of a run folder"
 
 
@@ -81,7 +82,7 @@ class RunDocument(BaseModel):
     rate: Annotated[float, Field(ge=RATE_MIN, le=RATE_MAX)] | None = None
     patience_s: float = Field(default=PATIENCE_S, gt=0, le=APPEAR_MAX_S)
     bus: Literal[BUSES] = "auto"  # type: ignore[valid-type]
-    memory_file: str | None = Field(default=None, min_length=1)
+    memory_store: str | None = Field(default=None, min_length=1)
     memory: dict[str, Any] | None = None
 
 
@@ -191,8 +192,10 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         document.setdefault("arithmetic", system.arithmetic)
         if by := said.get("controller"):
             system.check_law(document["controller"], by.source, by.names.get("controller", "controller"))
-    if "memory_file" in document:
-        document["memory_file"] = str(Path(document["memory_file"]).resolve())
+    if "memory_store" in document:
+        document["memory_store"] = str(Path(document["memory_store"]).resolve())
+        with faults.kept():
+            _number(document, settings, faults_given)
     parameters = memory = None
     with faults.kept():
         parameters = _parameters(document, said.get("parameters"))
@@ -200,6 +203,17 @@ def merged(layers: Sequence[Layer], faults: Faults) -> tuple[dict[str, Any], Par
         memory = _memory(document, said.get("memory"))
     faults.raise_all()
     return document, parameters, memory
+
+
+def _number(document: dict[str, Any], settings: list[str], faults_given: list[str]) -> None:
+    """Without a number, a run with a memory store is the next one of the store, where runs have numbers.
+
+    :raises InputError: the store cannot be used.
+    """
+    system = system_named(load_any(document["scenario"], settings, faults_given).system)
+    if system.numbered and "run_number" not in document:
+        newest = MemoryStore(Path(document["memory_store"])).read(document["controller"]).newest
+        document["run_number"] = 1 if newest is None else newest.last_run + 1
 
 
 def _scenario(name: str, by: Layer | None) -> str:
@@ -226,7 +240,7 @@ def _memory(document: dict[str, Any], by: Layer | None) -> Memory | None:
     if given is None or by is None:
         return None
     if isinstance(given, Path):
-        return load_memory(given.resolve())
+        return memory_at(given.resolve())
     return memory_from_json(given, Path(by.source).resolve())
 
 

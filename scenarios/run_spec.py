@@ -122,9 +122,9 @@ class RunSpec:
     :param pace: ``lockstep`` or ``realtime``; for the latter, ``rate`` is in simulated seconds per second.
     :param patience_s: lockstep: wall time to wait for an answer, see :mod:`railhil.common.patience`.
     :param bus: ``local``: all nodes in one process, without a bus; ``auto``: chosen by :mod:`railhil.bus.select`.
-    :param memory_file: file with the law's memory: the run begins with it, and after a good run the memory that the law
-        wants to keep is written to it. A repeated run does not write it: command line and certificate give only the
-        memory with which the run began.
+    :param memory_store: folder with the law's memory (:mod:`railhil.scenarios.memory_store`): the run begins with it,
+        and after a good run the memory that the law wants to keep is written to it. A repeated run does not write it:
+        command line and certificate give only the memory with which the run began.
     """
 
     scenario: str = USUAL_SCENARIO
@@ -136,7 +136,7 @@ class RunSpec:
     rate: float = RATE
     patience_s: float = PATIENCE_S
     bus: str = "auto"
-    memory_file: str | None = None
+    memory_store: str | None = None
     faults: tuple[str, ...] = ()
     run_number: int = 1
 
@@ -187,7 +187,7 @@ class RunSpec:
             rate=found.rate or RATE,
             patience_s=found.patience_s,
             bus=found.bus,
-            memory_file=found.memory_file,
+            memory_store=found.memory_store,
             faults=tuple(found.faults),
             run_number=found.run_number,
         )

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.laws.fault import place
-from railhil.scenarios.memory import Memory
+from railhil.scenarios.memory import FAULTS, LINE_DEFAULT, NAMED_FILE, SLOT_A, SLOT_B, Memory, Stored
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,8 +19,8 @@ class Remembered:
 
     ``values``: what :meth:`memory` of the law returned at the end of its last run; None: nothing that can be used.
     ``source``: where they come from, 0 nothing or the default of the line, 1 slot A, 2 slot B. ``fault``: why a slot
-    could not be used, that of slot A in bits 0 to 3, of slot B in bits 4 to 7; 0: none. A law that reports the two
-    sends them as they are.
+    could not be used, a number of :data:`railhil.scenarios.memory.FAULTS` (four bits), of two slots that of A; 0: none.
+    A law that reports the two sends them as they are.
     """
 
     values: Mapping[str, Any] | None = None
@@ -29,6 +30,31 @@ class Remembered:
 
 #: Before the first run.
 NOTHING = Remembered()
+#: Slot -> its number in ``source``.
+_SLOTS = {SLOT_A: 1, SLOT_B: 2}
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The places of a memory as a law has found them, and the one that it uses (empty: none)."""
+
+    stored: tuple[Stored, ...]
+    used: str = ""
+
+    @property
+    def refused(self) -> list[dict[str, str]]:
+        """The places that cannot be used."""
+        return [
+            {"slot": one.slot, "fault": one.fault, "detail": one.detail} for one in self.stored if one.record is None
+        ]
+
+    @property
+    def remembered(self) -> Remembered:
+        """What the law is given."""
+        faults = {one.slot: FAULTS[one.fault] for one in self.stored if one.record is None}
+        fault = next((faults[slot] for slot in _SLOTS if slot in faults), 0)
+        record = next((one.record for one in self.stored if one.slot == self.used), None)
+        return Remembered(None if record is None else record.values, _SLOTS.get(self.used, 0), fault)
 
 
 def memory_key(kind: type[Any], scenario: Any) -> str:
@@ -42,29 +68,49 @@ def memory_key(kind: type[Any], scenario: Any) -> str:
     return key
 
 
-def memory_arguments(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> tuple[Any, ...]:
-    """Arguments of a law's constructor after the parameters: none if it keeps no memory, else a :class:`Remembered`.
+def choice(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> Choice:
+    """What a law with a memory begins with: the first record that is of its key and that it does not refuse.
+
+    A record of a store that cannot be used is passed over; a file that was named is used or refused.
 
     :param name: by which the law was requested.
-    :raises InputError: the memory belongs to another law or another key, or the law refuses its values.
+    :raises InputError: the memory belongs to another law, the law keeps none, or a named file cannot be used.
     """
     key = memory_key(kind, scenario)
     if given is None:
-        return (NOTHING,) if key else ()
+        return Choice(())
     if given.law != name:
         raise InputError(given.source, "law", given.law, f"{name}, the controller asked for")
     if not key:
         raise InputError(given.source, "law", name, "a law that keeps a memory from run to run")
-    if given.runs and given.key != key:
-        raise InputError(given.source, "key", given.key, f"{key}, what {name} keeps on this scenario")
-    if not given.runs:
-        return (NOTHING,)
-    if problem := refused_values(kind, scenario, given.values):
-        raise InputError(given.source, "values", Words(problem), f"values that {name} can begin with")
-    return (Remembered(given.values),)
+    stored, used = [], ""
+    for one in given.stored:
+        looked = one if one.record is None else _looked_at(one, key, name, kind, scenario, given.source)
+        used = used or (looked.slot if looked.record is not None else "")
+        stored.append(looked)
+    return Choice(tuple(stored), used)
 
 
-def refused_values(kind: type[Any], scenario: Any, values: Mapping[str, Any]) -> str:
+def _looked_at(one: Stored, key: str, name: str, kind: type[Any], scenario: Any, source: Path) -> Stored:
+    """The place of a record, with what the law finds wrong with it.
+
+    :raises InputError: the record is a named file and cannot be used.
+    """
+    assert one.record is not None
+    fault, error = "", None
+    # The default of a line was put there by a person, for this key.
+    if one.record.key != key and one.slot != LINE_DEFAULT:
+        fault, error = "key", InputError(source, "key", one.record.key, f"{key}, what {name} keeps on this scenario")
+    elif problem := _refused_values(kind, scenario, one.record.values):
+        fault, error = "values", InputError(source, "values", Words(problem), f"values that {name} can begin with")
+    if error is None:
+        return one
+    if one.slot == NAMED_FILE:
+        raise error
+    return one.refused(fault, error.difference)
+
+
+def _refused_values(kind: type[Any], scenario: Any, values: Mapping[str, Any]) -> str:
     """Why the law cannot begin with these values; empty if it can."""
     try:
         kind.check_memory(scenario, values)
@@ -74,8 +120,20 @@ def refused_values(kind: type[Any], scenario: Any, values: Mapping[str, Any]) ->
     return ""
 
 
-def kept(name: str, law: Any, scenario: Any, state: Any) -> dict[str, Any] | None:
-    """Key and values of the memory that a law keeps after a run; None if it has no memory or has taken no step.
+def memory_arguments(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> tuple[Any, ...]:
+    """Arguments of a law's constructor after the parameters: none if it keeps no memory, else a :class:`Remembered`.
+
+    :param name: by which the law was requested.
+    :raises InputError: as :func:`choice`.
+    """
+    found = choice(name, kind, scenario, given)
+    return (found.remembered,) if memory_key(kind, scenario) else ()
+
+
+def kept(name: str, law: Any, scenario: Any, state: Any, given: Memory | None) -> dict[str, Any] | None:
+    """What a law keeps after a run: its key and values, the place of the record that it has used (``used``; empty:
+    none), and the places that it could not use (``refused``: slot, fault and detail of each); None if it has no memory
+    or has taken no step.
 
     :param name: by which the law was requested.
     :raises InputError: the law has raised, or its memory cannot be stored in a file.
@@ -89,10 +147,12 @@ def kept(name: str, law: Any, scenario: Any, state: Any) -> dict[str, Any] | Non
         if not isinstance(values, dict):
             raise TypeError(f"found {values!r}")
         # In the form in which it will be read: tuples become lists, and numbers that JSON lacks are refused here.
-        return {"key": key, "values": json.loads(json.dumps(values, allow_nan=False))}
+        values = json.loads(json.dumps(values, allow_nan=False))
     except Exception as error:
         # Plug-in code may raise anything.
         cause = f"{type(error).__name__}: {error}"
         at = place(kind, error) or kind.__qualname__
         found = Words("values that cannot be kept")
         raise InputError(at, f"law {name}, memory", found, "a dict that JSON can hold", cause) from error
+    chosen = choice(name, kind, scenario, given)
+    return {"key": key, "values": values, "used": chosen.used, "refused": chosen.refused}

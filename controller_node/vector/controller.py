@@ -58,6 +58,7 @@ class VectorLoop(Generic[T]):
     ) -> None:
         self.arithmetic = arithmetic
         self._scenario = scenario
+        self._memory = memory
         #: Name by which the law was requested.
         self.name = law
         self.interface: Interface = system.part("interface")
@@ -123,7 +124,7 @@ class VectorLoop(Generic[T]):
 
     def kept(self) -> dict[str, Any] | None:
         """The law's memory to keep after the run, see :func:`railhil.controller_node.laws.memory.kept`."""
-        return kept(self.name, self.law, self._scenario, self.state)
+        return kept(self.name, self.law, self._scenario, self.state, self._memory)
 
 
 def _rounded(ar: Arithmetic[T], value: T, law_q: int, q: int) -> T:

@@ -21,7 +21,7 @@ _RAW = _REPOSITORY.replace("github.com", "raw.githubusercontent.com")
 _LINK = re.compile(r"\]\(([^)\s]+)\)")
 #: From the name of the command to the end of the sentence, the shell's word or the comment. What ``railhil vcan`` runs
 #: is a command line of its own.
-_COMMAND = re.compile(r"\brailhil ((?:bus |new |node )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
+_COMMAND = re.compile(r"\brailhil ((?:bus |memory |new |node |sequence )?[a-z][a-z-]*)((?: (?!-- )[^\s`|#&]+)*)")
 _OPTION = re.compile(r"(?<!\S)--?[a-z][a-z-]*")
 
 
@@ -38,13 +38,14 @@ def _subparsers(parser: ArgumentParser) -> dict[str, ArgumentParser]:
 def _options() -> dict[str, set[str]]:
     """Command, as it is typed after ``railhil`` -> its options."""
     found = _subparsers(commands.parser())
-    for above in ("bus", "new"):
+    for above in ("bus", "memory", "new"):
         found |= {f"{above} {name}": parser for name, parser in _subparsers(found.pop(above)).items()}
     del found["node"]
     programs = {f"node {role}": module for role, module in outside.NODES.items()}
     programs |= {name: module for name, (module, _) in outside.PROGRAMS.items()}
     for name, module in programs.items():
         found[name] = program_parser(module)
+    found |= {f"sequence {verb}": parser for verb, parser in _subparsers(found.pop("sequence")).items()}
     return {name: set(parser._option_string_actions) for name, parser in found.items()}
 
 
@@ -95,7 +96,7 @@ def test_code_blocks_name_only_commands_that_exist():
         for block in re.findall(r"^```\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.M | re.S):
             for line in block.splitlines():
                 # A line that is a command line, not what one prints.
-                match = re.match(r"\s*railhil (?:(?:bus|new|node) )?[a-z][a-z-]*(?= |$)", line)
+                match = re.match(r"\s*railhil (?:(?:bus|memory|new|node|sequence) )?[a-z][a-z-]*(?= |$)", line)
                 if match and match[0].strip() != "railhil hub":
                     seen += 1
                     assert match[0].strip().removeprefix("railhil ") in _options(), line

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import signal
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +22,10 @@ from railhil.cli import bus_run
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.controller_node.laws.ipfc import Ipfc
 from railhil.scenarios.load import load
-from railhil.scenarios.memory import load_memory, no_memory, write_memory
+from railhil.scenarios.memory import Record, load_memory, read_record
+from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_spec import RunSpec
-from railhil.supervisor.memory import memory_after
+from railhil.supervisor.memory import learned
 from railhil.supervisor.result import RunResult
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow]
@@ -57,25 +59,42 @@ def certificate(folder: Path) -> dict[str, Any]:
     return found
 
 
+def stored(path: Path) -> Record:
+    """The newest record of a store."""
+    newest = MemoryStore(path).read("learning").newest
+    assert newest is not None
+    return newest
+
+
+def content(path: Path) -> dict[str, bytes]:
+    """Every file of a store."""
+    return {entry.name: entry.read_bytes() for entry in path.iterdir() if entry.is_file()}
+
+
+def put(path: Path, slot: str, record: Record) -> None:
+    path.mkdir(exist_ok=True)
+    MemoryStore(path).file(slot).write_text(record.text)
+
+
 def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, tmp_path: Path) -> None:
-    files: dict[str, list[bytes]] = {}
+    files: dict[str, list[dict[str, bytes]]] = {}
     hashes: dict[str, list[str]] = {}
     for bus, words in (("hub", ("-i", "railhil")), ("local", ())):
-        memory = tmp_path / f"{bus}.json"
+        memory = tmp_path / bus
         for number in range(1, 4):
-            folder = tmp_path / f"{bus}{number}"
+            folder, slot = tmp_path / f"{bus}{number}", "AB"[(number - 1) % 2]
             done = run(short, folder, "--memory", memory, *words)
             assert done.exit_code in (PASS, FAIL), done.err
-            document, found = certificate(folder), load_memory(memory)
-            assert (found.law, found.runs, found.values["runs"]) == ("learning", number, number)
-            assert document["memory"]["runs"] == number - 1
+            document, found = certificate(folder), stored(memory)
+            assert (found.law, found.runs, found.last_run, found.values["runs"]) == ("learning", number, number, number)
+            assert document["memory_used"] == ("" if number == 1 else "BA"[(number - 1) % 2])
             assert document["memory"]["sha256"] == load_memory(folder / "memory_before.json").sha256
-            assert document["memory_after_sha256"] == load_memory(folder / "memory.json").sha256 == found.sha256
-            assert (folder / "memory.json").read_bytes() == memory.read_bytes()
+            assert document["memory_after_sha256"] == read_record(folder / "memory.json").sha256 == found.sha256
+            assert (folder / "memory.json").read_bytes() == MemoryStore(memory).file(slot).read_bytes()
             if number > 1:
-                before = tmp_path / f"{bus}{number - 1}" / "memory.json"
-                assert (folder / "memory_before.json").read_bytes() == before.read_bytes()
-            files.setdefault(bus, []).append(memory.read_bytes())
+                before = read_record(tmp_path / f"{bus}{number - 1}" / "memory.json")
+                assert load_memory(folder / "memory_before.json").newest == before
+            files.setdefault(bus, []).append(content(memory))
             hashes.setdefault(bus, []).append(document["frames_sha256"])
     assert files["hub"] == files["local"]
     assert hashes["hub"] == hashes["local"]
@@ -83,12 +102,12 @@ def test_three_runs_learn_the_same_over_the_hub_and_in_one_process(short: Path, 
 
 
 def test_a_run_is_made_again_from_its_folder_alone_and_learns_nothing_twice(short: Path, tmp_path: Path) -> None:
-    memory = tmp_path / "memory.json"
+    memory = tmp_path / "memory"
     for number in (1, 2):
         assert run(short, tmp_path / str(number), "--memory", memory).exit_code in (PASS, FAIL)
-    kept = memory.read_bytes()
+    kept = content(memory)
     first, second = certificate(tmp_path / "1"), certificate(tmp_path / "2")
-    memory.rename(tmp_path / "elsewhere.json")
+    memory.rename(tmp_path / "elsewhere")
     for number, document in ((1, first), (2, second)):
         words = document["command"].split()[1:]
         assert str(tmp_path / str(number) / "memory_before.json") in words
@@ -102,18 +121,18 @@ def test_a_run_is_made_again_from_its_folder_alone_and_learns_nothing_twice(shor
             assert certificate(again)["frames_sha256"] == document["frames_sha256"]
             assert certificate(again)["memory_after_sha256"] == document["memory_after_sha256"]
     assert not memory.exists()
-    assert (tmp_path / "elsewhere.json").read_bytes() == kept
+    assert content(tmp_path / "elsewhere") == kept
 
 
 def test_score_and_report_say_that_a_run_had_a_memory(short: Path, tmp_path: Path) -> None:
-    memory = tmp_path / "memory.json"
+    memory = tmp_path / "memory"
     for number in (1, 2):
         done = run(short, tmp_path / str(number), "--memory", memory)
     document = certificate(tmp_path / "2")
     digest, left = document["memory"]["sha256"][:8], document["memory_after_sha256"][:8]
-    assert f"memory: began with that of 1 run ({digest}); kept that of 2 runs ({left}) in {memory}" in done.out
+    assert f"memory: began with that of 1 run (slot A); kept that of 2 runs ({left}) in {memory}" in done.out
     said = railhil("score", tmp_path / "2")
-    assert f"memory: began with that of 1 run, key {document['memory']['key']}, sha256 {digest}" in said.out
+    assert f"memory: began with that of 1 run, key {stored(memory).key}, sha256 {digest}" in said.out
     assert railhil("score", tmp_path / "2", "--json").json["memory"] == document["memory"]
     assert railhil("report", tmp_path / "2").exit_code in (PASS, FAIL)
     assert f"learning@{digest}" in (tmp_path / "2" / "report.html").read_text().replace("<wbr>", "")
@@ -125,52 +144,77 @@ def test_a_law_with_memory_that_is_given_none_keeps_it_in_its_folder(short: Path
     assert run(short, tmp_path / "run").exit_code in (PASS, FAIL)
     document = certificate(tmp_path / "run")
     assert document["memory"] is None
-    assert document["memory_after_sha256"] == load_memory(tmp_path / "run" / "memory.json").sha256
+    assert document["memory_after_sha256"] == read_record(tmp_path / "run" / "memory.json").sha256
     assert not (tmp_path / "run" / "memory_before.json").exists()
     # It can be begun with.
     done = run(short, tmp_path / "next", "--memory-from", tmp_path / "run" / "memory.json")
     assert done.exit_code in (PASS, FAIL), done.err
-    assert load_memory(tmp_path / "next" / "memory.json").runs == 2
-    assert load_memory(tmp_path / "run" / "memory.json").runs == 1
+    assert read_record(tmp_path / "next" / "memory.json").runs == 2
+    assert read_record(tmp_path / "run" / "memory.json").runs == 1
 
 
-@pytest.mark.parametrize(
-    ("changes", "line", "words"),
-    [
-        ({"key": "another line"}, "key: found 'another line', allowed ", ()),
-        ({"law": "ipfc"}, "law: found 'ipfc', allowed learning, the controller asked for", ()),
-        ({"key": "another line"}, "key: found 'another line', allowed ", ("-i", "railhil")),
-    ],
-    ids=["key", "law", "key over the hub"],
-)
-def test_a_memory_of_something_else_is_refused(
-    short: Path, tmp_path: Path, changes: dict[str, str], line: str, words: tuple[str, ...]
-) -> None:
-    path = tmp_path / "memory.json"
-    run(short, tmp_path / "first", "--memory", path)
-    own = load_memory(path)
-    write_memory(type(own)(**{**vars(own), **changes}), path)
+@pytest.mark.parametrize("words", [(), ("-i", "railhil")], ids=["one process", "hub"])
+def test_a_memory_of_something_else_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...]) -> None:
+    """A named file is used or refused, and a store belongs to one law."""
+    run(short, tmp_path / "first", "--memory", tmp_path / "memory")
+    own, path = stored(tmp_path / "memory"), tmp_path / "memory.json"
+    path.write_text(replace(own, key="another line").text)
     before = path.read_bytes()
-    done = run(short, tmp_path / "second", "--memory", path, *words)
+    done = run(short, tmp_path / "second", "--memory-from", path, *words)
     assert done.exit_code == USAGE
-    assert line in done.err
-    assert not (tmp_path / "second").exists()
-    assert path.read_bytes() == before
-
-
-def test_a_damaged_memory_is_refused_before_anything_runs(short: Path, tmp_path: Path) -> None:
-    path = tmp_path / "memory.json"
-    run(short, tmp_path / "first", "--memory", path)
-    path.write_text(path.read_text().replace('"runs": 1', '"runs": 7', 1))
-    before = path.read_bytes()
-    done = run(short, tmp_path / "second", "--memory", path)
+    assert "key: found 'another line', allowed " in done.err
+    done = run(short, tmp_path / "second", "--memory", path, *words)
     assert (done.exit_code, path.read_bytes()) == (USAGE, before)
-    assert "values that nobody changed" in done.one_line()
+    assert "memory.json: found a file, allowed a folder in which railhil keeps the memory of a law" in done.err
+    put(tmp_path / "memory", "A", replace(own, law="ipfc"))
+    done = run(short, tmp_path / "second", "--memory", tmp_path / "memory", *words)
+    assert done.exit_code == USAGE
+    assert "a.json: law: found 'ipfc', allowed learning, the law of this store" in done.err
     assert not (tmp_path / "second").exists()
+
+
+#: Damage before the third run, the newest record being in slot B: text -> text, fault on the bus, words for people.
+_DAMAGE = {
+    "crc": (lambda text: text.replace('"runs": 2', '"runs": 7', 1), "values that nobody changed"),
+    "json": (lambda text: text[:50], "no JSON document"),
+    "key": (lambda text: replace(_read(text), key="another line").text, "key: found 'another line'"),
+    "values": (lambda text: replace(_read(text), values={"runs": 2, "offset": 99.0}).text, "offset 99.0, allowed"),
+}
+
+
+def _read(text: str) -> Record:
+    found = json.loads(text)
+    return Record(found["law"], found["key"], found["runs"], found["last_run"], found["values"])
+
+
+@pytest.mark.parametrize("fault", _DAMAGE)
+def test_a_damaged_slot_is_passed_over_said_and_kept_aside(fault: str, short: Path, tmp_path: Path) -> None:
+    damage, said = _DAMAGE[fault]
+    memory, folder = tmp_path / "memory", tmp_path / "third"
+    for number in (1, 2):
+        run(short, tmp_path / str(number), "--memory", memory)
+    bad = damage((memory / "b.json").read_text())
+    (memory / "b.json").write_text(bad)
+    done = run(short, folder, "--memory", memory)
+    assert done.exit_code in (PASS, FAIL), done.err
+    assert "memory: slot B cannot be used: " in done.out
+    assert said.split("found ")[-1] in done.out
+    assert "memory: began with that of 1 run (slot A); kept that of 2 runs" in done.out
+    document = certificate(folder)
+    assert (document["memory_used"], document["memory_refused"]["B"][0]) == ("A", fault)
+    assert "B could not be used: " in railhil("score", folder).out
+    assert (stored(memory).runs, stored(memory).values["runs"]) == (2, 2)
+    (aside,) = (memory / "refused").iterdir()
+    assert aside.read_text() == bad
+    # The run is made again from its folder, with the same fault.
+    again = railhil("run", "--spec", folder / "certificate.json", "--out", tmp_path / "again", "--quiet", "--no-report")
+    assert again.exit_code in (PASS, FAIL), again.err
+    assert certificate(tmp_path / "again")["frames_sha256"] == document["frames_sha256"]
+    assert certificate(tmp_path / "again")["memory_refused"] == document["memory_refused"]
 
 
 def test_a_law_without_memory_is_not_given_one(short: Path, tmp_path: Path) -> None:
-    path = tmp_path / "memory.json"
+    path = tmp_path / "memory"
     done = railhil("run", short, "--bus", "local", "--memory", path, "--out", tmp_path / "run")
     assert done.exit_code == USAGE
     assert "law: found 'ipfc', allowed a law that keeps a memory from run to run" in done.one_line()
@@ -188,7 +232,7 @@ def test_a_law_without_memory_is_not_given_one(short: Path, tmp_path: Path) -> N
             ("--memory-from", "m.json", "--memory", "n.json"),
             "--memory-from: found beside --memory, allowed one of the two",
         ),
-        (("--memory", "no/folder.json"), "--memory: found "),
+        (("--memory", "/proc/folder"), "--memory: found "),
     ],
 )
 def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: tuple[str, ...], line: str) -> None:
@@ -201,9 +245,7 @@ def test_what_cannot_be_together_is_refused(short: Path, tmp_path: Path, words: 
 
 
 def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> None:
-    path, folder = tmp_path / "memory.json", tmp_path / "broken"
-    write_memory(no_memory("learning", path), path)
-    before = path.read_bytes()
+    path, folder = tmp_path / "memory", tmp_path / "broken"
     words = ("--controller", "learning", "--bus", "local", "--memory", path, "--out", folder, "--quiet", "--no-report")
     started = Started("run", "lvshun_tieshan", *words)
     wait_for(lambda: (folder / "frames.log").exists() and (folder / "frames.log").stat().st_size > 400_000)
@@ -214,15 +256,13 @@ def test_a_run_that_is_broken_off_keeps_nothing(short: Path, tmp_path: Path) -> 
     assert (document["verdict"], document["memory_after_sha256"]) == ("INVALID", None)
     assert not (folder / "memory.json").exists()
     assert (folder / "memory_before.json").is_file()
-    assert path.read_bytes() == before
+    assert not path.exists()
     assert "nothing kept: the run is INVALID" in done.out
 
 
 @pytest.mark.faults
 def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: Path) -> None:
-    path, folder = tmp_path / "memory.json", tmp_path / "killed"
-    write_memory(no_memory("learning", path), path)
-    before = path.read_bytes()
+    path, folder = tmp_path / "memory", tmp_path / "killed"
     words = ("--controller", "learning", "-i", "railhil", "--memory", path, "--out", folder, "--quiet", "--no-report")
     started = Started("run", "lvshun_tieshan", *words)
     wait_for(lambda: (folder / "frames.log").stat().st_size > 100_000)
@@ -231,13 +271,13 @@ def test_a_run_whose_controller_is_killed_keeps_nothing(short: Path, tmp_path: P
     controller.kill()
     done, _ = started.finish()
     assert done.exit_code == INVALID, done.err
-    assert path.read_bytes() == before
+    assert not path.exists()
     assert not (folder / "memory.json").exists()
     assert "began with none; nothing kept: the run is INVALID" in done.out
 
 
 def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_path: Path) -> None:
-    path = tmp_path / "memory.json"
+    path = tmp_path / "memory"
     words = ("--controller", "forgetful", "--bus", "local", "--memory", path, "--out", tmp_path / "run")
     done = railhil("run", short, *words, "--quiet", "--no-report")
     assert done.exit_code in (PASS, FAIL)
@@ -249,20 +289,20 @@ def test_a_law_that_fails_to_say_its_memory_keeps_the_old_one(short: Path, tmp_p
 
 def test_a_memory_that_changed_meanwhile_stays(short: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two runs at once with one file: the second to end must not undo what the first has learned."""
-    path = tmp_path / "memory.json"
-    spec = RunSpec.from_file(_toml(tmp_path, 'controller = "learning"\nbus = "local"\nmemory_file = "memory.json"\n'))
-    assert spec.memory_file == str(path)
+    path = tmp_path / "memory"
+    spec = RunSpec.from_file(_toml(tmp_path, 'controller = "learning"\nbus = "local"\nmemory_store = "memory"\n'))
+    assert spec.memory_store == str(path)
 
-    def late(spec: RunSpec, folder: Path, result: RunResult) -> Any:
-        write_memory(load_memory(folder / "memory_before.json").after("x", {}, path), path)
-        return memory_after(spec, folder, result)
+    def late(scenario: Any, spec: RunSpec, folder: Path, result: RunResult) -> Any:
+        put(path, "A", Record("learning", "x", 1, 1, {}))
+        return learned(scenario, spec, folder, result)
 
-    monkeypatch.setattr(bus_run, "memory_after", late)
-    with pytest.raises(Exception, match=r"memory\.json was changed during the run") as failed:
+    monkeypatch.setattr(bus_run, "learned", late)
+    with pytest.raises(Exception, match=r"memory was changed during the run") as failed:
         library.run(spec, out=tmp_path / "run")
     assert failed.value.exit_code == TOOL_ERROR  # type: ignore[attr-defined]
-    assert load_memory(path).key == "x"
-    assert load_memory(tmp_path / "run" / "memory.json").runs == 1
+    assert stored(path).key == "x"
+    assert read_record(tmp_path / "run" / "memory.json").runs == 1
     assert (tmp_path / "run" / "certificate.json").is_file()
 
 
@@ -273,17 +313,18 @@ def _toml(folder: Path, text: str) -> Path:
 
 
 def test_the_library_keeps_a_memory_too(short: Path, tmp_path: Path) -> None:
-    path = tmp_path / "memory.json"
+    path = tmp_path / "memory"
     outcomes = [
         library.run(short, controller="learning", memory=path, out=tmp_path / str(number)) for number in range(2)
     ]
-    assert load_memory(path).runs == 2
+    assert stored(path).runs == 2
     spec = outcomes[1].spec
     assert spec.law.memory is not None
-    assert (spec.law.memory.runs, spec.memory_file) == (1, None)
+    assert spec.law.memory.newest is not None
+    assert (spec.law.memory.newest.runs, spec.memory_store) == (1, None)
     again = library.run(spec, out=tmp_path / "again")
     assert again.frames_sha256 == outcomes[1].frames_sha256
-    assert load_memory(path).runs == 2
+    assert stored(path).runs == 2
 
 
 def test_laws_that_ship_keep_none(short: Path, tmp_path: Path) -> None:

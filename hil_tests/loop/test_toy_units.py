@@ -183,20 +183,22 @@ def test_a_law_over_several_units_keeps_a_memory_too(site: Path, tmp_path: Path,
 
     def ran(bus: tuple[str, str], number: int) -> tuple[bytes, object]:
         """Memory after the run of this number, and the hash of its frames."""
-        memory, folder = (tmp_path / f"{bus[1]}{name}" for name in (".json", number))
+        memory, folder = (tmp_path / f"{bus[1]}{name}" for name in ("", number))
         words = ("--controller", "counting", "--arithmetic", arithmetic, "--memory", str(memory), *bus)
         done = railhil(plug, "run", str(SCENARIO), *words, "--out", str(folder), "--quiet", "--no-report")
         assert done.returncode == 0, done.stderr
-        document = json.loads(memory.read_text(encoding="utf-8"))
+        slot = memory / ("a.json" if number == 1 else "b.json")
+        document = json.loads(slot.read_text(encoding="utf-8"))
         assert (document["key"], document["runs"], document["values"]["runs"]) == ("two_carts_2m", number, number)
-        assert (folder / "memory.json").read_bytes() == memory.read_bytes()
-        return memory.read_bytes(), certificate(folder)["frames_sha256"]
+        assert (folder / "memory.json").read_bytes() == slot.read_bytes()
+        return slot.read_bytes(), certificate(folder)["frames_sha256"]
 
     local = [ran(("--bus", "local"), number) for number in (1, 2)]
     if arithmetic == "iq":
         assert ran(("-i", "railhil"), 1) == local[0]
     else:
-        (tmp_path / "railhil.json").write_bytes(local[0][0])
+        (tmp_path / "railhil").mkdir()
+        (tmp_path / "railhil" / "a.json").write_bytes(local[0][0])
     assert ran(("-i", "railhil"), 2) == local[1]
 
 

@@ -16,7 +16,7 @@ from distributed.comm.core import CommClosedError, connect
 from distributed.scheduler import KilledWorker
 from distributed.security import Security
 
-from railhil.campaign.work import Task, run_task
+from railhil.campaign.work import run_task
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import INVALID
 
@@ -43,7 +43,7 @@ def connected(
     address: str,
     say: Callable[[str], None],
     *,
-    work: Callable[[Task], tuple[str, bytes]] = run_task,
+    work: Callable[[Any], tuple[str, bytes]] = run_task,
     connect_s: float = _CONNECT_S,
 ) -> Iterator[DaskEngine]:
     """The engine at a scheduler.
@@ -93,7 +93,7 @@ class DaskEngine:
         client: Client,
         address: str,
         say: Callable[[str], None],
-        work: Callable[[Task], tuple[str, bytes]],
+        work: Callable[[Any], tuple[str, bytes]],
     ) -> None:
         self._work = work
         self._client, self._address, self._say = client, address, say
@@ -102,7 +102,7 @@ class DaskEngine:
         self._asked_s = -math.inf
         self._seen_s = time.monotonic()
 
-    def __call__(self, tasks: Sequence[Task]) -> Generator[tuple[str, bytes], None, None]:
+    def __call__(self, tasks: Sequence[Any]) -> Generator[tuple[str, bytes], None, None]:
         """Parts of the tasks. Raises :class:`ClusterLost`, and any exception of a task."""
         waiting = list(reversed(tasks))
         ready: Any = as_completed(loop=self._client.loop, with_results=True, raise_errors=False)

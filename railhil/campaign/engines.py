@@ -8,17 +8,26 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
+from typing import Any, Protocol
 
 from railhil.batch import KERNEL, say_compiling
 from railhil.campaign.extras import need
-from railhil.campaign.work import Task, run_task
+from railhil.campaign.work import run_task
 from railhil.common.errors import InputError, Words
 from railhil.common.exit_codes import INVALID
+
+
+class Task(Protocol):
+    """What a worker is given: all that it needs, small, with the ``name`` of its part."""
+
+    @property
+    def name(self) -> str: ...
+
 
 Parts = Generator[tuple[str, bytes], None, None]
 Engine = Callable[[Sequence[Task]], Parts]
 #: The function that a worker applies to a task; returns name and bytes of its part.
-Work = Callable[[Task], tuple[str, bytes]]
+Work = Callable[[Any], tuple[str, bytes]]
 #: Called with one sentence that the user should see at once.
 Say = Callable[[str], None]
 #: Number of successive worker losses, without a finished chunk in between, after which a campaign gives up.
@@ -55,7 +64,7 @@ def _joblib(tasks: Sequence[Task], work: Work, jobs: int, say: Say) -> Parts:
 
     # A stopped campaign prints its own message.
     warnings.filterwarnings("ignore", message=".*still being processed by the workers", category=UserWarning)
-    left = {task.chunk.name: task for task in tasks}
+    left = {task.name: task for task in tasks}
     losses = 0
     while left:
         calls = [joblib.delayed(work)(task) for task in left.values()]

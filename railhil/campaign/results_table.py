@@ -87,16 +87,21 @@ class NotThePart(Exception):
     """The content of a file does not match its name; the text says why."""
 
 
-def _read(path: Path, judging: Judging) -> pa.Table:
-    """A table of runs. Raises :class:`NotThePart`, OSError."""
+def read_table(path: Path, columns: pa.Schema) -> pa.Table:
+    """A table of runs with these columns. Raises :class:`NotThePart`, OSError."""
     content = path.read_bytes()
     try:
         table = pq.read_table(BytesIO(content), page_checksum_verification=True)
     except (pa.ArrowException, OSError) as error:
         raise NotThePart("torn or damaged") from error
-    if not table.schema.remove_metadata().equals(schema(judging)):
+    if not table.schema.remove_metadata().equals(columns):
         raise NotThePart("with other columns")
     return table
+
+
+def origin_in(table: pa.Table) -> str:
+    """The origin that the file of a table was written with."""
+    return str((table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace"))
 
 
 def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judging) -> pa.Table:
@@ -105,8 +110,8 @@ def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judgin
     :raises NotThePart: incomplete, damaged, or with other runs.
     :raises OSError: it cannot be read at all.
     """
-    table = _read(path, judging)
-    if (table.schema.metadata or {}).get(_ORIGIN, b"").decode(errors="replace") != origin:
+    table = read_table(path, schema(judging))
+    if origin_in(table) != origin:
         raise NotThePart("of other runs")
     if table.num_rows != len(seeds) or not np.array_equal(table["seed"].to_numpy(), np.arange(seeds.start, seeds.stop)):
         raise NotThePart("with other seeds")
@@ -117,7 +122,7 @@ def read_part(path: Path, origin: str, label: str, seeds: range, judging: Judgin
 
 def read_results(path: Path, judging: Judging) -> pa.Table:
     """``results.parquet`` of a finished campaign. Raises OSError, :class:`NotThePart`."""
-    return _read(path, judging)
+    return read_table(path, schema(judging))
 
 
 def numbers(table: pa.Table, name: str) -> np.ndarray[Any, np.dtype[np.float64]]:

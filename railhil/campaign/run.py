@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 from time import monotonic, process_time
-from typing import Any
+from typing import Any, TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, Task, TextColumn, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, ProgressColumn, TextColumn, TimeRemainingColumn
+from rich.progress import Task as Shown
 from rich.text import Text
 
-from railhil.campaign.engines import Engine
-from railhil.campaign.folder import CampaignFolder, opened
-from railhil.campaign.plan import Chunk, Plan
+from railhil.campaign.engines import Engine, Task
+from railhil.campaign.folder import opened
+from railhil.campaign.parts import C, PartsFolder
+from railhil.campaign.plan import Plan
 from railhil.campaign.results_table import NotThePart
 from railhil.campaign.summary import summary
 from railhil.campaign.work import task_of
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import TOOL_ERROR, exit_code_of
 
+T = TypeVar("T")
 #: Maximum updates of the progress display per second.
 _REFRESH_HZ = 4
 #: Averaging time of the displayed speed, s.
@@ -38,7 +42,7 @@ class Stopped(Exception):
 class _Speed(ProgressColumn):
     """Runs per second of this session."""
 
-    def render(self, task: Task) -> Text:
+    def render(self, task: Shown) -> Text:
         speed = task.finished_speed or task.speed
         return Text("" if speed is None else f"{speed:,.0f} runs/s")
 
@@ -56,53 +60,80 @@ def execute(
     :raises Stopped: workers or parts were lost, or the record can no longer be written.
     """
     with opened(out, plan) as folder:
-        total = plan.request.runs * len(plan.entries)
 
-        def how_on() -> str:
-            return f"{folder.kept():,} of {total:,} runs are kept; railhil campaign --resume {folder.path} goes on"
-
-        try:
-            left, complaints = folder.missing()
-            for complaint in complaints:
-                say(complaint)
-            if kept := folder.kept():
-                say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
-            # Close it at once after an exception, so that workers do not continue.
-            with _progress(console, kept, total) as shown, closing(_made(plan, folder, left, engine)) as made:
-                began_s, used_s, new = monotonic(), process_time(), 0
-                for runs in made:
-                    shown(runs)
-                    new += runs
-            if new:
-                wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
-                say(f"{new:,} runs in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
-            results = folder.write_results()
-            found = summary(plan, results)
+        def finish() -> dict[str, Any]:
+            found = summary(plan, folder.write_results())
             folder.write_summary(found)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(f"stopped; {how_on()}") from None
-        except SystemExit:
-            say(f"railhil campaign: stopped; {how_on()}")
-            raise
-        except NotThePart as why:
-            raise Stopped(f"a part in {folder.path} has become {why}; {how_on()}", TOOL_ERROR) from why
-        except InputError:
-            raise
-        except Exception as error:
-            # A worker, a law or a driver may fail in any way: the message gives the reason and what is kept.
-            text = " ".join(str(error).split()) or type(error).__name__
-            code = exit_code_of(error)
-            kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""
-            raise Stopped(f"{kind}{text}; {how_on()}", code) from error
-        return folder.path, found
+            return found
+
+        wanted = partial(task_of, plan)
+        return folder.path, completed(folder, wanted, engine, console, say, "railhil campaign", finish)
 
 
-def _made(plan: Plan, folder: CampaignFolder, left: Sequence[Chunk], engine: Engine) -> Generator[int, None, None]:
+def completed(
+    folder: PartsFolder[C],
+    task: Callable[[C], Task],
+    engine: Engine,
+    console: Console,
+    say: Callable[[str], None],
+    command: str,
+    finish: Callable[[], T],
+) -> T:
+    """Make the missing parts of a folder, then finish it.
+
+    :param task: what a worker is given for a chunk.
+    :param console, say: as for :func:`execute`.
+    :param command: that goes on with ``--resume`` after an interruption.
+    :param finish: called when all parts are there; its result is returned.
+    :raises scenarios.errors.InputError: of a task.
+    :raises Stopped: workers or parts were lost, or the record can no longer be written.
+    """
+    total = folder.total
+
+    def how_on() -> str:
+        return f"{folder.kept():,} of {total:,} runs are kept; {command} --resume {folder.path} goes on"
+
+    try:
+        left, complaints = folder.missing()
+        for complaint in complaints:
+            say(complaint)
+        if kept := folder.kept():
+            say(f"{folder.path}: {kept:,} of {total:,} runs are there already")
+        # Close it at once after an exception, so that workers do not continue.
+        with _progress(console, kept, total) as shown, closing(_made(folder, left, task, engine)) as made:
+            began_s, used_s, new = monotonic(), process_time(), 0
+            for runs in made:
+                shown(runs)
+                new += runs
+        if new:
+            wall_s, cpu_s = monotonic() - began_s, process_time() - used_s
+            say(f"{new:,} runs in {wall_s:.1f} s; this process used {cpu_s:.1f} s of processor time for them")
+        return finish()
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"stopped; {how_on()}") from None
+    except SystemExit:
+        say(f"{command}: stopped; {how_on()}")
+        raise
+    except NotThePart as why:
+        raise Stopped(f"a part in {folder.path} has become {why}; {how_on()}", TOOL_ERROR) from why
+    except InputError:
+        raise
+    except Exception as error:
+        # A worker, a law or a driver may fail in any way: the message gives the reason and what is kept.
+        text = " ".join(str(error).split()) or type(error).__name__
+        code = exit_code_of(error)
+        kind = f"{type(error).__name__}: " if not hasattr(error, "exit_code") else ""
+        raise Stopped(f"{kind}{text}; {how_on()}", code) from error
+
+
+def _made(
+    folder: PartsFolder[C], left: Sequence[C], task: Callable[[C], Task], engine: Engine
+) -> Generator[int, None, None]:
     """Write the missing parts; yields the number of runs of each as soon as it is safely written."""
     if not left:
         return
     runs = {chunk.name: chunk.runs for chunk in left}
-    with closing(engine([task_of(plan, chunk) for chunk in left])) as parts:
+    with closing(engine([task(chunk) for chunk in left])) as parts:
         for name, content in parts:
             folder.write_part(name, content)
             yield runs[name]

@@ -30,6 +30,11 @@ class Task:
     code_sha256: str
     batch_sha256: str
 
+    @property
+    def name(self) -> str:
+        """Name of its part."""
+        return self.chunk.name
+
 
 def origin_of(plan: Plan, chunk: Chunk) -> str:
     """The identification of a part: its campaign and runs."""

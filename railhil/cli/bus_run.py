@@ -33,7 +33,7 @@ from railhil.supervisor.events.injected import fault_events
 from railhil.supervisor.fault_report import check_faults, transports_of
 from railhil.supervisor.folder import discard_folder, record_failed, write_folder
 from railhil.supervisor.inputs import write_inputs
-from railhil.supervisor.memory import keep_memory, memory_after, with_memory
+from railhil.supervisor.memory import keep_memory, learned, with_memory
 from railhil.supervisor.processes import process_start_ns
 from railhil.supervisor.reactions.expected import with_expectations
 from railhil.supervisor.report.recorded import REPORT, RecordedRun, recorded_run
@@ -215,10 +215,10 @@ def write_results(
     :param result: of :func:`complete`.
     :raises RecordFailed: they cannot be written.
     """
-    result.memory = memory_after(spec, folder, result)
+    result.memory = learned(scenario, spec, folder, result)
     write_folder(folder, scenario, spec, start_up, result, trace, bus_arguments)
-    if spec.memory_file is not None and result.memory is not None:
-        keep_memory(spec, result.memory)
+    if result.memory is not None:
+        keep_memory(spec, folder, result.memory)
 
 
 def as_recorded(folder: Path, run: Run | LocalRun, result: RunResult) -> RecordedRun:

@@ -27,9 +27,17 @@ PROGRAMS = {
     ),
     "completion": ("railhil.cli.completion", "print a completion script for bash or zsh"),
     "export-c": ("railhil.cli.export_c", "write a control law as C99 for the target"),
+    "learn": (
+        "railhil.sequences",
+        "sequences of runs of a law that learns from run to run: how its errors become smaller",
+    ),
     "reproduce": (
         "railhil.reproduce",
         "run the protocol of a paper and print its tables beside the published ones",
+    ),
+    "sequence": (
+        "railhil.sequences.sequence_command",
+        "record runs of a law that learns as one piece of evidence, verify it, make it again",
     ),
     "train-model": ("railhil.learning", "train the network of a law for high-speed trains on a recorded run"),
     "tune": ("railhil.tuning", "tune the parameters of a law on training runs, compare on others"),

@@ -26,7 +26,7 @@ from railhil.scenarios.run_document import OPTIONS, Layer, environment_layer, fi
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.folder import run_folder, score_json
-from railhil.supervisor.memory import memory_line
+from railhil.supervisor.memory import memory_lines
 from railhil.supervisor.report.recorded import REPORT
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.start_up import StartUp
@@ -43,7 +43,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "--controller", metavar="LAW", help=f"one of {', '.join(law_names())}; for another system, one of its laws"
     )
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
-    parser.add_argument("--memory", metavar="FILE", help="the law's memory: read before and updated after the run")
+    parser.add_argument("--memory", metavar="DIR", help="the law's memory: read before and updated after the run")
     parser.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory, do not update it")
     parser.add_argument("--spec", type=Path, metavar="FILE", help="the run: TOML, or an earlier certificate.json")
     parser.add_argument(
@@ -88,7 +88,7 @@ def _asked(namespace: argparse.Namespace) -> tuple[RunSpec, StartUp]:
         raise InputError("command line", given[1], Words(f"beside {given[0]}"), "one of the two")
     if (namespace.attach or namespace.no_controller) and spec.law.task_period_ms:
         raise InputError("command line", "--task-period-ms", spec.law.task_period_ms, f"0 with {given[0]}")
-    if (namespace.attach or namespace.no_controller) and (spec.memory_file or spec.law.memory):
+    if (namespace.attach or namespace.no_controller) and (spec.memory_store or spec.law.memory):
         found = Words("a memory of the law")
         raise InputError("command line", given[0], found, "none: the controller of somebody else is not given it")
     if namespace.rerun_command and not namespace.attach:
@@ -134,7 +134,7 @@ def work(namespace: argparse.Namespace) -> int:
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)
     notes = [one.line for one in result.faults]
-    notes += [line for line in (memory_line(run.spec, result), again) if line]
+    notes += [*memory_lines(run.spec, result), *([again] if again else [])]
     if namespace.json:
         if report and not (folder / REPORT).is_file():
             notes.append(report)

@@ -36,11 +36,19 @@ class _Parameters(_Part):
     training: _Training | None = None
 
 
-class _Memory(_Part):
-    law: str
+class _StoredRecord(_Part):
     key: str
     runs: int
-    values: dict[str, Any]
+
+
+class _Stored(_Part):
+    slot: str
+    record: _StoredRecord | None
+
+
+class _Memory(_Part):
+    law: str
+    stored: list[_Stored]
     sha256: str
 
 
@@ -106,6 +114,8 @@ class _Certificate(_Part):
     parameters: _Parameters | None = None
     own_parameters: _OwnParameters | None = None
     memory: _Memory | None = None
+    memory_used: str | None = None
+    memory_refused: dict[str, list[str]] = {}
     memory_after_sha256: str | None = None
     notes: list[_Note] | None = None
     system: str | None = None

@@ -17,8 +17,8 @@ import railhil
 from railhil.bus.ident import PROFILES
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
-from railhil.common.whole_file import whole_file
-from railhil.scenarios.memory import MEMORY_AFTER, write_memory
+from railhil.common.whole_file import whole_file, write_synced
+from railhil.scenarios.memory import MEMORY_AFTER
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import any_judged_sha256
@@ -31,6 +31,7 @@ from railhil.supervisor.events.summary import counts_said, explained, reactions,
 from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import judging_of
+from railhil.supervisor.learned import NOTHING_LEARNED
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.signals import write_signals
 from railhil.supervisor.start_up import StartUp
@@ -183,7 +184,7 @@ def certificate(
         "railhil": version("railhil"),
         **spec.as_json(),
         # Of memory.json in the same folder; the initial memory is memory_before.json.
-        "memory_after_sha256": None if result.memory is None else result.memory.sha256,
+        **(NOTHING_LEARNED if result.memory is None else result.memory.as_json()),
         "scenario_sha256": scenario.sha256,
         # Includes the limits and factors by which the record is judged.
         "judged_sha256": any_judged_sha256(scenario),
@@ -302,8 +303,8 @@ def write_folder(
         write_json(folder / SCORE, score_json(scenario, result, spec))
         with whole_file(folder / "junit.xml") as draft:
             junit(scenario, spec, result).write(draft, encoding="unicode", xml_declaration=True)
-        if result.memory is not None:
-            write_memory(result.memory, folder / MEMORY_AFTER)
+        if result.memory is not None and result.memory.record is not None:
+            write_synced(folder / MEMORY_AFTER, result.memory.record.content)
         told = {"received": None if trace.told is None else trace.told.as_json()}
         write_json(folder / CERTIFICATE, certificate(scenario, spec, start_up, result, bus_arguments) | told)
     except BaseException as error:

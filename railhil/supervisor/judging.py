@@ -11,6 +11,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.criteria import Criterion, Extra
 from railhil.supervisor.events.declared import Interlocks, Received, Watch, interface_received
 from railhil.supervisor.score import Score
+from railhil.supervisor.sequence_measure import SequenceMeasure
 from railhil.supervisor.status import Status, interface_status
 from railhil.supervisor.trace import FloatArray, Trace
 
@@ -47,6 +48,9 @@ class Judging:
     ``advice``: (recorded run, report folder) -> what to try after a FAIL. ``extras``: figures of every score that are 0
     in a good run. ``reckoned``: (scenario, trace) -> columns computed for the rows: header, unit and values.
 
+    ``learned``: what is measured over sequences of runs; empty: each limit
+    (:func:`railhil.supervisor.sequence_measure.sequence_measures`).
+
     For the events (:mod:`railhil.supervisor.events.declared`): ``watches``: the reaction ladders on the bus.
     ``interlocks``: states of the train, reported when they are not as usual. ``received``: (scenario) -> the telegrams
     that a receiver judges by their content; by default those of the system's part ``interface``, if it has one.
@@ -71,6 +75,7 @@ class Judging:
     watches: tuple[Watch, ...] = ()
     interlocks: tuple[Interlocks, ...] = ()
     received: Callable[[Any], Sequence[Received]] = _nothing
+    learned: tuple[SequenceMeasure, ...] = ()
 
 
 def judging_of(scenario: AnyScenario) -> Judging:

@@ -1,7 +1,8 @@
 """A law's memory around a run: read before the run, copied into its folder, updated after a good run.
 
-At its end the controller, which may run in its own process or in this one, writes what its law wants to keep into
-``telemetry.json``; from there it is copied into ``memory.json`` of the run folder and into the memory file of the run.
+At its end the controller, which may run in its own process or in this one, writes what its law wants to keep, and
+which stored record it has used, into ``telemetry.json``; from there the new record goes into ``memory.json`` of the run
+folder and into the memory store of the run.
 """
 
 from __future__ import annotations
@@ -10,18 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from railhil.common.errors import InputError
-from railhil.common.whole_file import check_writable
-from railhil.scenarios.memory import (
-    MEMORY_AFTER,
-    MEMORY_BEFORE,
-    Memory,
-    load_memory,
-    no_memory,
-    runs_said,
-    write_memory,
-)
+from railhil.scenarios.memory import MEMORY_AFTER, MEMORY_BEFORE, Record, next_record, runs_said, write_memory
+from railhil.scenarios.memory_store import MemoryStore, StoreChanged
+from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import system_named
 from railhil.supervisor.errors import RecordFailed, not_written
+from railhil.supervisor.learned import Learned
 from railhil.supervisor.result import RunResult
 from railhil.supervisor.telemetry import read_kept
 
@@ -29,74 +25,95 @@ from railhil.supervisor.telemetry import read_kept
 def with_memory(spec: RunSpec, folder: Path) -> RunSpec:
     """The run with its initial memory, copied into its folder; the same run if it has none.
 
-    :raises InputError: the file is damaged, or it could not be written after the run.
+    :raises InputError: the store is that of another law, or it could not be written after the run.
     :raises OSError: the folder cannot be written.
     """
     memory = spec.law.memory
-    if spec.memory_file is not None:
-        path = Path(spec.memory_file)
+    if spec.memory_store is not None:
+        store = MemoryStore(Path(spec.memory_store))
         if memory is not None:
-            raise InputError("run", "memory_file", str(path), "no other memory beside it (memory)")
-        memory = _now(spec, path)
+            raise InputError("run", "memory_store", str(store.path), "no other memory beside it (memory)")
+        memory = store.read(spec.law.controller)
         try:
-            check_writable(path)
+            store.check_writable()
         except OSError as error:
-            raise not_written("--memory", path, "file", error) from None
+            raise not_written("--memory", store.path, "folder", error) from None
     if memory is None:
         return spec
-    placed = replace(memory, source=folder.resolve() / MEMORY_BEFORE)
+    placed = memory.placed(folder.resolve() / MEMORY_BEFORE)
     write_memory(placed, placed.source)
     return replace(spec, law=replace(spec.law, memory=placed))
 
 
-def _now(spec: RunSpec, path: Path) -> Memory:
-    """The content of the file; without a file, an empty memory of no runs."""
-    return load_memory(path) if path.exists() else no_memory(spec.law.controller, path)
-
-
-def memory_after(spec: RunSpec, folder: Path, result: RunResult) -> Memory | None:
-    """The memory after a run; None if the run cannot be trusted, or the law keeps nothing.
+def learned(scenario: AnyScenario, spec: RunSpec, folder: Path, result: RunResult) -> Learned | None:
+    """What is left of a run; None if it cannot be trusted, or the law keeps nothing.
 
     :param spec: the result of :func:`with_memory`.
     """
     kept = read_kept(folder) if result.trusted else None
     if kept is None:
         return None
-    path = folder.resolve() / MEMORY_AFTER
-    return (spec.law.memory or no_memory(spec.law.controller, path)).after(*kept, path)
+    before = None if spec.law.memory is None else spec.law.memory.at(kept.used)
+    number = number_of(scenario, spec, before)
+    return Learned(kept, next_record(spec.law.controller, kept.key, kept.values, before, number))
 
 
-def keep_memory(spec: RunSpec, after: Memory) -> None:
-    """Write the memory after a run into the memory file of the run, completely or not at all.
+def number_of(scenario: AnyScenario, spec: RunSpec, before: Record | None) -> int:
+    """Number under which a law learns from a run: that of the run, or where runs have none the next one.
+
+    :param before: the record with which it began the run.
+    """
+    if system_named(scenario.system).numbered:
+        return spec.run_number
+    return 1 if before is None else before.last_run + 1
+
+
+def keep_memory(spec: RunSpec, folder: Path, after: Learned) -> None:
+    """Write the record of a run into the memory store of the run, completely or not at all.
 
     :param spec: the result of :func:`with_memory`.
-    :raises RecordFailed: the file cannot be written, or has changed since the run began; it is left as it is.
+    :raises RecordFailed: it cannot be written, or the store has changed since the run began; it is left as it is.
     """
-    assert spec.memory_file is not None
+    if spec.memory_store is None or after.record is None:
+        return
     assert spec.law.memory is not None
-    path = Path(spec.memory_file)
+    store, new = MemoryStore(Path(spec.memory_store)), folder.resolve() / MEMORY_AFTER
+    refused = {slot: fault for slot, (fault, _) in after.kept.refused.items()}
     try:
-        if _now(spec, path).sha256 != spec.law.memory.sha256:
-            raise RecordFailed(f"memory {path} was changed during the run and is kept; {after.source} is new")
-        write_memory(after, path)
-    except InputError:
-        raise RecordFailed(f"memory {path} was damaged during the run; {after.source} is new") from None
+        store.write(after.record, spec.law.memory, after.kept.used, refused)
+    except (StoreChanged, InputError):
+        raise RecordFailed(f"memory {store.path} was changed during the run and is kept; {new} is new") from None
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise RecordFailed(f"memory {path} cannot be written: {reason}; {after.source} holds it") from None
+        raise RecordFailed(f"memory {store.path} cannot be written: {reason}; {new} holds it") from None
 
 
-def memory_line(spec: RunSpec, result: RunResult) -> str:
-    """One line on what happened to the memory; empty for a law that keeps none.
+def memory_lines(spec: RunSpec, result: RunResult) -> list[str]:
+    """What happened to the memory: each place that could not be used, then what the run began with and left.
+
+    Empty for a law that keeps none.
 
     :param spec: the result of :func:`with_memory`.
     """
-    before, after = spec.law.memory, result.memory
-    if before is None and after is None:
-        return ""
-    began = "none" if before is None or not before.runs else f"that of {runs_said(before.runs)} ({before.digest})"
+    memory, after = spec.law.memory, result.memory
+    if memory is None and after is None:
+        return []
+    lines, used = [], memory.newest if memory is not None and after is None else None
+    where = ""
+    if after is not None:
+        lines = [f"memory: slot {slot} cannot be used: {detail}" for slot, (_, detail) in after.kept.refused.items()]
+        used = None if memory is None else memory.at(after.kept.used)
+        where = f" ({_place(after.kept.used)})" if used is not None else ""
+    began = "none" if used is None else f"that of {runs_said(used.runs)}{where}"
     if after is None:
         why = "the law supplied no memory" if result.trusted else "the run is INVALID"
-        return f"memory: began with {began}; nothing kept: {why}"
-    where = "the run folder only" if spec.memory_file is None else spec.memory_file
-    return f"memory: began with {began}; kept that of {runs_said(after.runs)} ({after.digest}) in {where}"
+        return [*lines, f"memory: began with {began}; nothing kept: {why}"]
+    if after.record is None:
+        return [*lines, f"memory: began with {began}; nothing kept: the law has learned from this run before"]
+    to = "the run folder only" if spec.memory_store is None else spec.memory_store
+    kept = f"that of {runs_said(after.record.runs)} ({after.record.digest})"
+    return [*lines, f"memory: began with {began}; kept {kept} in {to}"]
+
+
+def _place(used: str) -> str:
+    return f"slot {used}" if len(used) == 1 else used

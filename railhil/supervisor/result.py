@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from railhil.common.exit_codes import FAIL, PASS
-from railhil.scenarios.memory import Memory
 from railhil.supervisor.events.event import RecordedEvent
 from railhil.supervisor.fault_report import FaultOutcome
 from railhil.supervisor.jitter import RunTiming
+from railhil.supervisor.learned import Learned
 from railhil.supervisor.score import Score
 from railhil.supervisor.telemetry import LawOrigin, ShownTelemetry, TelemetrySummary
 
@@ -37,7 +37,7 @@ class RunResult:
     #: Ports whose owner has not said what it sent.
     not_witnessed: Sequence[str] = ()
     #: What the law wants kept; None for a law without memory, and for a run that cannot be trusted.
-    memory: Memory | None = None
+    memory: Learned | None = None
     #: What happened in the run, in the order of the instants.
     events: tuple[RecordedEvent, ...] = ()
     #: What became of the faults of the run, by number.

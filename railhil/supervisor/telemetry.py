@@ -18,6 +18,7 @@ import numpy as np
 
 from railhil.bus.codes import ControllerFlag
 from railhil.bus.telegrams import HEADROOM_UNUSED, NO_QUANTITY
+from railhil.supervisor.learned import Kept, kept_of
 from railhil.supervisor.notes import ToldNote, told_notes
 from railhil.supervisor.status import Status
 from railhil.supervisor.trace import Trace
@@ -137,13 +138,9 @@ def read_origin(folder: Path) -> LawOrigin | None:
     return _read(folder, law_origin)
 
 
-def read_kept(folder: Path) -> tuple[str, dict[str, Any]] | None:
-    """Key and values that the law wants to keep, from a run folder; None if there are none."""
-
-    def kept(document: dict[str, Any]) -> tuple[str, dict[str, Any]]:
-        return str(document["memory"]["key"]), dict(document["memory"]["values"])
-
-    return _read(folder, kept)
+def read_kept(folder: Path) -> Kept | None:
+    """What the law wants to keep, from a run folder; None if there is nothing."""
+    return _read(folder, lambda document: kept_of(document["memory"]))
 
 
 @dataclass(frozen=True, slots=True)

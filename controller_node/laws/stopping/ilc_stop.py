@@ -70,6 +70,8 @@ class IlcStop(StopLaw[T]):
         self._epsilon = numbers.hold("epsilon", given.epsilon_m, DISTANCE_Q, "parameters")
         self._cycle = numbers.hold("cycle", self.period_s, GAIN_Q, "scenario")
         self._cycle_end = numbers.hold("cycle_end", self.period_s, TIME_Q, "scenario")
+        # More than the way of a cycle is never left when the brake begins.
+        self._rest = [numbers.hold(f"rest_{m}", m, DISTANCE_Q, "law") for m in (2.0, 0.0)]
         self._crawl = numbers.hold("crawl", _CRAWL_MPS, SPEED_Q, "law")
 
     def state_bounds(self) -> dict[str, tuple[float, float]]:
@@ -124,7 +126,8 @@ class IlcStop(StopLaw[T]):
         ar = self.ar
         start = self.at_once
         if self.given.start_inside_cycle:
-            rest = ar.convert(ar.sub(margin, self._epsilon), DISTANCE_Q, SPEED_Q)
+            rest = ar.clip(ar.sub(margin, self._epsilon), *self._rest)
+            rest = ar.convert(rest, DISTANCE_Q, SPEED_Q)
             speed = ar.maximum(estimate.speed, self._crawl)
             start = ar.clip(ar.div(rest, speed, TIME_Q), self._cycle_end, self.at_once)
         # One command: the plan of the cycle in which the brake began.

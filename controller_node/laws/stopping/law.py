@@ -47,6 +47,9 @@ class StopParameters:
     first_offset_m: Annotated[float, Field(ge=-12, le=12)] = 0.0
     #: Width of the innovation test in standard deviations of the last stops; 0: no test.
     innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 3.0
+    #: Scatter of a stop and its measurement that does not repeat; the gain is less where there is nothing else. 0: it
+    #: stays.
+    report_sigma_m: Annotated[float, Field(ge=0, le=10)] = 0.0
     #: Gain with which the approach holds its speed, 1/s.
     hold_per_s: Annotated[float, Field(ge=0, le=2)] = 0.2
 
@@ -101,6 +104,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
             memory.values,
             gamma=given.gamma,
             sigmas=given.innovation_sigmas,
+            report_sigma_m=given.report_sigma_m,
             active=self.learns,
             first_offset_m=given.first_offset_m,
         )

@@ -94,6 +94,8 @@ class Learning(Generic[T]):
 
     :param values: the memory, None before the first run. :param gamma: fixed gain, 0: max(1/j, 0.3).
     :param sigmas: width of the innovation test, 0: none. :param active: False: the record is used, and never changed.
+    :param report_sigma_m: scatter of a stop and its measurement that does not repeat: the gain is multiplied with the
+        share of the variance of the last errors that is beyond it, so that nothing is learned from noise. 0: it is not.
     :param first_offset_m: offset before the first run (a cold start should undershoot).
     """
 
@@ -104,6 +106,7 @@ class Learning(Generic[T]):
         *,
         gamma: float,
         sigmas: float = 0.0,
+        report_sigma_m: float = 0.0,
         active: bool = True,
         first_offset_m: float = 0.0,
     ) -> None:
@@ -111,6 +114,7 @@ class Learning(Generic[T]):
         self._stored = stored_records(values)
         self._fixed = gamma
         self._sigmas = sigmas
+        self._shrinks = report_sigma_m > 0.0
         self._active = active
         hold = numbers.hold
         memory = "memory"
@@ -131,6 +135,8 @@ class Learning(Generic[T]):
         self._least = hold("gamma_least", GAMMA_LEAST, GAIN_Q, "law")
         self._step = [hold(f"step_{sign}", sign * STEP_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
         self._most = [hold(f"offset_{sign}", sign * OFFSET_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
+        self._noise = hold("report_variance", report_sigma_m**2, _VARIANCE_Q, "parameters")
+        self._no_variance = hold("variance_0", 0.0, _VARIANCE_Q, "law")
         self._spread = [
             hold("variance_max", VARIANCE_MAX_M2, _VARIANCE_Q, "law"),
             hold("variance_min", VARIANCE_MIN_M2, _VARIANCE_Q, "law"),
@@ -178,6 +184,9 @@ class Learning(Generic[T]):
         limited = ar.clip(error, *self._five)
         surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, _VARIANCE_Q), old.variance)
         variance = ar.clip(ar.add(old.variance, ar.mpy(surprise, share, GAIN_Q)), *self._spread)
+        if self._shrinks:
+            beyond = ar.maximum(ar.sub(variance, self._noise), self._no_variance)
+            gamma = ar.mpy(gamma, ar.div(beyond, variance, GAIN_Q), GAIN_Q)
         learns = usable
         if self._sigmas:
             spread = ar.convert(ar.sqrt(old.variance, _VARIANCE_Q), _VARIANCE_Q, DISTANCE_Q)

@@ -201,7 +201,7 @@ def test_a_chunk_that_kills_every_worker_ends_the_campaign():
         engines.running("joblib", 2, None, said.append, work=deadly()) as engine,
         pytest.raises(engines.WorkersLost, match="died 3 times in a row") as caught,
     ):
-        list(engine([SimpleNamespace(chunk=SimpleNamespace(name=f"ipfc-{i}")) for i in range(4)]))
+        list(engine([SimpleNamespace(name=f"ipfc-{i}") for i in range(4)]))
     assert caught.value.exit_code == 3
     assert len(said) == 2
 

@@ -1,4 +1,4 @@
-"""What a law with a memory is constructed with, and which stored values it refuses."""
+"""What a law with a memory begins with: the record it is given, the slot, and the faults of the others."""
 
 from __future__ import annotations
 
@@ -9,29 +9,86 @@ import pytest
 from hil_tests.support.remembering import Learning
 from railhil.common.errors import InputError
 from railhil.controller_node.laws.ipfc import Ipfc
-from railhil.controller_node.laws.memory import NOTHING, Remembered, memory_arguments
+from railhil.controller_node.laws.memory import NOTHING, Remembered, choice, memory_arguments
 from railhil.scenarios.load import load
-from railhil.scenarios.memory import Memory, no_memory
+from railhil.scenarios.memory import Memory, Record, Stored, no_memory
 
 _SCENARIO = load("lvshun_tieshan")
+_KEY = Learning.memory_key(_SCENARIO)
 
 
-def kept(**values: float) -> Memory:
-    return Memory("learning", Learning.memory_key(_SCENARIO), 3, values, Path("memory.json"))
+def record(offset: float, key: str = _KEY) -> Record:
+    return Record("learning", key, 3, 3, {"runs": 3, "offset": offset})
+
+
+def memory(*stored: Stored) -> Memory:
+    return Memory("learning", stored, Path("store"))
+
+
+def begun(*stored: Stored) -> Remembered:
+    (found,) = memory_arguments("learning", Learning, _SCENARIO, memory(*stored))
+    assert isinstance(found, Remembered)
+    return found
 
 
 def test_a_law_with_a_key_is_told_what_it_kept() -> None:
     assert memory_arguments("ipfc", Ipfc, _SCENARIO, None) == ()
-    for given in (None, no_memory("learning", Path("memory.json"))):
+    for given in (None, no_memory("learning", Path("store"))):
         assert memory_arguments("learning", Learning, _SCENARIO, given) == (NOTHING,)
-    found = memory_arguments("learning", Learning, _SCENARIO, kept(runs=3, offset=0.5))
-    assert found == (Remembered({"runs": 3, "offset": 0.5}),)
+    values = {"runs": 3, "offset": 0.5}
+    assert begun(Stored("A", record(0.5)), Stored("B", record(0.1))) == Remembered(values, 1, 0)
+    assert begun(Stored("B", record(0.5)), Stored("A", record(0.1))) == Remembered(values, 2, 0)
+    assert begun(Stored("file", record(0.5))) == Remembered(values, 0, 0)
 
 
-@pytest.mark.parametrize(("values", "why"), [({"offset": 99.0}, "ValueError: offset 99.0"), ({}, "KeyError: 'offset'")])
-def test_values_that_the_law_refuses_are_one_line(values: dict[str, float], why: str) -> None:
-    with pytest.raises(
-        InputError, match=rf"memory\.json: values: found {why}.*allowed values that learning"
-    ) as refused:
-        memory_arguments("learning", Learning, _SCENARIO, kept(**values))
+#: The newest record, and what is wrong with it: fault number on the bus.
+_BAD = [
+    (Stored("A", None, "crc", "found other"), 4),
+    (Stored("A", None, "json", "torn"), 2),
+    (Stored("A", record(0.5, "another platform")), 7),
+    (Stored("A", record(99.0)), 8),
+    (Stored("A", Record("learning", _KEY, 3, 3, {"runs": 3})), 8),
+    (Stored("A", Record("learning", _KEY, 3, 3, {"runs": 3, "offset": "sixty"})), 8),
+]
+
+
+@pytest.mark.parametrize(("bad", "fault"), _BAD)
+def test_each_fault_falls_back_to_the_other_slot_then_the_default_then_nothing(bad: Stored, fault: int) -> None:
+    good = {"runs": 3, "offset": 0.1}
+    assert begun(bad, Stored("B", record(0.1))) == Remembered(good, 2, fault)
+    assert begun(bad, Stored("default", record(0.1))) == Remembered(good, 0, fault)
+    assert begun(bad, Stored("default", record(0.1, "any platform"))) == Remembered(good, 0, fault)
+    assert begun(bad) == Remembered(None, 0, fault)
+    assert begun(bad, Stored("B", None, "version", "")) == Remembered(None, 0, fault), "of two slots that of A"
+    assert begun(bad, Stored("default", None, "json", "")) == Remembered(None, 0, fault)
+
+
+def test_what_is_wrong_is_said() -> None:
+    found = choice("learning", Learning, _SCENARIO, memory(Stored("A", record(99.0)), Stored("B", record(0.1))))
+    assert found.used == "B"
+    (refused,) = found.refused
+    assert (refused["slot"], refused["fault"]) == ("A", "values")
+    assert refused["detail"].startswith("found ValueError: offset 99.0, allowed +-")
+    # A slot that was not needed is looked at all the same.
+    found = choice("learning", Learning, _SCENARIO, memory(Stored("A", record(0.1)), Stored("B", record(0.1, "x"))))
+    assert (found.used, found.remembered.fault) == ("A", 7)
+
+
+@pytest.mark.parametrize(
+    ("given", "line"),
+    [
+        (record(99.0), r"store: values: found ValueError: offset 99\.0.*allowed values that learning can begin with"),
+        (record(0.1, "x"), "store: key: found 'x', allowed .*, what learning keeps on this scenario"),
+    ],
+)
+def test_a_named_file_is_used_or_refused(given: Record, line: str) -> None:
+    with pytest.raises(InputError, match=line) as refused:
+        begun(Stored("file", given))
     assert len(str(refused.value).splitlines()) == 1
+
+
+def test_a_memory_of_another_law_is_refused() -> None:
+    with pytest.raises(InputError, match="store: law: found 'other', allowed learning, the controller asked for"):
+        memory_arguments("learning", Learning, _SCENARIO, no_memory("other", Path("store")))
+    with pytest.raises(InputError, match="store: law: found 'ipfc', allowed a law that keeps a memory"):
+        memory_arguments("ipfc", Ipfc, _SCENARIO, no_memory("ipfc", Path("store")))

@@ -1,84 +1,116 @@
-"""The file with a law's memory: read whole or refused in one line, written whole or not at all."""
+"""Records of a law's memory: read whole or refused in one line, written whole or not at all."""
 
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
+import zlib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from hil_tests.support.paths import ROOT
 from railhil.common.errors import InputError
-from railhil.scenarios.memory import Memory, crc32, load_memory, memory_from_json, no_memory, write_memory
+from railhil.scenarios.memory import (
+    FAULTS,
+    BadRecord,
+    Memory,
+    Record,
+    Stored,
+    load_memory,
+    memory_from_json,
+    next_record,
+    no_memory,
+    read_record,
+    write_memory,
+)
 
-_VALUES = {"offset_m": -0.12}
-#: The example in the head of the module.
-_CRC32 = "828a393a"
+GOLDEN = ROOT / "hil_tests" / "data" / "memory" / "golden.json"
+SOME = Record("mylaw", "dalian_12 up", 3, 3, {"offset_m": -0.12})
 
 
-def some(path: Path, runs: int = 3) -> Memory:
-    return Memory("mylaw", "dalian_12 up", runs, _VALUES, path)
+def in_slots(path: Path) -> Memory:
+    older = replace(SOME, runs=2, last_run=2)
+    return Memory("mylaw", (Stored("A", SOME), Stored("B", None, "crc", "found other"), Stored("default", older)), path)
 
 
-def damaged(path: Path, **changes: Any) -> None:
-    """A memory with other content under its old CRC."""
-    path.write_text(json.dumps(json.loads(some(path).text) | changes))
-
-
-def test_the_crc_is_that_of_the_canonical_json(tmp_path: Path) -> None:
-    text = '{"key":"dalian_12 up","law":"mylaw","runs":3,"values":{"offset_m":-0.12},"version":1}'
-    assert crc32(json.loads(text)) == _CRC32
-    assert json.loads(some(tmp_path).text)["crc32"] == _CRC32
+def test_the_golden_file() -> None:
+    """Its CRC was computed from the text below by zlib alone."""
+    text = b'{"key":"dalian_12 up","last_run":3,"law":"mylaw","runs":3,"values":{"offset_m":-0.12},"version":1}'
+    assert f"{zlib.crc32(text):08x}" == json.loads(GOLDEN.read_text())["crc32"] == "ccfa25ef"
+    assert read_record(GOLDEN) == SOME
+    assert GOLDEN.read_text() == SOME.text
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     path = tmp_path / "memory.json"
-    for memory in (some(path), no_memory("mylaw", path), some(path).after("other", {"é": [1, 2.5, "a"]}, path)):
+    path.write_text(SOME.text)
+    assert load_memory(path) == Memory("mylaw", (Stored("file", SOME),), path)
+    for memory in (in_slots(path), no_memory("mylaw", path)):
         write_memory(memory, path)
         assert load_memory(path) == memory
-        assert load_memory(path).sha256 == memory.sha256
-        assert memory_from_json(memory.as_json(), path) == memory
-    assert [entry.name for entry in tmp_path.iterdir()] == ["memory.json"]
+        assert memory_from_json(memory.as_json(), path).sha256 == memory.sha256
+        (tmp_path / "certificate.json").write_text(json.dumps({"scenario": "x", "memory": memory.as_json()}))
+        assert load_memory(tmp_path / "certificate.json").stored == memory.stored
+    assert {entry.name for entry in tmp_path.iterdir()} == {"memory.json", "certificate.json"}
 
 
 def test_layout_of_the_file_does_not_matter(tmp_path: Path) -> None:
     path = tmp_path / "memory.json"
-    path.write_text(json.dumps(json.loads(some(path).text)))
-    assert load_memory(path) == some(path)
-
-
-def test_it_is_also_read_from_a_certificate(tmp_path: Path) -> None:
-    path = tmp_path / "certificate.json"
-    path.write_text(json.dumps({"scenario": "x", "memory": some(path).as_json()}))
-    assert load_memory(path) == some(path)
+    path.write_text(json.dumps(SOME.document))
+    assert read_record(path) == SOME
 
 
 @pytest.mark.parametrize(
-    ("changes", "line"),
+    ("changes", "fault", "line"),
     [
-        ({"values": {"offset_m": 0.12}}, f"crc32: found '{_CRC32}', allowed [0-9a-f]{{8}}: values that nobody changed"),
-        ({"crc32": "00000000"}, f"crc32: found '00000000', allowed {_CRC32}"),
-        ({"key": "dalian_12 down"}, "crc32: found"),
-        ({"runs": 4}, "crc32: found"),
-        ({"runs": -1}, "runs: found -1, allowed at least 0"),
-        ({"version": 2}, "version: found 2, allowed 1"),
-        ({"law": ""}, "law: found ''"),
-        ({"more": 1}, "more: found the unknown key more"),
-        ({"values": {"offset_m": float("nan")}}, "values: found a number that is not finite, allowed finite numbers"),
-        ({"values": [1]}, "values: found .*allowed a table"),
+        ({"values": {"offset_m": 0.12}}, "crc", "crc32: found 'ccfa25ef', allowed [0-9a-f]{8}: values that nobody"),
+        ({"crc32": "00000000"}, "crc", "crc32: found '00000000', allowed ccfa25ef"),
+        ({"key": "dalian_12 down"}, "crc", "crc32: found"),
+        ({"runs": 4}, "crc", "crc32: found"),
+        ({"more": 1}, "crc", "crc32: found"),
+        ({"values": {"offset_m": float("nan")}}, "not_finite", "values: found a number that is not finite, allowed"),
+        ({"crc32": None}, "fields", "crc32: found nothing"),
     ],
 )
-def test_a_damaged_file_is_one_line_and_stays_as_it_is(changes: dict[str, Any], line: str, tmp_path: Path) -> None:
+def test_a_damaged_record_is_one_line_and_stays_as_it_is(
+    changes: dict[str, Any], fault: str, line: str, tmp_path: Path
+) -> None:
     path = tmp_path / "memory.json"
-    damaged(path, **changes)
+    changed = SOME.document | changes
+    path.write_text(json.dumps({key: value for key, value in changed.items() if value is not None}))
     before = path.read_bytes()
     with pytest.raises(InputError, match=rf"memory\.json: {line}") as refused:
         load_memory(path)
     assert len(str(refused.value).splitlines()) == 1
+    with pytest.raises(BadRecord) as bad:
+        read_record(path)
+    assert bad.value.fault == fault
     assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault", "line"),
+    [
+        ({"version": 2}, "version", "version: found 2, allowed 1"),
+        ({"runs": 0}, "fields", "runs: found 0, allowed at least 1"),
+        ({"last_run": -1}, "fields", "last_run: found -1, allowed at least 0"),
+        ({"law": ""}, "fields", "law: found ''"),
+        ({"values": [1]}, "fields", "values: found .*allowed a table"),
+        ({"more": 1}, "fields", "more: found the unknown key more"),
+    ],
+)
+def test_a_record_of_something_else_with_a_good_crc(
+    changes: dict[str, Any], fault: str, line: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "memory.json"
+    content = {key: value for key, value in SOME.document.items() if key != "crc32"} | changes
+    text = json.dumps(content, sort_keys=True, separators=(",", ":")).encode()
+    path.write_text(json.dumps(content | {"crc32": f"{zlib.crc32(text):08x}"}))
+    with pytest.raises(BadRecord, match=rf"memory\.json: {line}") as bad:
+        read_record(path)
+    assert bad.value.fault == fault
 
 
 @pytest.mark.parametrize(
@@ -93,37 +125,21 @@ def test_what_is_no_memory_is_one_line(content: bytes, tmp_path: Path) -> None:
         load_memory(tmp_path / "memry.json")
 
 
-_KILLED = """
-import os, signal, sys
-from pathlib import Path
-from railhil.scenarios.memory import load_memory, write_memory
-path = Path(sys.argv[1])
-memory = load_memory(path)
-setattr(os, sys.argv[2], lambda *given: os.kill(os.getpid(), signal.SIGKILL))
-write_memory(memory.after("other", {"x": "y" * 100_000}, path), path)
-"""
+def test_a_changed_memory_of_a_run_is_one_line(tmp_path: Path) -> None:
+    for change in ({"slot": "B"}, {"record": SOME.document | {"runs": 9}}, {"fault": "crc"}, {"record": None}):
+        document = in_slots(tmp_path).as_json()
+        document["stored"][0] |= change
+        with pytest.raises(InputError, match=r"crc32: found|memory\.sha256: found|with a record and a fault, or neith"):
+            memory_from_json(document, tmp_path)
 
 
-@pytest.mark.parametrize("at", ["fsync", "replace"])
-def test_a_kill_in_the_middle_of_writing_leaves_the_old_memory(at: str, tmp_path: Path) -> None:
-    path = tmp_path / "memory.json"
-    write_memory(some(path), path)
-    done = subprocess.run([sys.executable, "-c", _KILLED, str(path), at], check=False, timeout=60)
-    assert done.returncode == -signal.SIGKILL
-    assert load_memory(path) == some(path)
-    write_memory(some(path, 4), path)
-    assert load_memory(path).runs == 4
+def test_a_run_is_learned_once() -> None:
+    first = next_record("mylaw", "here", {"x": 1}, None, 5)
+    assert first == Record("mylaw", "here", 1, 5, {"x": 1})
+    assert next_record("mylaw", "here", {"x": 2}, first, 6) == Record("mylaw", "here", 2, 6, {"x": 2})
+    assert next_record("mylaw", "here", {"x": 2}, first, 5) is None
+    assert next_record("mylaw", "here", {"x": 2}, first, 4) is None
 
 
-def test_a_full_disk_leaves_the_old_memory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "memory.json"
-    write_memory(some(path), path)
-
-    def full(descriptor: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(OSError, match="No space left"):
-        write_memory(some(path, 4), path)
-    assert load_memory(path) == some(path)
-    assert [entry.name for entry in tmp_path.iterdir()] == ["memory.json"]
+def test_faults_fit_into_four_bits() -> None:
+    assert sorted(FAULTS.values()) == [*range(1, 9)]

@@ -13,9 +13,12 @@ from railhil.cli import commands
 from railhil.cli.run import spec_of
 from railhil.common.command_line import parse
 from railhil.common.errors import Faults, InputError
-from railhil.scenarios.memory import no_memory, write_memory
+from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import Memory, Record, Stored, write_memory
+from railhil.scenarios.memory_store import MemoryStore
 from railhil.scenarios.run_document import ENVIRONMENT, OPTIONS, environment_layer
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.memory import number_of
 
 _VARIABLES = {
     "RAILHIL_SCENARIO": "yizhuang_05",
@@ -99,20 +102,21 @@ def test_every_variable_says_its_key() -> None:
 
 
 def test_the_memory_of_a_law_is_said_by_one_of_two_keys(tmp_path: Path) -> None:
-    memory = no_memory("ipfc", tmp_path / "old.json")
+    record = Record("ipfc", "here", 1, 1, {"offset_m": 0.5})
+    memory = Memory("ipfc", (Stored("A", record),), tmp_path / "old.json")
     write_memory(memory, memory.source)
-    path = written(tmp_path / "run.toml", 'memory_file = "new.json"\n')
-    assert RunSpec.from_file(path).memory_file == str(tmp_path / "new.json")
+    path = written(tmp_path / "run.toml", 'memory_store = "new"\n')
+    assert RunSpec.from_file(path).memory_store == str(tmp_path / "new")
     begun = asked("--spec", path, "--memory-from", memory.source)
-    assert (begun.memory_file, begun.law.memory) == (None, memory)
+    assert (begun.memory_store, begun.law.memory) == (None, memory)
     assert begun.law.label == f"ipfc@{memory.digest}"
     assert begun.law.words[-2:] == ["--memory-from", str(memory.source)]
     assert asked(RAILHIL_MEMORY_FROM=str(memory.source)) == begun
-    kept = asked("--memory", "x.json", RAILHIL_MEMORY_FROM=str(memory.source))
-    assert (kept.memory_file, kept.law.memory) == (str(Path("x.json").resolve()), None)
+    kept = asked("--memory", "x", RAILHIL_MEMORY_FROM=str(memory.source))
+    assert (kept.memory_store, kept.law.memory) == (str(Path("x").resolve()), None)
     document = begun.as_json()
     assert RunSpec.from_json(document, memory.source) == begun
-    document["memory"]["values"] = {"offset_m": 1.0}
+    document["memory"]["stored"][0]["slot"] = "B"
     with pytest.raises(InputError, match=r"old\.json: memory\.sha256: found .*values that nobody changed"):
         RunSpec.from_json(document, memory.source)
 
@@ -194,3 +198,17 @@ def test_the_table_of_the_documents_is_the_one_of_the_code() -> None:
     for key, _, variable, container in rows:
         assert bool(container) == (f"${{{variable.removeprefix('RAILHIL_')}:-" in compose), key
         assert not container or variable == f"RAILHIL_{container}"
+
+
+def test_a_run_with_a_store_has_the_next_number(tmp_path: Path) -> None:
+    """Where runs have numbers; a number that is given is used, so that a run that was broken off can be made again."""
+    store = MemoryStore(tmp_path / "store")
+    words = ("yizhuang_stop", "--memory", str(store.path))
+    assert asked(*words).run_number == 1
+    store.write(Record("one_shot", "here", 3, 7, {}), store.read("one_shot"), "", {})
+    assert asked(*words).run_number == 8
+    assert asked(*words, "--run-number", "7").run_number == 7
+    assert asked("lvshun_tieshan", "--memory", str(tmp_path / "other")).run_number == 1
+    scenario = load_any("yizhuang_stop")
+    assert number_of(scenario, asked(*words), store.read().newest) == 8
+    assert number_of(scenario, asked(*words, "--run-number", "7"), store.read().newest) == 7

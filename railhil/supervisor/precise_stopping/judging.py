@@ -15,6 +15,7 @@ from railhil.supervisor.events.declared import Watch
 from railhil.supervisor.judging import Judging
 from railhil.supervisor.precise_stopping.approach import Approach
 from railhil.supervisor.score import Score
+from railhil.supervisor.sequence_measure import SequenceMeasure
 from railhil.supervisor.status import Status, wrap_failure
 from railhil.supervisor.trace import Trace
 
@@ -104,6 +105,7 @@ def _facts(run: Any) -> list[tuple[str, str]]:
 
 STOP = Judging(
     criteria=CRITERIA,
+    learned=(SequenceMeasure(STOP_ERROR, within=(0.1, 0.3), converged=0.3),),
     score=score,
     truth=Truth.PORT,
     columns=(

@@ -91,10 +91,16 @@ def memory_sentence(certificate: Mapping[str, Any]) -> str:
     before, after = certificate.get("memory"), certificate.get("memory_after_sha256")
     if not before and not after:
         return ""
-    began = "none yet"
-    if before and before["runs"]:
-        began = f"that of {runs_said(before['runs'])}, key {before['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
-    return f"began with {began}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
+    began, stored = "none yet", before["stored"] if before else []
+    used = certificate.get("memory_used")
+    # Without it the run cannot be trusted: the law would have used the first.
+    record = next((one["record"] for one in stored if one["record"] and used in (None, one["slot"])), None)
+    if before and record:
+        began = f"that of {runs_said(record['runs'])}, key {record['key']}, sha256 {before['sha256'][:DIGEST_DIGITS]}"
+    refused = "".join(
+        f"; {slot} could not be used: {detail}" for slot, (_, detail) in certificate.get("memory_refused", {}).items()
+    )
+    return f"began with {began}{refused}; {f'left sha256 {after[:DIGEST_DIGITS]}' if after else 'left none'}"
 
 
 def _parameters(run: RecordedRun) -> str:

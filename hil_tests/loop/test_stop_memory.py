@@ -1,0 +1,83 @@
+"""Faults of the memory of a law that learns to stop: no crash, finite commands, the fault on the bus, learned again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railhil.bus.stopping import BrakeCommand, IlcStatus
+from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import FAULTS, Memory, Record, Stored
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.sequences.one import OneRun, runner_of, sequence
+from railhil.sequences.plan import run_specs
+
+pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.faults]
+
+_SCENARIO = load_any("yizhuang_stop")
+_KEY = "train_1 xiaocun outbound"
+#: About what the law learns on this scenario; the memory is from before run 9.
+_VALUES = {
+    "version": 1,
+    "records": [
+        {
+            "load_class": 0, "wet": 0, "offset_m": 4.95, "variance_m2": 0.1, "runs": 8, "last_run": 8, "gamma": 0.5,
+            "last_errors_m": [0.0] * 8,
+        }
+    ],
+}  # fmt: skip
+GOOD = Record("ilc_stop", _KEY, 8, 8, _VALUES)
+NEWER = replace(GOOD, runs=9, last_run=8)
+_TOO_FAR = {"version": 1, "records": [{**_VALUES["records"][0], "offset_m": 12.5}]}  # type: ignore[index, dict-item]
+
+
+def runs_from_9(memory: Memory, count: int) -> list[OneRun]:
+    base = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), perturbed=True, bus="local")
+    specs = run_specs(base, _SCENARIO, 3, 8 + count)[8:]
+    return [*sequence(_SCENARIO, specs, runner_of(_SCENARIO), memory)]
+
+
+def memory(*stored: Stored) -> Memory:
+    return Memory("ilc_stop", stored, Path("store"))
+
+
+def status(run: OneRun) -> tuple[int, int]:
+    """Source and fault on the bus, at the end."""
+    return tuple(int(run.trace.raw(IlcStatus.PORT, name)[-1]) for name in ("MemorySource", "MemoryFault"))  # type: ignore[return-value]
+
+
+def error_m(run: OneRun) -> float:
+    assert np.isfinite(run.trace.values(BrakeCommand.PORT, "CmdAccel")).all()
+    error = run.score.signed["stop_error_m"]
+    assert error is not None
+    return error
+
+
+@pytest.mark.parametrize(
+    ("bad", "fault"),
+    [
+        (Stored("A", None, "crc", "found other"), "crc"),
+        (Stored("A", replace(NEWER, key="train_1 xiaohongmen outbound")), "key"),
+        (Stored("A", replace(NEWER, values=_TOO_FAR)), "values"),
+        (Stored("A", replace(NEWER, values={"version": 1, "records": [{}]})), "values"),
+    ],
+    ids=["damaged", "other platform", "out of range", "no record"],
+)
+def test_a_detected_fault_costs_nothing_while_the_other_slot_is_good(bad: Stored, fault: str) -> None:
+    (run,) = runs_from_9(memory(bad, Stored("B", GOOD)), 1)
+    assert status(run) == (2, FAULTS[fault])
+    assert abs(error_m(run)) <= 0.6
+    assert run.record is not None
+    assert (run.record.runs, run.record.last_run) == (9, 9)
+
+
+def test_without_a_good_slot_it_learns_again_within_5_runs() -> None:
+    runs = runs_from_9(memory(Stored("A", None, "crc", ""), Stored("B", None, "json", "")), 6)
+    assert [status(run) for run in runs] == [(0, FAULTS["crc"]), *[(1, 0), (2, 0)] * 2, (1, 0)]
+    errors = [error_m(run) for run in runs]
+    assert errors[0] > 3.5
+    assert abs(errors[5]) <= 0.5
+    assert [None if run.record is None else run.record.runs for run in runs] == [1, 2, 3, 4, 5, 6]

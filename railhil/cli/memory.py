@@ -1,0 +1,137 @@
+"""``railhil memory``: shows, checks and exports what a law has kept of its runs."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import FAIL, PASS
+from railhil.common.output import Output, add_json_argument, print_json, table
+from railhil.common.whole_file import write_synced
+from railhil.scenarios.load import load_any
+from railhil.scenarios.memory import Memory, Record, Stored
+from railhil.scenarios.memory_store import SLOT_FILES, MemoryStore, memory_at
+from railhil.scenarios.settings import add_set_argument
+from railhil.scenarios.system import system_named
+from railhil.supervisor.errors import not_written
+
+_PATH = "folder of --memory, file in it, memory of a run folder, certificate.json"
+
+
+def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    """Register the subcommand."""
+    parser = commands.add_parser("memory", help="show, check or export what a law has kept of its runs")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB")
+    show = verbs.add_parser("show", help="print every record")
+    verify = verbs.add_parser("verify", help="exit code 1 if a record cannot be used")
+    verify.add_argument("--scenario", metavar="SCENARIO", help="also check key and values with the law on this one")
+    add_set_argument(verify)
+    export = verbs.add_parser("export", help="write the record that a run would begin with, as one file")
+    export.add_argument("--slot", choices=sorted(SLOT_FILES), help="this one instead")
+    export.add_argument("--out", type=Path, required=True, metavar="FILE", help="the file to write")
+    for verb in (show, verify, export):
+        verb.add_argument("memory", type=Path, metavar="DIR|FILE", help=_PATH)
+        add_json_argument(verb)
+    parser.set_defaults(work=work)
+
+
+def work(namespace: argparse.Namespace) -> int:
+    """Show, check or export."""
+    if namespace.verb == "export":
+        return _export(namespace)
+    memory = _read(namespace.memory)
+    if namespace.verb == "verify" and namespace.scenario is not None:
+        memory = _with_law(memory, namespace)
+    document = {
+        "path": str(namespace.memory),
+        "law": memory.law,
+        "sha256": memory.sha256,
+        "usable": memory.newest is not None,
+        "stored": [one.as_json() for one in memory.stored],
+    }
+    bad = [one for one in memory.stored if one.fault]
+    if namespace.json:
+        print_json(document)
+    else:
+        _print(Output(), memory, values=namespace.verb == "show")
+    return FAIL if namespace.verb == "verify" and (bad or memory.newest is None) else PASS
+
+
+def _read(path: Path) -> Memory:
+    """What is stored, also if nothing of it can be used.
+
+    :raises InputError: there is nothing, or a named file is damaged.
+    """
+    if not path.is_dir():
+        return memory_at(path)
+    found = MemoryStore(path).read()
+    if not found.stored:
+        raise InputError(path, "", Words("no record"), f"a folder with {', '.join(SLOT_FILES.values())}")
+    return found
+
+
+def _with_law(memory: Memory, namespace: argparse.Namespace) -> Memory:
+    """The memory as its law finds it on a scenario.
+
+    :raises InputError: no such scenario or law, or a named file that the law cannot begin with.
+    """
+    # Only this needs the law itself.
+    from railhil.controller_node.laws import find
+    from railhil.controller_node.laws.memory import choice
+
+    scenario = load_any(namespace.scenario, namespace.set)
+    system = system_named(scenario.system)
+    system.check_law(memory.law, namespace.memory, "law")
+    found = choice(memory.law, find(memory.law, system.laws), scenario, memory)
+    return replace(memory, stored=found.stored)
+
+
+def _print(console: Output, memory: Memory, values: bool) -> None:
+    console.say(f"memory of {memory.law or 'no law'}, {memory.source}")
+    rows = table()
+    for name in ("place", "runs", "last run", "record", "key"):
+        rows.add_column(name, justify="right" if name in ("runs", "last run") else "left", overflow="fold")
+    for one in memory.stored:
+        rows.add_row(*_cells(one))
+    console.print(rows)
+    for one in memory.stored:
+        if one.fault:
+            console.say(f"{one.slot} cannot be used ({one.fault}): {one.detail}")
+        elif values and one.record is not None:
+            console.say(f"{one.slot}: {_flat(one.record.values)}")
+    newest = next((one for one in memory.stored if one.record is not None), None)
+    console.say("a run would begin with nothing" if newest is None else f"a run would begin with {newest.slot}")
+
+
+def _cells(one: Stored) -> tuple[str, ...]:
+    record = one.record
+    if record is None:
+        return one.slot, "-", "-", "cannot be used", "-"
+    return one.slot, str(record.runs), str(record.last_run), record.digest, record.key
+
+
+def _flat(values: Any) -> str:
+    return json.dumps(dict(values), sort_keys=True)
+
+
+def _export(namespace: argparse.Namespace) -> int:
+    """Write one record as a file that ``--memory-from`` and the ``default.json`` of a store take."""
+    memory = _read(namespace.memory)
+    record: Record | None = memory.newest if namespace.slot is None else memory.at(namespace.slot)
+    if record is None:
+        found = Words(f"no record in {namespace.slot}" if namespace.slot else "no record that can be used")
+        raise InputError(namespace.memory, "", found, "a place with one (railhil memory show)")
+    out: Path = namespace.out
+    try:
+        write_synced(out, record.content)
+    except OSError as error:
+        raise not_written("--out", out, "file", error) from None
+    if namespace.json:
+        print_json({"path": str(out), "sha256": record.sha256, "record": record.document})
+    else:
+        Output().say(f"record of {record.runs} runs, sha256 {record.digest}, written to {out}")
+    return PASS

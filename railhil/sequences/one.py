@@ -1,0 +1,124 @@
+"""One run of a sequence, and a whole sequence in one process: each run begins with what the last one has left."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from railhil.batch.coupled import command_digest
+from railhil.batch.nodes import DIGITS
+from railhil.bench import BenchRun, unrecorded_run
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.law_controller import maker_of
+from railhil.plant_sim.faults.plants import needs_nodes
+from railhil.scenarios.memory import Memory, Record, next_record, no_memory
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.scenarios.system import System, system_named
+from railhil.supervisor.fault_report import missed_faults
+from railhil.supervisor.learned import Kept, kept_of
+from railhil.supervisor.memory import number_of
+from railhil.supervisor.score import Score
+from railhil.supervisor.trace import Trace
+
+#: Events of the arithmetic that are counted.
+COUNTS = ("wraps", "saturations", "zero_divisions")
+#: Makes one run.
+Runner = Callable[[AnyScenario, RunSpec], "OneRun"]
+
+
+@dataclass(frozen=True, slots=True)
+class OneRun:
+    """One run of a sequence.
+
+    :param scenario, spec: of the run; the law of the second has the memory that it began with.
+    :param missed: why it says nothing about the controller; empty: it does.
+    :param digest: of its commands, or of its frames where the system has no digest.
+    :param kept: what the law keeps.
+    """
+
+    scenario: AnyScenario
+    spec: RunSpec
+    score: Score
+    counts: dict[str, int]
+    missed: str
+    digest: str
+    kept: Kept | None
+    trace: Trace = field(repr=False, compare=False)
+
+    @property
+    def began(self) -> Memory:
+        """The memory that it began with."""
+        assert self.spec.law.memory is not None
+        return self.spec.law.memory
+
+    @property
+    def record(self) -> Record | None:
+        """The record that it leaves; None if it cannot be trusted, or was learned from before."""
+        if self.kept is None or self.missed or self.score.verdict not in ("PASS", "FAIL"):
+            return None
+        before = self.began.at(self.kept.used)
+        return next_record(
+            self.began.law, self.kept.key, self.kept.values, before, number_of(self.scenario, self.spec, before)
+        )
+
+    @property
+    def left(self) -> Memory:
+        """The memory for the next run."""
+        if self.record is None or self.kept is None:
+            return self.began
+        return self.began.after(self.record, self.kept.used, self.kept.refused)
+
+
+def runner_of(scenario: AnyScenario) -> Runner:
+    """The fastest way to make a run: without a bus if the system can, else through the nodes."""
+    own = system_named(scenario.system).own
+    comparable = "digest" in own or "interface" in own
+    return _direct if "direct" in own and comparable and not needs_nodes(scenario) else through_nodes
+
+
+def sequence(
+    scenario: AnyScenario, specs: list[RunSpec], runner: Runner, memory: Memory | None = None
+) -> Iterator[OneRun]:
+    """The runs of a sequence, each with the memory that the last one has left.
+
+    :param specs: of the runs, in order.
+    :param memory: for the first one; None: none.
+    :raises InputError: the law keeps no memory, or cannot be made.
+    """
+    law = specs[0].law.controller
+    memory = memory or no_memory(law, Path("memory"))
+    for spec in specs:
+        run = runner(scenario, replace(spec, law=replace(spec.law, memory=memory)))
+        memory = run.left
+        yield run
+
+
+def _direct(scenario: AnyScenario, spec: RunSpec) -> OneRun:
+    system = system_named(scenario.system)
+    controller: Any = maker_of(system, scenario)(scenario, spec.law, make(spec.law.arithmetic))
+    run: BenchRun = system.part("direct")(scenario, spec, controller=controller)
+    counts = {name: int(getattr(controller.counters, name)) for name in COUNTS}
+    found = controller.kept()
+    kept = None if found is None else kept_of(found)
+    return OneRun(scenario, spec, run.score, counts, "", _digest(system, scenario, run), kept, run.trace)
+
+
+def through_nodes(scenario: AnyScenario, spec: RunSpec) -> OneRun:
+    """One run through the nodes of the bench, in this process."""
+    system = system_named(scenario.system)
+    run = unrecorded_run(scenario, spec)
+    totals, found = run.telemetry["totals"], run.telemetry.get("memory")
+    counts = {name: int(totals[name]) for name in COUNTS}
+    kept, missed = None if found is None else kept_of(found), missed_faults(run.faults) or ""
+    return OneRun(scenario, spec, run.score, counts, missed, _digest(system, scenario, run), kept, run.trace)
+
+
+def _digest(system: System, scenario: AnyScenario, run: BenchRun) -> str:
+    if "digest" in system.own:
+        return str(system.part("digest")(scenario, run.trace))
+    if "interface" in system.own:
+        return command_digest(scenario, run.trace)
+    return run.frames_sha256[:DIGITS]

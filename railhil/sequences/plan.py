@@ -1,0 +1,181 @@
+"""The plan of ``railhil learn``: a law with a memory, seeds of sequences, runs of each, and their chunks."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import railhil
+from railhil.campaign.plan import batch_sha256, bench_sha256, law_sha256
+from railhil.common.command_line import SEED_MAX
+from railhil.common.errors import InputError, Words
+from railhil.controller_node.law_controller import maker_of
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.memory import memory_key
+from railhil.scenarios.load import load_any
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import load_parameters
+from railhil.scenarios.run_document import USUAL_SCENARIO
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.scenarios.stored import any_judged_sha256
+from railhil.scenarios.system import system_named
+from railhil.supervisor.judging import Judging, judging_of
+
+RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The request from the command line. Files have absolute paths, so that it can be resumed from any folder."""
+
+    scenario: str = USUAL_SCENARIO
+    settings: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
+    controller: str = ""
+    arithmetic: str = "float64"
+    parameters: str | None = None
+    nominal: bool = False
+    runs: int = 15
+    sequences: int = 150
+    seed: int = 1000
+    chunk: int = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Consecutive sequences: the unit of work, of repetition and of loss."""
+
+    index: int
+    sequences: tuple[int, ...]
+    runs_each: int
+
+    @property
+    def name(self) -> str:
+        """Name of its part, without suffix."""
+        return f"sequences-{self.index:05d}"
+
+    @property
+    def runs(self) -> int:
+        """Number of runs."""
+        return len(self.sequences) * self.runs_each
+
+
+@lru_cache(maxsize=1)
+def learning_sha256() -> str:
+    """Hash over the code of this package and of what a campaign's figures depend on (paths and contents)."""
+    root = Path(railhil.__file__).parent
+    digest = hashlib.sha256(batch_sha256().encode())
+    for path in [*sorted((root / "sequences").glob("*.py")), root / "vector_bench.py"]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
+def run_specs(base: RunSpec, scenario: AnyScenario, seed: int, runs: int) -> list[RunSpec]:
+    """The runs of a sequence, in order.
+
+    In a system whose runs have no numbers, each run has a seed of its own instead: that of the sequence and the next
+    ones.
+
+    :param base: any of its runs.
+    :param seed: of the sequence.
+    """
+    if system_named(scenario.system).numbered:
+        return [replace(base, seed=seed, run_number=number + 1) for number in range(runs)]
+    return [replace(base, seed=seed + number) for number in range(runs)]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is run; to resume it, its identity must be the same."""
+
+    request: Request
+    scenario: AnyScenario
+    law: LawSpec
+
+    @property
+    def judging(self) -> Judging:
+        """How the runs are judged."""
+        return judging_of(self.scenario)
+
+    @property
+    def perturbed(self) -> bool:
+        """Whether the runs draw the scenario's perturbations."""
+        return not self.request.nominal and self.scenario.can_be_perturbed
+
+    @property
+    def base(self) -> RunSpec:
+        """A run of any sequence."""
+        asked = self.request
+        return RunSpec(
+            asked.scenario, asked.settings, self.law, perturbed=self.perturbed, bus="local", faults=asked.faults
+        )
+
+    @property
+    def seeds(self) -> range:
+        """Seeds of the sequences: so far apart that no two runs have the same random numbers."""
+        return sequence_seeds(self.scenario, self.request.seed, self.request.sequences, self.request.runs)
+
+    def specs(self, seed: int) -> list[RunSpec]:
+        """The runs of the sequence with this seed."""
+        return run_specs(self.base, self.scenario, seed, self.request.runs)
+
+    def chunks(self) -> Iterator[Chunk]:
+        """All chunks."""
+        step = self.request.chunk
+        for index in range(0, len(self.seeds), step):
+            yield Chunk(index // step, tuple(self.seeds[index : index + step]), self.request.runs)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What must be unchanged when it is resumed."""
+        given = self.law.parameters
+        return asdict(self.request) | {
+            "perturbed": self.perturbed,
+            "scenario": self.scenario.name,
+            "parameters": None if given is None else given.sha256,
+            "scenario_sha256": any_judged_sha256(self.scenario),
+            "law_sha256": law_sha256(self.law.controller, self.scenario.system),
+            "code_sha256": bench_sha256(),
+            "learning_sha256": learning_sha256(),
+            "system_sha256": system_named(self.scenario.system).code_sha256(),
+        }
+
+    @property
+    def sha256(self) -> str:
+        """Hash of :attr:`identity`; recorded in every part."""
+        return hashlib.sha256(json.dumps(self.identity, sort_keys=True).encode()).hexdigest()
+
+
+def sequence_seeds(scenario: AnyScenario, first: int, sequences: int, runs: int) -> range:
+    """Seeds of sequences, see :func:`run_specs`."""
+    apart = 1 if system_named(scenario.system).numbered else runs
+    return range(first, first + sequences * apart, apart)
+
+
+def make_plan(request: Request) -> Plan:
+    """Load everything that the request names and check that the law can be made, and keeps a memory.
+
+    :raises InputError: a scenario, law, parameter file or seed that cannot be run.
+    """
+    scenario = load_any(request.scenario, request.settings, request.faults)
+    system = system_named(scenario.system)
+    name = request.controller or system.law
+    system.check_law(name, "command line", "--controller")
+    kind = find(name, system.laws)
+    if not memory_key(kind, scenario):
+        raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
+    parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
+    law = LawSpec(name, request.arithmetic, parameters=parameters)
+    plan = Plan(request, scenario, law)
+    last = plan.specs(plan.seeds[-1])[-1].seed
+    if last > SEED_MAX:
+        raise InputError("command line", "--seed", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+    plan.base.load()
+    maker_of(system, scenario)
+    system.part("controller")(scenario, law)
+    return plan

@@ -1,0 +1,110 @@
+"""Records a sequence: one run folder after another, each run beginning with what the last one has left."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from railhil.cli.bus_run import chosen_bus, recorded
+from railhil.common.errors import InputError, Words
+from railhil.common.exit_codes import INVALID
+from railhil.common.output import Output
+from railhil.scenarios.memory import Memory
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import RunSpec
+from railhil.sequences.evidence import SEQUENCE, Evidence, Made, left, read_evidence, run_name, write_evidence
+from railhil.sequences.plan import run_specs
+from railhil.supervisor.errors import not_written
+from railhil.supervisor.folder import run_folder
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.start_up import StartUp
+
+#: Called with the number of a run and its result.
+Told = Callable[[int, RunResult], None]
+
+
+class Broken(Exception):
+    """A run that cannot be trusted ends the sequence; the runs before it are kept."""
+
+    def __init__(self, text: str, exit_code: int = INVALID) -> None:
+        super().__init__(text)
+        self.exit_code = exit_code
+
+
+def begin(first: RunSpec, scenario: AnyScenario, runs: int, out: str | None) -> tuple[Path, Evidence]:
+    """The folder of a sequence, new or with the runs that it has.
+
+    :param first: the first run, with the memory that the sequence begins with, if any.
+    :raises InputError: the folder cannot be used, or has another sequence.
+    """
+    if out is None or not (Path(out) / SEQUENCE).exists():
+        folder, _ = run_folder(out, scenario.name, "sequence")
+        evidence = Evidence(first, runs, ())
+        try:
+            write_evidence(evidence, folder)
+        except OSError as error:
+            raise not_written("--out", folder, "folder", error) from None
+        return folder, evidence
+    folder = Path(out)
+    evidence = read_evidence(folder)
+    if (evidence.first.as_json(), evidence.runs) != (first.as_json(), runs):
+        raise InputError(folder / SEQUENCE, "", Words("another sequence"), "the same one to go on, or another --out")
+    return folder, evidence
+
+
+def record(
+    folder: Path,
+    evidence: Evidence,
+    scenario: AnyScenario,
+    how: StartUp,
+    bus: argparse.Namespace,
+    console: Output,
+    told: Told,
+) -> Evidence:
+    """Make the runs that are missing.
+
+    :param bus: python-can's options.
+    :raises Broken: a run is not trustworthy, or was stopped.
+    :raises NeverBegan: a run was refused.
+    :raises RecordFailed: the folder cannot be written.
+    """
+    memory = evidence.began
+    for one in evidence.made:
+        memory, _ = left(folder / run_name(one.run), memory)
+    specs = run_specs(evidence.first, scenario, evidence.first.seed, evidence.runs)
+    for number, spec in enumerate(specs[len(evidence.made) :], len(evidence.made) + 1):
+        place = folder / run_name(number)
+        # A run that was broken off before it was entered is made again.
+        shutil.rmtree(place, ignore_errors=True)
+        made, result = _one(spec, memory, number, place, scenario, how, bus, console)
+        memory, _ = left(place, memory)
+        evidence = replace(evidence, made=(*evidence.made, made))
+        write_evidence(evidence, folder)
+        told(number, result)
+    return evidence
+
+
+def _one(
+    spec: RunSpec,
+    memory: Memory,
+    number: int,
+    place: Path,
+    scenario: AnyScenario,
+    how: StartUp,
+    bus: argparse.Namespace,
+    console: Output,
+) -> tuple[Made, RunResult]:
+    """:raises Broken: the run is not trustworthy, or was stopped."""
+    spec = replace(spec, law=replace(spec.law, memory=memory))
+    with chosen_bus(bus, spec) as choice:
+        run_folder(str(place), scenario.name, spec.law.controller)
+        done, result = recorded(scenario, spec, how, choice, place, True, console, True)
+    if done.stopped_exit_code or not result.trusted:
+        why = f"run {number} is not part of the sequence: {result.line or 'stopped'}; it goes on with the same command"
+        raise Broken(why, done.stopped_exit_code or result.exit_code)
+    kept = None if result.memory is None else result.memory.record
+    after = None if kept is None else kept.sha256
+    return Made(number, result.verdict, memory.sha256, result.frames_sha256, after), result

@@ -1,0 +1,105 @@
+"""``report.html`` of ``railhil learn``: a function of its rows and of two runs made again; nothing external."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+from railhil.campaign.results_table import row as row_of
+from railhil.common.plain_text import plain
+from railhil.common.whole_file import whole_file
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.memory import memory_key
+from railhil.scenarios.memory import SLOT_A, SLOT_B, Memory, Record, Stored, no_memory
+from railhil.scenarios.system import system_named
+from railhil.sequences.one import through_nodes
+from railhil.sequences.pictures import pictures
+from railhil.sequences.plan import Plan
+from railhil.sequences.show import converged
+from railhil.sequences.table import memories
+from railhil.supervisor.report.figures import Picture
+from railhil.supervisor.report.recorded import REPORT, RecordedRun
+
+
+def page(plan: Plan, summary: Mapping[str, Any], table: pa.Table) -> str:
+    """The report as one HTML document.
+
+    :param table: rows of ``results.parquet``.
+    """
+    environment = Environment(
+        loader=ChoiceLoader([PackageLoader("railhil.sequences", "."), PackageLoader("railhil.supervisor.report", ".")]),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        finalize=lambda value: plain(value) if type(value) is str else value,
+    )
+    return environment.get_template("learn.html.j2").render(
+        summary=summary,
+        title=plan.scenario.title,
+        asked=plan.judging.asked(plan.scenario),
+        converged=[converged(one, summary["sequences"]) for one in summary["measures"].values()],
+        pictures=pictures(plan, table),
+        examples=_examples(plan, table),
+        facts=_facts(plan, summary),
+    )
+
+
+def _facts(plan: Plan, summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+    seeds = f"{summary['seed']} to {summary['last_seed']}"
+    used = ", ".join(f"{slot or 'nothing'} {count}" for slot, count in summary["memory_used"].items())
+    refused = ", ".join(f"{slot} {count}" for slot, count in summary["memory_refused"].items()) or "none"
+    return [
+        ("Scenario", f"{summary['scenario']}, sha256 {plan.scenario.sha256[:12]}"),
+        ("Seeds", f"{seeds}: one per sequence"),
+        ("Verdicts", ", ".join(f"{count} {name}" for name, count in summary["verdicts"].items())),
+        ("Slots begun with", used),
+        ("Slots that could not be used", refused),
+        ("Runs that left no record", str(summary["not_learned"])),
+        ("Runs in which the arithmetic wrapped", str(summary["runs_with_wraps"])),
+    ]
+
+
+def _examples(plan: Plan, table: pa.Table) -> list[Picture]:
+    """The system's own figures of the first and the last run of the first sequence."""
+    kept = memories(table, plan.request.runs)[0]
+    numbers = [1, plan.request.runs] if plan.request.runs > 1 else [1]
+    runs = [_example(plan, table, number, kept[number - 2] if number > 1 else None) for number in numbers]
+    found: list[Picture] = system_named(plan.scenario.system).part("pictures")(plan.scenario, runs)
+    return found
+
+
+def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any] | None) -> RecordedRun:
+    """One run of the first sequence, made again.
+
+    :param values: what the run before it has left.
+    """
+    law = plan.law.controller
+    memory = no_memory(law, Path("memory"))
+    if values is not None:
+        key = memory_key(find(law, system_named(plan.scenario.system).laws), plan.scenario)
+        slot = row_of(table, number - 1)["memory_used"]
+        record = Record(law, key, number - 1, number - 1, values)
+        memory = Memory(law, (Stored(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))
+    spec = plan.specs(plan.seeds[0])[number - 1]
+    run = through_nodes(plan.scenario, replace(spec, law=replace(spec.law, memory=memory)))
+    label = f"run {number}"
+    return RecordedRun(label, plan.scenario, run.trace, run.score, run.score.verdict, "", {"controller": label}, {})
+
+
+def report_line(plan: Plan, summary: Mapping[str, Any], table: pa.Table, folder: Path) -> str:
+    """Write the report; returns the line that says where, or why there is none. The results are complete without it."""
+    path = folder / REPORT
+    try:
+        text = page(plan, summary, table)
+        with whole_file(path) as draft:
+            draft.write_text(text, encoding="utf-8")
+    except OSError as error:
+        return f"no report: {path} cannot be written ({(error.strerror or str(error)).lower()})"
+    return f"report {path}"

@@ -1,0 +1,157 @@
+"""``railhil sequence run|verify|rerun``: runs of a law that learns, recorded as one piece of evidence."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from can.cli import add_bus_arguments
+
+from railhil.bus.select import LOCAL, config_from_namespace
+from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
+from railhil.common.choices import BUSES
+from railhil.common.command_line import OneLineParser, parse, whole_number
+from railhil.common.errors import InputError
+from railhil.common.exit_codes import FAIL, PASS, guarded
+from railhil.common.output import Output, accept_any_text, add_json_argument, flush_output, print_json
+from railhil.controller_node.laws import find
+from railhil.controller_node.laws.memory import memory_key
+from railhil.scenarios.memory_store import memory_at
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.parameters import load_parameters
+from railhil.sequences.evidence import SEQUENCE, Evidence, problems, read_evidence, run_name
+from railhil.sequences.plan import RUNS_MAX
+from railhil.sequences.record import Told, begin, record
+from railhil.supervisor.criteria import limited
+from railhil.supervisor.folder import run_folder
+from railhil.supervisor.judging import judging_of
+from railhil.supervisor.result import RunResult
+from railhil.supervisor.start_up import StartUp
+
+_RUNS = 15
+
+
+def arguments() -> argparse.ArgumentParser:
+    """Command line of ``railhil sequence``."""
+    parser = OneLineParser(prog="railhil sequence", description="Runs of a law that learns, as one piece of evidence.")
+    verbs = parser.add_subparsers(dest="verb", required=True, metavar="VERB", parser_class=OneLineParser)
+    run = verbs.add_parser("run", help="record a sequence; an interrupted one is gone on with")
+    add_arguments(run)
+    run.add_argument("--controller", metavar="LAW", help="a law with a memory (default: that of the system)")
+    run.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    run.add_argument("--memory-from", type=Path, metavar="FILE", help="begin with this memory (default: none)")
+    run.add_argument("--runs", type=whole_number(1, RUNS_MAX), default=_RUNS, metavar="N", help="runs (default 15)")
+    run.add_argument("--out", metavar="DIR", help="folder (default runs/<utc>-<scenario>-sequence)")
+    # The usual one is that of the system.
+    run.set_defaults(arithmetic=None)
+    verify = verbs.add_parser("verify", help="check every file of a sequence against its hashes")
+    verify.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
+    rerun = verbs.add_parser("rerun", help="make the sequence again: the same bytes, or the first run that differs")
+    rerun.add_argument("sequence", type=Path, metavar="DIR", help="folder of a sequence")
+    rerun.add_argument("--bus", choices=BUSES, help="auto: over a bus (default: local, without -i and the like)")
+    add_bus_arguments(rerun)
+    for verb in (run, verify, rerun):
+        add_json_argument(verb)
+    return parser
+
+
+def _run(namespace: argparse.Namespace) -> int:
+    system = run_system(namespace)
+    name = namespace.controller or system.law
+    namespace.arithmetic = namespace.arithmetic or system.arithmetic
+    system.check_law(name, "command line", "--controller")
+    given = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
+    first = run_spec(namespace, name, given)
+    scenario = first.load()
+    if not memory_key(find(name, system.laws), scenario):
+        raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
+    if first.run_number != 1:
+        raise InputError("command line", "--run-number", first.run_number, "1: a sequence begins with its first run")
+    if namespace.memory_from is not None:
+        first = replace(first, law=replace(first.law, memory=memory_at(namespace.memory_from.resolve())))
+    console = Output(stderr=namespace.json)
+    folder, evidence = begin(first, scenario, namespace.runs, namespace.out)
+    if evidence.made:
+        console.say(f"{folder}: {len(evidence.made)} of {evidence.runs} runs are there already")
+    try:
+        found = record(folder, evidence, scenario, start_up(namespace), namespace, console, _told(console, scenario))
+    except KeyboardInterrupt:
+        done = len(read_evidence(folder).made)
+        raise KeyboardInterrupt(f"stopped; {done} of {evidence.runs} runs are in {folder}") from None
+    if namespace.json:
+        print_json(found.as_json())
+    console.say(f"sequence sha256 {found.sha256}")
+    console.say(f"folder {folder}")
+    return PASS
+
+
+def _told(console: Output, scenario: AnyScenario) -> Told:
+    criteria = limited(judging_of(scenario).criteria)
+
+    def told(number: int, result: RunResult) -> None:
+        values = {**result.score.values, **result.score.signed}
+        figures = [f"{one.title} {one.shown(values[one.signed or one.key])} {one.unit}" for one in criteria]
+        left = "no record" if result.memory is None or result.memory.record is None else result.memory.record.digest
+        console.say(f"run {number}: {result.verdict}, {', '.join(figures)}, left {left}")
+
+    return told
+
+
+def _verify(namespace: argparse.Namespace) -> int:
+    found = [*problems(namespace.sequence)]
+    evidence = read_evidence(namespace.sequence)
+    if namespace.json:
+        print_json({"sha256": evidence.sha256, "runs": evidence.runs, "problems": found})
+        return FAIL if found else PASS
+    console = Output()
+    for problem in found:
+        console.say(problem, style="red")
+    said = "does not fit its files" if found else "every file fits"
+    console.say(f"sequence of {evidence.runs} runs, sha256 {evidence.sha256}: {said}")
+    return FAIL if found else PASS
+
+
+def _rerun(namespace: argparse.Namespace) -> int:
+    recorded = read_evidence(namespace.sequence)
+    if not recorded.complete:
+        found = f"{len(recorded.made)} of {recorded.runs} runs"
+        raise InputError(namespace.sequence / SEQUENCE, "made", found, "a complete sequence (railhil sequence run)")
+    bus = namespace.bus or ("auto" if config_from_namespace(namespace) else LOCAL)
+    first = replace(recorded.first, bus=bus)
+    console = Output(stderr=namespace.json)
+    folder = Path(tempfile.mkdtemp(prefix="railhil-sequence-"))
+    scenario = first.load()
+    run_folder(str(folder), scenario.name, "sequence")
+    made = record(
+        folder, Evidence(first, recorded.runs, ()), scenario, StartUp(), namespace, console, lambda number, result: None
+    )
+    differs = next((now.run for then, now in zip(recorded.made, made.made, strict=True) if then.line != now.line), None)
+    if namespace.json:
+        document = {"same": differs is None, "recorded_sha256": recorded.sha256, "sha256": made.sha256}
+        print_json(document | {"first_difference": differs, "folder": None if differs is None else str(folder)})
+    if differs is None:
+        shutil.rmtree(folder)
+        console.say(f"same bytes: {recorded.runs} runs, sequence sha256 {made.sha256}")
+        return PASS
+    console.say(f"other bytes: sequence sha256 {made.sha256}, recorded {recorded.sha256}")
+    console.say(f"first difference: run {differs}; the repeated one is {folder / run_name(differs)}")
+    return FAIL
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Record, verify or repeat."""
+    accept_any_text()
+    namespace = parse(arguments(), words)
+    try:
+        return {"run": _run, "verify": _verify, "rerun": _rerun}[namespace.verb](namespace)
+    finally:
+        flush_output()
+
+
+if __name__ == "__main__":
+    sys.exit(guarded("railhil sequence", main))

@@ -1,0 +1,78 @@
+"""Prints the result of ``railhil learn`` on the terminal, all from ``summary.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.table import Table
+
+from railhil.common.output import Output, table
+
+#: Runs that get a row of their own, besides the last.
+_FIRST_RUNS = 5
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+def _rows(measure: Mapping[str, Any]) -> Table:
+    made = table(tight=True)
+    made.title = f"{measure['title']}, {measure['unit']}, by the number of the run"
+    made.title_justify, made.title_style = "left", "bold"
+    made.add_column("run", no_wrap=True)
+    inside = [f"within {limit}" for limit in measure["last"]["within"]]
+    for name in ("mean", "mean error", "rms", "95 %", *inside):
+        made.add_column(name, justify="right", no_wrap=True)
+    last = measure["last"]
+    by_run = measure["by_run"]
+    shown = [*by_run[:_FIRST_RUNS], *(by_run[-1:] if len(by_run) > _FIRST_RUNS else [])]
+    for name, one in [(str(one["run"]), one) for one in shown] + [(f"last {last['of']}", last)]:
+        shares = [f"{share:.1%}" for share in one["within"].values()]
+        figures = [_number(one[key]) for key in ("mean", "mean_error", "rms", "p95")]
+        made.add_row(name, *figures, *shares)
+    return made
+
+
+def converged(measure: Mapping[str, Any], sequences: int) -> str:
+    """How many runs the sequences need, in words."""
+    found = measure["converged"]
+    inside = f"{found['in_a_row']} runs in a row within {found['limit']:g} {measure['unit']}"
+    if not found["sequences"]:
+        return f"no sequence had {inside}"
+    most = "more than there were" if found["p90"] is None else f"{found['p90']:.0f}"
+    median = "more than there were" if found["median"] is None else f"{found['median']:.0f}"
+    return (
+        f"runs until the first of {inside}: median {median}, in 90 % of the sequences at most {most} "
+        f"({found['sequences']} of {sequences} came to it)"
+    )
+
+
+def show(console: Output, summary: Mapping[str, Any], folder: Path, report: str) -> None:
+    """Print the tables.
+
+    :param report: the line that says where the report is, or why there is none.
+    """
+    kind = "perturbed" if summary["perturbed"] else "nominal"
+    console.say(
+        f"{summary['sequences']:,} sequences of {summary['runs']} {kind} runs of {summary['scenario']}, "
+        f"{summary['law']}, {summary['arithmetic']}, seeds {summary['seed']} to {summary['last_seed']}"
+    )
+    for measure in summary["measures"].values():
+        console.print(_rows(measure))
+        console.say(converged(measure, summary["sequences"]))
+        if missing := sum(one["runs"] - one["with_a_value"] for one in measure["by_run"]):
+            console.say(f"{missing} runs have no {measure['title']}; they count as outside every limit")
+    verdicts = ", ".join(f"{count:,} {name}" for name, count in summary["verdicts"].items())
+    console.say(f"verdicts: {verdicts}")
+    if summary["not_learned"]:
+        console.say(f"{summary['not_learned']:,} runs left no record")
+    for fault, count in summary["memory_refused"].items():
+        console.say(f"memory: slot {fault} in {count:,} runs", style="bold yellow")
+    if summary["runs_with_wraps"]:
+        console.say(f"the arithmetic wrapped in {summary['runs_with_wraps']:,} runs", style="bold red")
+    console.say(f"folder {folder}")
+    if report:
+        console.say(report)

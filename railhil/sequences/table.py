@@ -1,0 +1,89 @@
+"""The table of runs: one row per run, the same columns in every part and in ``results.parquet``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from railhil.batch.case import result_of
+from railhil.campaign.results_table import NotThePart, origin_in, read_table, table_of
+from railhil.campaign.results_table import schema as campaign_schema
+from railhil.sequences.one import COUNTS, OneRun
+from railhil.sequences.plan import Chunk
+from railhil.supervisor.judging import Judging
+
+#: Columns besides those of a campaign: seed of the sequence, number of the run in it, the slot that it began with,
+#: slots that could not be used, hashes of the memory before and of the record after it, the record's values as JSON.
+_OWN = (
+    pa.field("sequence", pa.int64(), nullable=False),
+    pa.field("run", pa.int64(), nullable=False),
+    pa.field("memory_used", pa.string()),
+    pa.field("memory_refused", pa.list_(pa.string()), nullable=False),
+    pa.field("memory_before_sha256", pa.string(), nullable=False),
+    pa.field("memory_after_sha256", pa.string()),
+    pa.field("memory", pa.string()),
+)
+
+
+def schema(judging: Judging) -> pa.Schema:
+    """Columns of the runs of a system."""
+    return pa.schema([*_OWN, *campaign_schema(judging)])
+
+
+def row(seed: int, number: int, run: OneRun, judging: Judging) -> pa.Table:
+    """One run as a table of one row.
+
+    :param seed: of the sequence; ``number``: of the run in it, from 1.
+    """
+    record, kept = run.record, run.kept
+    counts = {name: np.array([run.counts[name]], dtype=np.int64) for name in COUNTS}
+    result = result_of(judging, [run.spec.seed], [run.score], counts, [run.digest], [run.missed or None])
+    shared = table_of(run.spec.law.controller, result, [], judging)
+    own = {
+        "sequence": [seed],
+        "run": [number],
+        "memory_used": [None if kept is None else kept.used],
+        "memory_refused": [[] if kept is None else [f"{slot}: {why[0]}" for slot, why in kept.refused.items()]],
+        "memory_before_sha256": [run.began.sha256],
+        "memory_after_sha256": [None if record is None else record.sha256],
+        "memory": [None if record is None else json.dumps(dict(record.values), sort_keys=True)],
+    }
+    columns = {name: pa.array(own[name], type=field.type) for name, field in ((one.name, one) for one in _OWN)}
+    columns |= {name: shared[name].combine_chunks() for name in shared.column_names}
+    return pa.table(columns, schema=schema(judging))
+
+
+def read_part(path: Path, origin: str, chunk: Chunk, judging: Judging) -> pa.Table:
+    """A part.
+
+    :raises NotThePart: incomplete, damaged, or with other runs.
+    :raises OSError: it cannot be read at all.
+    """
+    table = read_table(path, schema(judging))
+    if origin_in(table) != origin:
+        raise NotThePart("of other runs")
+    wanted = [(seed, number) for seed in chunk.sequences for number in range(1, chunk.runs_each + 1)]
+    if list(zip(table["sequence"].to_pylist(), table["run"].to_pylist(), strict=True)) != wanted:
+        raise NotThePart("with other sequences")
+    return table
+
+
+def by_run(table: pa.Table, column: str, runs: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """A column as an array of shape (sequences, runs), NaN where a run has no value.
+
+    :param runs: of each sequence.
+    """
+    values: np.ndarray[Any, np.dtype[np.float64]] = table[column].to_numpy(zero_copy_only=False).astype(np.float64)
+    return values.reshape(-1, runs)
+
+
+def memories(table: pa.Table, runs: int) -> list[list[Mapping[str, Any] | None]]:
+    """Values that the law has left after each run, by sequence."""
+    texts: Sequence[str | None] = table["memory"].to_pylist()
+    found = [None if text is None else json.loads(text) for text in texts]
+    return [found[index : index + runs] for index in range(0, len(found), runs)]

@@ -1,0 +1,149 @@
+"""A law's memory in a folder with two slots, so that a record that is torn or damaged never costs more than one run.
+
+::
+
+    a.json, b.json      records, written by turns; the one with more runs is newer
+    default.json        optional: a record to begin with while no slot can be used, put there by a person
+    refused/            what was found in a slot and could not be used, under its SHA-256
+
+A record is written to the slot that the run did not begin with: temporary file, fsync, rename. Therefore the record
+that the law has begun with stays, whatever happens to the new one.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from railhil.common.errors import InputError, Words
+from railhil.common.whole_file import check_writable, sync_folder, write_synced
+from railhil.scenarios.memory import (
+    LINE_DEFAULT,
+    SLOT_A,
+    SLOT_B,
+    BadRecord,
+    Memory,
+    Record,
+    Stored,
+    in_order,
+    load_memory,
+    next_slot,
+    read_record,
+)
+
+#: Place in a store -> file.
+SLOT_FILES: Mapping[str, str] = {SLOT_A: "a.json", SLOT_B: "b.json", LINE_DEFAULT: "default.json"}
+_REFUSED = "refused"
+_DRAFTS = ".part-*"
+_ALLOWED = "a folder in which railhil keeps the memory of a law"
+
+
+class StoreChanged(Exception):
+    """Somebody else has written the store since it was read."""
+
+
+@dataclass(frozen=True)
+class MemoryStore:
+    """The folder; it need not exist yet."""
+
+    path: Path
+
+    def file(self, slot: str) -> Path:
+        """File of a place."""
+        return self.path / SLOT_FILES[slot]
+
+    def read(self, law: str | None = None) -> Memory:
+        """What is stored: records first, the newest first, then what cannot be used. A store that does not exist is
+        empty.
+
+        :param law: the law that asks; None: that of the records.
+        :raises InputError: the path is no folder, or a record is of another law.
+        """
+        if self.path.exists() and not self.path.is_dir():
+            hint = f"copy it to FOLDER/{SLOT_FILES[LINE_DEFAULT]} to go on from it"
+            raise InputError(self.path, "", Words("a file"), _ALLOWED, hint)
+        found = [self._stored(slot) for slot in SLOT_FILES]
+        there = [one for one in found if one is not None]
+        for one in there:
+            law = law or (None if one.record is None else one.record.law)
+            if one.record is not None and one.record.law != law:
+                raise InputError(self.file(one.slot), "law", one.record.law, f"{law}, the law of this store")
+        return in_order(law or "", there, self.path)
+
+    def _stored(self, slot: str) -> Stored | None:
+        try:
+            return Stored(slot, read_record(self.file(slot)))
+        except BadRecord as bad:
+            if bad.fault == "unreadable" and not os.path.lexists(self.file(slot)):
+                return None
+            return Stored(slot, None, bad.fault, bad.error.difference)
+
+    def check_writable(self) -> None:
+        """Check before a run that a record can be written after it; leaves nothing behind. Raises OSError."""
+        there = next(place for place in (self.path, *self.path.resolve().parents) if place.exists())
+        check_writable(there / "new.json")
+
+    def write(self, record: Record, began: Memory, used: str, refused: Mapping[str, str]) -> str:
+        """Write what a law has left; returns the slot.
+
+        :param began: the memory that the run began with.
+        :param used: the place of the record that its law has used; empty: none.
+        :param refused: slots whose content its law has refused.
+        :raises StoreChanged: the store has another content than ``began``; it is left as it is.
+        :raises OSError: it cannot be written; the record that the law began with is still there.
+        """
+        with self._alone():
+            if self.read(record.law).sha256 != began.sha256:
+                raise StoreChanged(str(self.path))
+            for one in began.stored:
+                if one.slot != LINE_DEFAULT and (one.fault or one.slot in refused):
+                    self._set_aside(one.slot)
+            slot = next_slot(used)
+            write_synced(self.file(slot), record.content)
+        return slot
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        """One process at a time; the lock ends with the process. Removes what a killed one has left."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        handle = os.open(self.path, os.O_RDONLY)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            for draft in self.path.glob(_DRAFTS):
+                draft.unlink()
+            yield
+        finally:
+            os.close(handle)
+
+    def _set_aside(self, slot: str) -> None:
+        """Move the file of a slot to ``refused/``, for somebody to look at. Raises OSError."""
+        file = self.file(slot)
+        try:
+            name = hashlib.sha256(file.read_bytes()).hexdigest()[:16]
+        except OSError:
+            # It could not be read before either; a folder or a broken link keeps its name.
+            name = "unreadable"
+        place = self.path / _REFUSED
+        place.mkdir(exist_ok=True)
+        file.replace(place / f"{slot.lower()}-{name}.json")
+        sync_folder(place)
+        sync_folder(self.path)
+
+
+def memory_at(path: Path) -> Memory:
+    """The memory of a file (:func:`railhil.scenarios.memory.load_memory`) or of a store.
+
+    :raises InputError: there is none, or a file is damaged; one line.
+    """
+    if not path.is_dir():
+        return load_memory(path)
+    found = MemoryStore(path).read()
+    if found.newest is None:
+        bad = [f"slot {one.slot} cannot be used: {one.detail}" for one in found.stored]
+        raise InputError(path, "", Words("; ".join(bad) or "no record"), _ALLOWED)
+    return found
