@@ -38,6 +38,7 @@ class Request:
     faults: tuple[str, ...] = ()
     controller: str = ""
     arithmetic: str = "float64"
+    indexing: str = "time"
     parameters: str | None = None
     nominal: bool = False
     runs: int = 15
@@ -170,7 +171,7 @@ def make_plan(request: Request) -> Plan:
     if not memory_key(kind, scenario):
         raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
-    law = LawSpec(name, request.arithmetic, parameters=parameters)
+    law = LawSpec(name, request.arithmetic, request.indexing, parameters)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:
