@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import exp
 from typing import Any, NamedTuple
 
-from railhil.common.compilable import compilable
+from railhil.common.compilable import compilable, compilable_aside
 
 GRAVITY_MPS2 = 9.81
 #: Halvings of a step in which an instant is looked for: beyond the resolution of the numbers.
@@ -47,7 +47,7 @@ def moved(
     )
 
 
-@compilable
+@compilable_aside
 def time_at_speed(
     motion: Motion,
     target_mps2: float,
@@ -68,7 +68,7 @@ def time_at_speed(
     return high_s
 
 
-@compilable
+@compilable_aside
 def time_at_position(
     motion: Motion,
     target_mps2: float,

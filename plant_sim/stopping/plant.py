@@ -35,8 +35,8 @@ from railhil.plant_sim.timed_run import TimedEnd, TimedPlant
 
 TICK_NS = 16_000_000
 #: The doors open this long after the standstill.
-_DOORS_NS = 1_000_000_000
-_ODO_MAX = 2**32 - 1
+DOORS_NS = 1_000_000_000
+ODO_MAX = 2**24 - 1
 _WHEEL_PER_UNIT = 1e6
 
 
@@ -106,13 +106,13 @@ class StopPlant(TimedPlant):
     def _odo(self) -> Telegram:
         passed = self.train.passed
         odometer, at_balise = (
-            min(max(int(metres * MM), 0), _ODO_MAX) for metres in (self.train.odometer_m, passed.odometer_m)
+            min(max(int(metres * MM), 0), ODO_MAX) for metres in (self.train.odometer_m, passed.odometer_m)
         )
         return Odo(odometer, passed.balise, at_balise, life=self.next_life(Odo.PORT))
 
     def _state(self) -> Telegram:
         stop_tick = self._stop_tick
-        doors = stop_tick is not None and (self.tick - stop_tick) * self.tick_ns >= _DOORS_NS
+        doors = stop_tick is not None and (self.tick - stop_tick) * self.tick_ns >= DOORS_NS
         run = self.train.run
         return TrainState(
             round(run.load_percent),

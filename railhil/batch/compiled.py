@@ -27,6 +27,7 @@ from railhil.common.extras import missing
 from railhil.plant_sim import command_watch, dynamics, forces, sensors, train_checks
 from railhil.plant_sim.high_speed import dynamics as high_speed_dynamics
 from railhil.plant_sim.high_speed import watch as high_speed_watch
+from railhil.plant_sim.stopping import brake as stopping_brake
 from railhil.scenarios import target
 from railhil.supervisor import measures
 
@@ -105,7 +106,16 @@ def cached(*sources: str) -> Callable[[Callable[..., Any]], Any]:
     """
     # numba's own subfolder is named after the path of the source.
     digest = hashlib.sha256(f"{np.__version__} {__file__}".encode())
-    plant = (dynamics, forces, sensors, command_watch, train_checks, high_speed_dynamics, high_speed_watch)
+    plant = (
+        dynamics,
+        forces,
+        sensors,
+        command_watch,
+        train_checks,
+        high_speed_dynamics,
+        high_speed_watch,
+        stopping_brake,
+    )
     modules = (*plant, target, measures, compilable)
     for path in (__file__, *(str(module.__file__) for module in modules), *sources):
         digest.update(Path(path).read_bytes())

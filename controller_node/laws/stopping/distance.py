@@ -22,6 +22,8 @@ NEWTON_STEPS = 4
 _FAR = 30.0
 _HALVINGS = 8
 _TERMS = 7
+#: Longest time and way, and slowest mean speed before the stop: bounds of the intermediate results.
+_LONGEST_S, _LONGEST_M, _LEAST_MPS = 256.0, 10_000.0, -4.0
 #: Smallest slope in Newton's method: at speed 0 the slope is 0, and so is the difference.
 _LEAST_SLOPE = 1e-6
 
@@ -63,6 +65,8 @@ class Stop(NamedTuple, Generic[T]):
 class StoppingDistance(Generic[T]):
     """Time and distance from the command to brake until the train stands.
 
+    Times are limited to 256 s and distances to 10 km.
+
     :param delay_s, lag_s: delta and tau.
     :raises ValueError: a lag that is not positive.
     """
@@ -79,6 +83,13 @@ class StoppingDistance(Generic[T]):
         self._both = numbers.hold("model_delay_and_lag", delay_s + lag_s, TIME_Q, "scenario")
         self._twice = numbers.hold("model_lag_twice", 2.0 * lag_s, TIME_Q, "scenario")
         self._half = numbers.hold("half", 0.5, GAIN_Q, "equation (5)")
+        self._times = numbers.hold("time_max", _LONGEST_S, TIME_Q, "law"), numbers.hold("time_0", 0.0, TIME_Q, "law")
+        self._change = self._times[0], numbers.hold("time_min", -_LONGEST_S, TIME_Q, "law")
+        self._ways = (
+            numbers.hold("way_max", _LONGEST_M, DISTANCE_Q, "law"),
+            numbers.hold("way_min", 0.0, DISTANCE_Q, "law"),
+        )
+        self._slow = numbers.hold("mean_min", _LEAST_MPS, SPEED_Q, "law")
         self._still = numbers.hold("still", 0.0, SPEED_Q, "law")
 
     def __call__(self, speed: T, decel: T) -> Stop[T]:
@@ -86,16 +97,19 @@ class StoppingDistance(Generic[T]):
         ar = self._numbers.ar
         v0 = ar.clip(speed, self._numbers.fastest, self._still)
         rest = ar.div(v0, ar.convert(decel, ACCEL_Q, SPEED_Q), TIME_Q)
-        root = ar.sqrt(ar.mpy(self._twice, rest, TIME_Q), TIME_Q)
-        time = ar.minimum(ar.add(rest, self._lag), ar.add(rest, root))
+        rest = ar.clip(rest, *self._times)
+        root = ar.clip(ar.sqrt(ar.mpy(self._twice, rest, TIME_Q), TIME_Q), *self._times)
+        time = ar.clip(ar.minimum(ar.add(rest, self._lag), ar.add(rest, root)), *self._times)
         for _ in range(NEWTON_STEPS):
             slope = ar.sub(self._one, self._exp(time))
             over = ar.sub(ar.sub(time, ar.mpy(self._lag, slope, GAIN_Q)), rest)
             slope = ar.convert(ar.maximum(slope, self._flat), GAIN_Q, TIME_Q)
-            time = ar.sub(time, ar.div(over, slope, TIME_Q))
+            change = ar.clip(ar.div(over, slope, TIME_Q), *self._change)
+            time = ar.clip(ar.sub(time, change), *self._times)
         braked = ar.mpy_iqx(ar.mpy(decel, self._half, GAIN_Q), ACCEL_Q, time, TIME_Q, SPEED_Q)
+        mean = ar.clip(ar.sub(v0, braked), self._numbers.fastest, self._slow)
         distance = ar.add(
             ar.mpy_iqx(v0, SPEED_Q, self._both, TIME_Q, DISTANCE_Q),
-            ar.mpy_iqx(ar.sub(v0, braked), SPEED_Q, time, TIME_Q, DISTANCE_Q),
+            ar.mpy_iqx(mean, SPEED_Q, time, TIME_Q, DISTANCE_Q),
         )
-        return Stop(ar.add(time, self._delay), distance)
+        return Stop(ar.add(time, self._delay), ar.clip(distance, *self._ways))

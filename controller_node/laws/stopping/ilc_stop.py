@@ -9,7 +9,7 @@ test is the default (``two_sided`` shows the other one).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Generic, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -42,6 +42,14 @@ class IlcStopParameters(StopParameters):
     learning: Literal["offset", "none"] = "offset"
 
 
+class Filtered(NamedTuple, Generic[T]):
+    """State of the filter; acceleration of the brake model and its queue, if the filter needs them."""
+
+    filter: Any
+    accel: T
+    queue: tuple[T, ...]
+
+
 class IlcStop(StopLaw[T]):
     """See the module."""
 
@@ -64,6 +72,11 @@ class IlcStop(StopLaw[T]):
         self._cycle_end = numbers.hold("cycle_end", self.period_s, TIME_Q, "scenario")
         self._crawl = numbers.hold("crawl", _CRAWL_MPS, SPEED_Q, "law")
 
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        brake = self.task.brake
+        model = self._model.bounds("own", -brake.braking_max_mps2, brake.traction_max_mps2) if self._model else {}
+        return {**super().state_bounds(), **model}
+
     @property
     def learns(self) -> bool:
         return bool(self.given.learning != "none")
@@ -76,7 +89,7 @@ class IlcStop(StopLaw[T]):
     def own_start(self, measured: Measured[T]) -> Any:
         steady = self.steady(measured)
         queue = (steady,) * self._model.count if self._model else ()
-        return self._filter.start(measured.samples[-1]), steady, queue
+        return Filtered(self._filter.start(measured.samples[-1]), steady, queue)
 
     def estimated(
         self, own: Any, measured: Measured[T], samples: tuple[T, ...], fresh: T, accel: T
@@ -89,7 +102,7 @@ class IlcStop(StopLaw[T]):
             lagged, gained = self._model.step(lagged, queue)
             known = ar.add(ar.mpy(gained, self._per_cycle, 16), self.grades.at(self.way_left(measured.odometer)))
         filtered, speed = self._filter.step(filtered, samples, known)
-        return (filtered, lagged, queue), Estimate(speed, self.way_left(measured.odometer))
+        return Filtered(filtered, lagged, queue), Estimate(speed, self.way_left(measured.odometer))
 
     def begins(self, estimate: Estimate[T], margin: T) -> T:
         ar, zero, one = self.ar, self.numbers.zero, self.numbers.one

@@ -21,15 +21,19 @@ from railhil.controller_node.laws.stopping.interface import COMMAND_Q, NOTE_Q, S
 from railhil.controller_node.laws.stopping.learning import Learned, Learning, stored_records
 from railhil.controller_node.laws.stopping.model import Grades
 from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
-from railhil.controller_node.laws.stopping.readings import Gap, Inputs, Measured
+from railhil.controller_node.laws.stopping.readings import COUNT_MAX, Gap, Inputs, Measured
 from railhil.controller_node.vector.law import Answer, VectorLaw
 
 #: The brake is armed when it will begin within this distance, m.
 _ARMED_M = 60.0
 #: Speeds at which the train has started, and (below that of the approach) has reached it, m/s.
 _MOVING_MPS, _REACHED_MPS = 0.5, 0.1
+#: Deviations of the speed are limited to this while it is held, m/s.
+_FAR_MPS = 8.0
 #: Acceleration from standstill, m/s2, and the jerk of all commands before the brake, m/s3.
 _START_MPS2, _JERK_MPS3 = 0.6, 0.75
+#: Lengths among the notes are limited to this, m.
+_TOLD_M = 8000.0
 _SCALE_Q = 16
 
 
@@ -114,11 +118,13 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         self._moving = hold("moving", _MOVING_MPS, SPEED_Q, "law")
         self._armed_m = hold("armed", _ARMED_M, DISTANCE_Q, "law")
         self._hold = hold("hold", given.hold_per_s, GAIN_Q - 4, "parameters")
+        self._far = [hold("far", _FAR_MPS, SPEED_Q, "law"), hold("minus_far", -_FAR_MPS, SPEED_Q, "law")]
         self._pull = [hold("pull", _START_MPS2, ACCEL_Q, "law"), hold("minus_pull", -_START_MPS2, ACCEL_Q, "law")]
         jerk = _JERK_MPS3 * self.period_s
         self._jerk = [hold("jerk", jerk, ACCEL_Q, "law"), hold("minus_jerk", -jerk, ACCEL_Q, "law")]
         self._cut = hold("cut", BrakeLevel.HOLD, 0, "port table")
         self.at_once = hold("at_once", 0.0, TIME_Q, "law")
+        self._told = [hold("told_max", _TOLD_M, DISTANCE_Q, "law"), hold("told_min", -_TOLD_M, DISTANCE_Q, "law")]
         self._mm = hold("mm", MM, _SCALE_Q, "port table")
         self._units = hold("start_units", START_PER_S, _SCALE_Q, "port table")
         self._variance = hold("variance_units", VARIANCE_PER_M2, _SCALE_Q, "port table")
@@ -128,6 +134,15 @@ class StopLaw(VectorLaw[T, StopState[T]]):
     @property
     def constants(self) -> tuple[Constant, ...]:
         return tuple(self.numbers.constants)
+
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        # Counters and the command grow slowly up to limits that the interval analysis would take too long to find.
+        brake = self.task.brake
+        return {
+            "gap.missed": (0.0, COUNT_MAX),
+            "gap.samples": (0.0, COUNT_MAX),
+            "accel": (-brake.braking_max_mps2, brake.traction_max_mps2),
+        }
 
     # -- what a law adds ------------------------------------------------------------------------------------------
 
@@ -225,7 +240,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         cruise = state.cruise
         if not self._standing:
             cruise = ar.where(ar.gt(warm, state.cruising), speed, cruise)
-        far = ar.clip(ar.sub(cruise, speed), self._reached_up(), ar.neg(self._reached_up()))
+        far = ar.clip(ar.sub(cruise, speed), *self._far)
         kept = ar.mpy_iqx(far, SPEED_Q, self._hold, GAIN_Q - 4, ACCEL_Q)
         kept = kept if self._standing else ar.where(ar.gt(warm, zero), kept, self.numbers.zero)
         wanted = ar.sub(ar.clip(kept, *self._pull), self.grades.at(left))
@@ -250,14 +265,13 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
         return new, self._answer(state, stage, accel, start, margin, distance, speed)
 
-    def _reached_up(self) -> T:
-        return self.numbers.hold("far_speed", 8.0, SPEED_Q, "law")
-
     def _answer(self, state: Any, stage: T, accel: T, start: T, margin: T, distance: T, speed: T) -> Answer[T]:
         ar, one = self.ar, self.numbers.one
         record = state.learned.before
 
         def mm(value: T, q: int) -> T:
+            if q == DISTANCE_Q:
+                value = ar.clip(value, *self._told)
             return ar.mpy_iqx(value, q, self._mm, _SCALE_Q, NOTE_Q)
 
         commands = (

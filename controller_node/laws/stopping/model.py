@@ -13,6 +13,7 @@ from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, G
 GRAVITY_MPS2 = 9.81
 #: Format of grades as accelerations per m/s2, of the weights of past commands in predicted speed (s) and place (s2).
 _WEIGHT_Q = 24
+_ROUNDING_MPS2 = 1e-3
 
 
 class Grades(Generic[T]):
@@ -86,6 +87,12 @@ class BrakeModel(Generic[T]):
         self._ahead_place = numbers.hold_all("ahead_place", place, _WEIGHT_Q, origin)
         self._delay = numbers.hold("ahead", delay_s, _WEIGHT_Q, "scenario")
         self._half = numbers.hold("ahead_squared_half", delay_s * delay_s / 2.0, _WEIGHT_Q, "scenario")
+
+    def bounds(self, name: str, least_mps2: float, most_mps2: float) -> dict[str, tuple[float, float]]:
+        """Bounds of a state with the queue ``name.queue`` and the acceleration ``name.accel``."""
+        # The weights of a cycle add up to 1, but are rounded.
+        bounds = (least_mps2 - _ROUNDING_MPS2, most_mps2 + _ROUNDING_MPS2)
+        return {f"{name}.accel": bounds, **{f"{name}.queue[{i}]": bounds for i in range(self.count)}}
 
     def step(self, accel: T, queue: Sequence[T]) -> tuple[T, T]:
         """One cycle: acceleration at its end (m/s2), speed gained in it (m/s in Q ``ACCEL_Q``).

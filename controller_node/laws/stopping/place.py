@@ -18,6 +18,8 @@ _Q = 24
 #: The place of the start is known so well; corrections are limited to this, m.
 _START_SIGMA_M = 0.01
 _FAR_M = 20.0
+#: Bound of the growth, m per 100 m.
+_GROWTH_M = 2.0
 #: A balise may move the place by no more than this, m.
 _JUMP_M = 5.0
 
@@ -56,6 +58,7 @@ class Odometry(Generic[T]):
         self._long = hold("span_max", 10.0 * _SPAN_M, DISTANCE_Q, "law")
         self._zero = hold("no_correction", 0.0, _Q, "law")
         self._far = [hold("correction_max", _FAR_M, _Q, "law"), hold("correction_min", -_FAR_M, _Q, "law")]
+        self._grown = [hold("growth_max", _GROWTH_M, _Q, "law"), hold("growth_min", -_GROWTH_M, _Q, "law")]
         self._jump = [hold("jump_max", _JUMP_M, _Q, "law"), hold("jump_min", -_JUMP_M, _Q, "law")]
         self._most = [hold("variance_top", 4.0, _Q, "law"), hold("variance_bottom", -4.0, _Q, "law")]
 
@@ -87,7 +90,7 @@ class Odometry(Generic[T]):
         cc = ar.clip(ar.add(old.cc, ar.mpy(spans, ar.add(old.cg, half), _Q)), self._most[0], self._zero)
         cg = ar.clip(half, *self._most)
         total = ar.add(cc, self._variance)
-        on_correction, on_growth = ar.div(cc, total, _Q), ar.div(cg, total, _Q)
+        on_correction, on_growth = (ar.clip(ar.div(x, total, _Q), *self._most) for x in (cc, cg))
         guess = ar.clip(ar.add(old.correction, ar.mpy(spans, old.growth, _Q)), *self._far)
         off = ar.sub(ar.sub(known, at), ar.convert(guess, _Q, DISTANCE_Q))
         off = ar.clip(ar.convert(ar.clip(off, *self._jump_m()), DISTANCE_Q, _Q), *self._jump)
@@ -95,10 +98,10 @@ class Odometry(Generic[T]):
             measured.balise,
             at,
             ar.clip(ar.add(guess, ar.mpy(on_correction, off, _Q)), *self._far),
-            ar.clip(ar.add(old.growth, ar.mpy(ar.clip(on_growth, *self._most), off, _Q)), *self._far),
+            ar.clip(ar.add(old.growth, ar.mpy(on_growth, off, _Q)), *self._grown),
             ar.mpy(on_correction, self._variance, _Q),
-            ar.mpy(ar.clip(on_growth, *self._most), self._variance, _Q),
-            ar.clip(ar.sub(old.gg, ar.mpy(ar.clip(on_growth, *self._most), cg, _Q)), self._growth, self._zero),
+            ar.mpy(on_growth, self._variance, _Q),
+            ar.clip(ar.sub(old.gg, ar.mpy(on_growth, cg, _Q)), self._growth, self._zero),
         )
         after = Place(*(ar.where(ar.gt(is_new, self._numbers.zero), a, b) for a, b in zip(new, old, strict=True)))
         since = self._spans(after.odometer, measured.odometer)

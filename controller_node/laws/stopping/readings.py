@@ -12,8 +12,10 @@ from railhil.controller_node.laws.stopping.numbers import DISTANCE_Q, GAIN_Q, SP
 
 #: For so many cycles without speed the last one is held; then the train must not begin to brake by it.
 HELD_CYCLES = 3
+#: A reported error is limited to this, which is no error of a stop (:mod:`.learning`).
+_REPORT_MAX_MM = 1_000_000.0
 #: Counters end here.
-_MOST = 1000.0
+COUNT_MAX = 1000.0
 _PLACE = {reading.name: index for index, reading in enumerate(STOP.readings)}
 
 
@@ -52,10 +54,11 @@ class Inputs(Generic[T]):
     def __init__(self, numbers: Numbers[T]) -> None:
         self._numbers = numbers
         self._unit = numbers.hold("unit", 1.0 / MM, GAIN_Q, "port table")
+        self._reported = [numbers.hold(f"report_{sign}", sign * _REPORT_MAX_MM, 0, "law") for sign in (1, -1)]
         self._none = numbers.hold("no_count", -1.0, 0, "law")
         self._five = numbers.hold("samples", SAMPLES, 0, "port table")
         self._held = numbers.hold("held_cycles", HELD_CYCLES, 0, "law")
-        self._most = numbers.hold("count_max", _MOST, 0, "law")
+        self._most = numbers.hold("count_max", COUNT_MAX, 0, "law")
 
     def measured(self, readings: Sequence[T]) -> Measured[T]:
         """The readings of the interface in SI units."""
@@ -64,23 +67,23 @@ class Inputs(Generic[T]):
         def one(name: str) -> T:
             return readings[_PLACE[name]]
 
-        def metres(name: str) -> T:
-            return ar.mpy_iqx(one(name), 0, self._unit, GAIN_Q, DISTANCE_Q)
+        def metres(count: T) -> T:
+            return ar.mpy_iqx(count, 0, self._unit, GAIN_Q, DISTANCE_Q)
 
         return Measured(
             tuple(ar.mpy_iqx(one(f"speed{n}"), 0, self._unit, GAIN_Q, SPEED_Q) for n in range(1, SAMPLES + 1)),
             one("speed_count"),
             one("speed_valid"),
             one("slide"),
-            metres("odometer"),
+            metres(one("odometer")),
             one("balise"),
-            metres("balise_odometer"),
+            metres(one("balise_odometer")),
             one("load"),
             one("wet"),
             one("standstill"),
             one("doors"),
             one("report_run"),
-            metres("report_error"),
+            metres(ar.clip(one("report_error"), *self._reported)),
             one("level"),
         )
 

@@ -80,7 +80,7 @@ class Reaim(StopLaw[T]):
         super().__init__(arithmetic, scenario, parameters, memory)
         given: ReaimParameters = self.given
         numbers, task, period_s = self.numbers, self.task, self.period_s
-        cycles = round(given.sample_period_ms / 1e3 / period_s)
+        self._most_cycles = cycles = round(given.sample_period_ms / 1e3 / period_s)
         if cycles < 1 or abs(cycles * period_s * 1e3 - given.sample_period_ms) > 1e-6:
             allowed = f"a multiple of the control period, {period_s * 1e3:g} ms"
             raise InputError("parameters", "sample_period_ms", given.sample_period_ms, allowed)
@@ -113,6 +113,11 @@ class Reaim(StopLaw[T]):
         self._cycles = hold("sample_cycles", cycles - 1, 0, origin)
         self._needed = [hold("needed_max", _NEEDED_MPS2, 20, "law"), hold("needed_min", 0.0, 20, "law")]
         self._rest = hold("no_margin", 0.0, DISTANCE_Q, "law")
+
+    def state_bounds(self) -> dict[str, tuple[float, float]]:
+        brake = self.task.brake
+        model = self._model.bounds("own", -brake.braking_max_mps2, brake.traction_max_mps2)
+        return {**super().state_bounds(), **model, "own.wait": (0.0, float(self._most_cycles))}
 
     @property
     def learns(self) -> bool:

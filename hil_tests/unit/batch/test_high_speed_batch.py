@@ -12,9 +12,9 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from railhil.batch import Case
+from railhil.batch.columns import Columns
 from railhil.batch.coupled import command_digest, digest_of
 from railhil.batch.high_speed import runs
-from railhil.batch.high_speed.record import Columns
 from railhil.batch.high_speed.runs import run_high_speed
 from railhil.batch.nodes import batch_of, kernel_of
 from railhil.bench import BenchRun, unrecorded_run

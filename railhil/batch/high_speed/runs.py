@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from railhil.batch.case import BatchResult, Case, result_of
+from railhil.batch.columns import Columns
 from railhil.batch.coupled import digest_of, run_coupled
 from railhil.batch.high_speed.fleet import made, noise_normals, wind_normals
 from railhil.batch.high_speed.kernel import DRIVE, SPEED, STANDS, UNITS, advance_fleet
-from railhil.batch.high_speed.record import Columns
 from railhil.batch.high_speed.wayside import Waysides
 from railhil.bus.codes import Event
 from railhil.bus.high_speed import ACCEL_PER_MPS2, SPEED_PER_MPS, TRUE_PER_UNIT, wire

@@ -1,0 +1,100 @@
+"""The batch of precise stopping: every run is that of the bench."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hil_tests.support.stops import SHORT, stop_scenario
+from railhil.batch.case import Case
+from railhil.batch.coupled import command_digest
+from railhil.batch.stopping.runs import Together, run_stops, run_together
+from railhil.controller_node.vector.controller import VectorController
+from railhil.scenarios.memory import Memory, no_memory
+from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.vector_bench import direct_run
+
+#: Everything that can be drawn or that the plant does is on.
+ROUGH = (
+    *SHORT,
+    "task.balises_m=[100, 28, 16, 4]",
+    "task.start_spread_kmh=3",
+    "task.rail.slide_share=0.5",
+    "task.rail.adhesion_mps2=[0.4, 0.6]",
+    "task.rail.seen_share=0.5",
+    "task.rail.announced_share=0.5",
+    "task.load_percent=[0, 100]",
+    "task.true.full_load_gain=0.9",
+    "task.true.low_speed_loss=0.15",
+    "task.true.delay_run_sigma_s=0.02",
+    "task.brake.notch_mps2=0.02",
+    "task.grade=[[0, 3], [2612, -2]]",
+)
+
+
+def alone(scenario: Any, spec: RunSpec) -> Together:
+    """The same run without arrays."""
+    controller = VectorController(scenario, spec.law)
+    run = direct_run(scenario, spec, controller)
+    counts = {name: getattr(controller.counters, name) for name in ("wraps", "saturations", "zero_divisions")}
+    return Together(run.score, counts, command_digest(scenario, run.trace), controller.kept())
+
+
+def specs_of(law: LawSpec, count: int = 4) -> list[RunSpec]:
+    return [RunSpec(law=law, seed=seed, run_number=1 + seed % 2) for seed in range(count)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("law", "arithmetic"), [("ilc_stop", "float64"), ("reaim", "float64"), ("ilc_stop", "iq")])
+def test_every_run_is_that_of_the_bench(law: str, arithmetic: str) -> None:
+    scenario = stop_scenario(*ROUGH, name="yizhuang_stop_closed")
+    specs = specs_of(LawSpec(law, arithmetic=arithmetic))
+    found = run_together(scenario, specs, chunk=3)
+    assert found == [alone(scenario, spec) for spec in specs]
+    assert len({one.digest for one in found}) == len(found)
+
+
+@pytest.mark.slow
+def test_each_train_has_its_own_memory() -> None:
+    scenario = stop_scenario(*SHORT, name="yizhuang_stop_closed")
+    law = LawSpec("ilc_stop", arithmetic="float64")
+    memories: list[Memory] = [no_memory("ilc_stop", Path("memory"))] * 3
+    for number in (1, 2, 3):
+        specs = [
+            RunSpec(law=replace(law, memory=memory), seed=seed, run_number=number)
+            for seed, memory in enumerate(memories)
+        ]
+        found = run_together(scenario, specs)
+        assert found == [alone(scenario, spec) for spec in specs]
+        kept = [one.kept or {} for one in found]
+        memories = [
+            memory.after(one["key"], one["values"], Path("memory")) for memory, one in zip(memories, kept, strict=True)
+        ]
+    assert len({str(one["values"]) for one in kept}) == 3
+
+
+def test_a_run_in_which_the_watch_acts_is_that_of_the_bench() -> None:
+    scenario = stop_scenario(*SHORT, "task.true.gain=0.35", "task.duration_s=30", name="yizhuang_stop")
+    specs = specs_of(LawSpec("one_shot", arithmetic="float64"), 2)
+    found = run_together(scenario, specs)
+    assert found == [alone(scenario, spec) for spec in specs]
+    assert all("does not answer" in one.score.failures[1] for one in found)
+
+
+def test_a_train_that_does_not_stop_in_time_is_that_of_the_bench() -> None:
+    scenario = stop_scenario(*SHORT, "task.duration_s=6")
+    specs = specs_of(LawSpec("one_shot", arithmetic="float64"), 2)
+    found = run_together(scenario, specs)
+    assert found == [alone(scenario, spec) for spec in specs]
+    assert found[0].score.ended == "ended_not_stopped"
+
+
+def test_the_batch_of_a_campaign_is_of_first_runs() -> None:
+    scenario = stop_scenario(*SHORT)
+    law = LawSpec("one_shot", arithmetic="float64")
+    result = run_stops(Case(scenario, law), [3, 4])
+    assert result.scores[1] == alone(scenario, RunSpec(law=law, seed=4)).score
+    assert result.notch_digest[0] == alone(scenario, RunSpec(law=law, seed=3)).digest

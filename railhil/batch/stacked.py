@@ -1,0 +1,89 @@
+"""One law on arrays for trains whose laws differ in their constants, as those with a memory each.
+
+The law is made once for each train, which gives the constants of all trains in one order; made again on arrays, it gets
+an array wherever they differ. Its code must not depend on what differs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, cast
+
+import numpy as np
+
+from railhil.controller_node.arithmetic import make
+from railhil.controller_node.arithmetic.base import Arithmetic, Constant
+from railhil.controller_node.vector.controller import VectorLoop
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.run_spec import LawSpec
+from railhil.scenarios.system import System
+
+
+def _recording(arithmetic: Arithmetic[Any]) -> tuple[Arithmetic[Any], list[Constant]]:
+    """An arithmetic of the same kind that lists the constants loaded through it."""
+    seen: list[Constant] = []
+
+    def const(self: Any, constant: Constant) -> Any:
+        seen.append(constant)
+        return super(kind, self).const(constant)
+
+    kind: Any = type(type(arithmetic).__name__, (type(arithmetic),), {"const": const})
+    return kind(), seen
+
+
+def _stacking(arithmetic: Arithmetic[Any], columns: Iterator[tuple[Constant, ...]]) -> Arithmetic[Any]:
+    """An arithmetic on arrays whose constants are those of all trains, as long as there are ``columns``."""
+
+    def const(self: Any, constant: Constant) -> Any:
+        load = super(kind, self).const
+        every = next(columns, (constant,))
+        if all(one.raw == constant.raw and one.value == constant.value for one in every):
+            return load(constant)
+        return np.array([load(one) for one in every])
+
+    kind: Any = type(type(arithmetic).__name__, (type(arithmetic),), {"const": const})
+    return cast(Arithmetic[Any], kind())
+
+
+class StackedLaw:
+    """A law on arrays, and the laws of its trains.
+
+    ``loop``: on arrays; None: the laws differ in more than the values of their constants. ``own``: of each train, not
+    stepped.
+
+    :param laws: one for each train, alike but for the memory.
+    :raises InputError: as :class:`railhil.controller_node.vector.controller.VectorLoop`.
+    """
+
+    def __init__(self, system: System, scenario: AnyScenario, laws: Sequence[LawSpec]) -> None:
+        def made(law: LawSpec, arithmetic: Arithmetic[Any]) -> VectorLoop[Any]:
+            return VectorLoop(system, scenario, law.controller, arithmetic, law.parameters, law.memory)
+
+        self.own: list[VectorLoop[Any]] = []
+        rows: list[list[Constant]] = []
+        for law in laws:
+            arithmetic, seen = _recording(make(law.arithmetic))
+            self.own.append(made(law, arithmetic))
+            rows.append(seen)
+        names = [[(one.name, one.q) for one in row] for row in rows]
+        self.loop: VectorLoop[Any] | None = None
+        if all(row == names[0] for row in names):
+            columns = iter(list(zip(*rows, strict=True)))
+            self.loop = made(laws[0], _stacking(make(laws[0].arithmetic, batch=True), columns))
+
+    def end(self, train: int, state: Any) -> None:
+        """The law of a train has come to its last step.
+
+        :param state: of the law on arrays.
+        """
+        self.own[train].state = _own(state, train)
+
+
+def _own(state: Any, train: int) -> Any:
+    """The state of one train: an element of each array in (named) tuples of any depth."""
+    if isinstance(state, tuple):
+        parts = [_own(part, train) for part in state]
+        return type(state)(*parts) if hasattr(state, "_fields") else tuple(parts)
+    if isinstance(state, np.ndarray):
+        return state[train].item() if state.ndim else state.item()
+    return state.item() if isinstance(state, np.generic) else state

@@ -1,0 +1,1 @@
+"""Runs of precise stopping, many at once."""
