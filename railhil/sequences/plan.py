@@ -16,7 +16,7 @@ from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
-from railhil.controller_node.laws.memory import memory_key
+from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
@@ -38,6 +38,7 @@ class Request:
     faults: tuple[str, ...] = ()
     controller: str = ""
     arithmetic: str = "float64"
+    indexing: str = "time"
     parameters: str | None = None
     nominal: bool = False
     runs: int = 15
@@ -166,11 +167,9 @@ def make_plan(request: Request) -> Plan:
     system = system_named(scenario.system)
     name = request.controller or system.law
     system.check_law(name, "command line", "--controller")
-    kind = find(name, system.laws)
-    if not memory_key(kind, scenario):
-        raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
+    require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
-    law = LawSpec(name, request.arithmetic, parameters=parameters)
+    law = LawSpec(name, request.arithmetic, request.indexing, parameters)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:
