@@ -171,14 +171,14 @@ class Learning(Generic[T]):
         """
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         spoiled = ar.maximum(learned.spoiled, spoiled)
-        if not self._active:
-            return learned._replace(spoiled=spoiled)
         old = learned.before
         size = ar.abs(error)
         possible = ar.where(ar.gt(self._possible, size), ready, zero)
         new_run = ar.where(ar.gt(ar.abs(ar.sub(run, old.last_run)), zero), possible, zero)
         wanted = ar.where(ar.gt(run, zero), new_run, zero)
         wanted = ar.where(ar.gt(learned.learned, zero), zero, wanted)
+        if not self._active:
+            return learned._replace(spoiled=spoiled, learned=ar.maximum(learned.learned, wanted))
         usable = ar.where(ar.gt(spoiled, zero), zero, wanted)
         runs = ar.minimum(ar.add(old.runs, one), self._runs_max)
         share = ar.maximum(ar.div(one, runs, _GAMMA_Q), self._least)
