@@ -24,9 +24,12 @@ from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
+from railhil.sequences.one import together_of
 from railhil.supervisor.judging import Judging, judging_of
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
+#: Sequences per part: where runs are made one by one, and where they are made together.
+_CHUNK, _CHUNK_TOGETHER = 5, 25
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +47,8 @@ class Request:
     runs: int = 15
     sequences: int = 150
     seed: int = 1000
-    chunk: int = 5
+    #: 0: as many as suits the system.
+    chunk: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +174,8 @@ def make_plan(request: Request) -> Plan:
     require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
     law = LawSpec(name, request.arithmetic, request.indexing, parameters)
+    if not request.chunk:
+        request = replace(request, chunk=_CHUNK if together_of(scenario) is None else _CHUNK_TOGETHER)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:

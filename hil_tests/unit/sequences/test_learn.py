@@ -17,7 +17,11 @@ import pytest
 from hil_tests.support.dask_cluster import loopback_cluster
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.__main__ import main
+from railhil.sequences.one import runner_of, sequence, sequences, together_of
+from railhil.sequences.plan import run_specs
 
 pytestmark = pytest.mark.slow
 
@@ -121,3 +125,22 @@ def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -
     with pytest.raises(InputError, match=line) as refused:
         main([*scenario, *law, *words])
     assert len(str(refused.value).splitlines()) == 1
+
+
+def test_runs_made_together_are_those_made_one_by_one() -> None:
+    """System ``stop`` makes the same run of all sequences at once."""
+    scenario = load_any("yizhuang_stop")
+    base = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), perturbed=True, bus="local")
+    wanted = [run_specs(base, scenario, seed, 2) for seed in (3, 4)]
+    assert together_of(scenario) is not None
+    found = {(place, number): run for place, number, run in sequences(scenario, wanted)}
+    assert [*found] == [(0, 1), (1, 1), (0, 2), (1, 2)]
+    for place, specs in enumerate(wanted):
+        for number, run in enumerate(sequence(scenario, specs, runner_of(scenario)), 1):
+            other = found[place, number]
+            assert (other.score, other.digest, other.record, other.left) == (
+                run.score,
+                run.digest,
+                run.record,
+                run.left,
+            )
