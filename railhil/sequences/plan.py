@@ -180,7 +180,27 @@ def make_plan(request: Request) -> Plan:
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:
         raise InputError("command line", "--seed", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+    _check_unseen(plan, last)
     plan.base.load()
     maker_of(system, scenario)
     system.part("controller")(scenario, law)
     return plan
+
+
+def _check_unseen(plan: Plan, last: int) -> None:
+    """Refuse seeds on which the law's parameters were tuned or chosen: what is learned there is no evaluation.
+
+    :param last: seed of the last run.
+    :raises InputError: there is such a seed.
+    """
+    seeds = range(plan.seeds.start, last + 1)
+    given = plan.law.parameters
+    if given is not None and (tuned := given.seen(seeds)):
+        found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
+        raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
+    law = find(plan.law.controller, system_named(plan.scenario.system).laws)
+    chosen = law.design_seeds.get(plan.scenario.name, range(0))
+    seen = [seed for seed in chosen if seed in seeds] if plan.perturbed else []
+    if seen:
+        found = Words(f"seed {seen[0]}, on which {plan.law.controller}'s own parameters were chosen")
+        raise InputError("command line", "--seed", found, f"other seeds than {chosen.start} to {chosen[-1]}")

@@ -15,13 +15,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from hil_tests.support.dask_cluster import loopback_cluster
+from hil_tests.support.remembering import Learning
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.__main__ import main
 from railhil.sequences.one import runner_of, sequence, sequences, together_of
-from railhil.sequences.plan import run_specs
+from railhil.sequences.plan import Request, make_plan, run_specs
 
 pytestmark = pytest.mark.slow
 
@@ -103,6 +104,17 @@ def test_other_work_is_not_mixed_in(short: Path, tmp_path: Path) -> None:
         InputError, match=r"study\.runs: found 1, allowed 2 to go on with it; another --out begins a new study"
     ):
         learn(short, tmp_path / "out", "--sequences", "1", "--runs", "2")
+
+
+def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Learning, "design_seeds", {"benchmark_quick": range(9, 12)})
+    words = [str(short), "--controller", "learning", "--seed", "7", "--runs", "2", "--sequences"]
+    with pytest.raises(
+        InputError, match=r"--seed: found seed 9, on which learning's own.* allowed other seeds than 9 to"
+    ):
+        main([*words, "2"])
+    make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=1))
+    make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=2, nominal=True))
 
 
 @pytest.mark.parametrize(
