@@ -59,7 +59,10 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--parameters", metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
     parser.add_argument(
-        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"sequences per part (default {usual.chunk})"
+        "--chunk",
+        type=whole_number(1, CHUNK_MAX),
+        metavar="N",
+        help="sequences per part (default: as suits the system)",
     )
     parser.add_argument(
         "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="processes (default: one per core)"

@@ -24,9 +24,12 @@ from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
+from railhil.sequences.one import together_of
 from railhil.supervisor.judging import Judging, judging_of
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
+#: Sequences per part: where runs are made one by one, and where they are made together.
+_CHUNK, _CHUNK_TOGETHER = 5, 25
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +47,8 @@ class Request:
     runs: int = 15
     sequences: int = 150
     seed: int = 1000
-    chunk: int = 5
+    #: 0: as many as suits the system.
+    chunk: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,11 +174,33 @@ def make_plan(request: Request) -> Plan:
     require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
     law = LawSpec(name, request.arithmetic, request.indexing, parameters)
+    if not request.chunk:
+        request = replace(request, chunk=_CHUNK if together_of(scenario) is None else _CHUNK_TOGETHER)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:
         raise InputError("command line", "--seed", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+    _check_unseen(plan, last)
     plan.base.load()
     maker_of(system, scenario)
     system.part("controller")(scenario, law)
     return plan
+
+
+def _check_unseen(plan: Plan, last: int) -> None:
+    """Refuse seeds on which the law's parameters were tuned or chosen: what is learned there is no evaluation.
+
+    :param last: seed of the last run.
+    :raises InputError: there is such a seed.
+    """
+    seeds = range(plan.seeds.start, last + 1)
+    given = plan.law.parameters
+    if given is not None and (tuned := given.seen(seeds)):
+        found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
+        raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
+    law = find(plan.law.controller, system_named(plan.scenario.system).laws)
+    chosen = law.design_seeds.get(plan.scenario.name, range(0))
+    seen = [seed for seed in chosen if seed in seeds] if plan.perturbed else []
+    if seen:
+        found = Words(f"seed {seen[0]}, on which {plan.law.controller}'s own parameters were chosen")
+        raise InputError("command line", "--seed", found, f"other seeds than {chosen.start} to {chosen[-1]}")
