@@ -14,6 +14,7 @@ from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.controller_node.laws.stopping.filters import FILTERS
 from railhil.controller_node.laws.stopping.learning import GAMMA_LEAST
 from railhil.controller_node.vector.controller import VectorController
+from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.parameters import ParameterSet
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.vector_bench import direct_run
@@ -70,7 +71,7 @@ def test_an_export_in_an_arithmetic_that_the_law_has_not_is_refused(tmp_path):
 
 @pytest.mark.slow
 def test_runs_of_the_bench_learn_from_each_other_and_not_twice_from_one(tmp_path):
-    memory = tmp_path / "memory.json"
+    memory = tmp_path / "memory"
     settings = [word for setting in (*SHORT, "task.start_m=2560") for word in ("--set", setting)]
     common = ("run", "yizhuang_stop", "--controller", "ilc_stop", *settings, "--bus", "local", "--no-report")
     errors, kept = [], []
@@ -79,7 +80,9 @@ def test_runs_of_the_bench_learn_from_each_other_and_not_twice_from_one(tmp_path
         assert railhil(*common, *words).exit_code in (0, 1)
         score = json.loads((tmp_path / str(place) / "score.json").read_text(encoding="utf-8"))
         errors.append(abs(score["signed"]["stop_error_m"]))
-        kept.append(json.loads(memory.read_text(encoding="utf-8"))["values"]["records"])
+        newest = memory_at(memory).newest
+        assert newest is not None
+        kept.append(newest.values["records"])
     assert errors[1] < 0.8 * errors[0]
     assert [[one["last_run"] for one in records] for records in kept] == [[1], [2], [2]]
     assert kept[1] == kept[2]
