@@ -41,7 +41,9 @@ class System:
     :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
     runs). ``own``: parts used by some modules only: ``task``, ``interface``, ``batch``
     (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
-    module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes), ``audit``
+    module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
+    ``together`` (makes runs of one scenario and law together that differ in seed, number and memory:
+    :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
     (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without
     it a law is exported by ``interface``), ``catalogue`` (path of its fault catalogue; without it that of ``ato``),
     ``faulty_plant`` (:mod:`railhil.plant_sim.faults.plants`) and ``picture``: draws scenario and trace into a file

@@ -68,6 +68,19 @@ def memory_key(kind: type[Any], scenario: Any) -> str:
     return key
 
 
+def require_memory(name: str, laws: Mapping[str, type[Any]], scenario: Any) -> None:
+    """Refuse a law that keeps no memory.
+
+    :param name: a name in ``laws``, the laws of the scenario's system.
+    :raises InputError: it keeps none on this scenario.
+    """
+    if memory_key(laws[name], scenario):
+        return
+    others = ", ".join(law for law, kind in laws.items() if memory_key(kind, scenario))
+    allowed = f"a law that keeps a memory from run to run: {others or 'none is installed for this system'}"
+    raise InputError("command line", "--controller", name, allowed)
+
+
 def choice(name: str, kind: type[Any], scenario: Any, given: Memory | None) -> Choice:
     """What a law with a memory begins with: the first record that is of its key and that it does not refuse.
 

@@ -46,10 +46,12 @@ def memory(*stored: Stored) -> Memory:
 
 def status(run: OneRun) -> tuple[int, int]:
     """Source and fault on the bus, at the end."""
+    assert run.trace is not None
     return tuple(int(run.trace.raw(IlcStatus.PORT, name)[-1]) for name in ("MemorySource", "MemoryFault"))  # type: ignore[return-value]
 
 
 def error_m(run: OneRun) -> float:
+    assert run.trace is not None
     assert np.isfinite(run.trace.values(BrakeCommand.PORT, "CmdAccel")).all()
     error = run.score.signed["stop_error_m"]
     assert error is not None

@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 import json
+import random
+from collections import Counter
 from pathlib import Path
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import pytest
 
 from hil_tests.support.cli import railhil
+from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
 from hil_tests.support.stops import SHORT, stop_scenario
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
+from railhil.bus.frame import Frame
+from railhil.bus.local import LocalBus
 from railhil.bus.stopping import Stage
 from railhil.cli.bus_run import run_spec
 from railhil.cli.commands import parser
 from railhil.cli.faults import entry_run
 from railhil.common.errors import InputError
-from railhil.controller_node.vector.node import ports_of
+from railhil.controller_node.vector.node import VectorNode, ports_of
+from railhil.plant_sim.node import PlantNode
 from railhil.scenarios.fault_list import fault_texts
 from railhil.scenarios.load import load_any
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.system import system_named
 from railhil.supervisor.framelog import log_sha256
+from railhil.supervisor.precise_stopping.approach import Approach
 from railhil.supervisor.reactions.catalogue import Entry, catalogue_of
+from railhil.supervisor.session import Session
 from railhil.supervisor.signals import signal_table
 from railhil.supervisor.start_up import StartUp
 from railhil.vector_bench import direct_run
@@ -147,3 +156,46 @@ def test_three_processes_over_the_hub_send_the_same_bytes_and_rerun_repeats_them
     assert log_sha256(tmp_path / "hub" / "frames.log") == log_sha256(tmp_path / "local" / "frames.log")
     assert json.loads((tmp_path / "hub" / "certificate.json").read_text(encoding="utf-8"))["run_number"] == 3
     assert railhil("rerun", tmp_path / "local").exit_code == 0
+
+
+@pytest.mark.needs_compiler
+@pytest.mark.slow
+def test_the_c_node_answers_both_status_polls_as_ours(tmp_path: Path) -> None:
+    """On a bus that loses some of the frames; the report says so when the readings were too old."""
+    scenario = stop_scenario(*SHORT)
+    settings = [word for setting in SHORT for word in ("--set", setting)]
+    done = railhil("export-c", "ilc_stop", "yizhuang_stop", *settings, "--out", tmp_path / "c")
+    assert done.exit_code == 0, done.err
+    spec = RunSpec(law=LawSpec("ilc_stop", arithmetic="iq"))
+    ours, theirs = VectorNode(scenario, spec.law), CNode(tmp_path / "c", "ilc_stop", PORTABLE_INTERFACE)
+    session = Session(scenario, lambda line: None, spec)
+    lost, answered = random.Random(1), Counter[int]()
+
+    def both(frame: Frame) -> list[Frame]:
+        if frame.can_id < 0x160 and lost.random() < 0.1 and frame.can_id != 0x080:
+            return []
+        answer = ours.handle(frame)
+        assert answer == theirs.handle(frame)
+        answered.update(item.can_id for item in answer)
+        return answer
+
+    PlantNode(scenario, spec, LocalBus([both, session.handle])).run()
+    assert answered[0x180] > 100
+    assert answered[0x188] > 5
+
+
+def test_the_figures_are_drawn(both: Both) -> None:
+    panels = pytest.importorskip("railhil.supervisor.precise_stopping.panels")
+    scenario = stop_scenario(*SHORT, name="yizhuang_stop_closed")
+    run = SimpleNamespace(
+        label="one", controller="one_shot", scenario=scenario, trace=both.local.trace, can_be_drawn=True
+    )
+    found = panels.pictures(scenario, [run])
+    assert [picture.name for picture in found] == ["approach", "last_metres", "speed_estimate"]
+    assert all("<svg" in picture.svg for picture in found)
+    times_s, error_mmps = panels._Run("one", None, Approach.of(scenario, both.local.trace), run.trace).error_mmps(
+        "ATO_STATE", "AtoSpeed"
+    )
+    # The first telegram comes before the law's first step in a run over the bus; later ones tell the measured speed.
+    assert len(times_s) > 100
+    assert abs(error_mmps[10:]).max() < 60

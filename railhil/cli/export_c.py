@@ -16,6 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from railhil.common.command_line import OneLineParser, add_indexing_argument, parse
+from railhil.common.errors import InputError
 from railhil.common.exit_codes import guarded
 from railhil.controller_node.export.bundle import make_bundle, write_bundle
 from railhil.controller_node.export.single_bundle import single_bundle
@@ -26,7 +27,7 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.settings import add_set_argument
-from railhil.scenarios.system import system_named
+from railhil.scenarios.system import System, system_named
 
 _FILE_COLUMNS = 100
 
@@ -41,6 +42,8 @@ def arguments() -> argparse.ArgumentParser:
     parser.add_argument("--out", required=True, type=Path, metavar="DIR", help="new or empty folder for the files")
     add_indexing_argument(parser)
     parser.add_argument("--parameters", type=Path, metavar="FILE", help="parameters of the law (default: its own)")
+    number = "iq (fixed point, default where the law has it) or float32 (laws of systems with an Interface)"
+    parser.add_argument("--arithmetic", choices=("iq", "float32"), help=number)
     parser.add_argument("--force", action="store_true", help="write into a folder that is not empty")
     return parser
 
@@ -57,6 +60,20 @@ def _run(scenario: AnyScenario, law: LawSpec, controller: Any) -> None:
         local_run(scenario, Path(folder), RunSpec(law=law), controller=controller)
 
 
+def _in_single_precision(namespace: argparse.Namespace, system: System) -> bool:
+    """Whether the law is written in float32.
+
+    :raises InputError: it cannot be written in the arithmetic that was asked for.
+    """
+    floating = is_floating(namespace.law, system.laws)
+    asked = namespace.arithmetic
+    if floating and asked == "iq":
+        raise InputError("command line", "--arithmetic", asked, f"float32: {namespace.law} has no fixed-point formats")
+    if asked == "float32" and "interface" not in system.own:
+        raise InputError("command line", "--arithmetic", asked, f"iq for a law of system {system.name}")
+    return floating or asked == "float32"
+
+
 def main() -> int:
     """Write the files and list them."""
     namespace = parse(arguments())
@@ -64,7 +81,7 @@ def main() -> int:
     scenario = load_any(namespace.scenario, namespace.set)
     law = LawSpec(namespace.law, indexing=namespace.indexing, parameters=parameters)
     system = system_named(scenario.system)
-    if is_floating(law.controller, system.laws):
+    if _in_single_precision(namespace, system):
         refuse_indexing(system, law)
         single = single_bundle(scenario, replace(law, arithmetic="float32"))
         write_bundle(single, namespace.out, force=namespace.force)

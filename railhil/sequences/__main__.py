@@ -11,13 +11,14 @@ from typing import Any
 
 from rich.console import Console
 
+from railhil.batch.nodes import kernel_of
 from railhil.campaign.extras import need
 from railhil.common.command_line import parse
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.extras import install_command
 from railhil.common.output import Output, accept_any_text, flush_output, print_json
 from railhil.sequences.command import arguments, check_combination, request_from
-from railhil.sequences.one import runner_of, through_nodes
+from railhil.sequences.one import runner_of, through_nodes, together_of
 from railhil.sequences.plan import Plan, Request, make_plan
 
 
@@ -50,11 +51,14 @@ def _run(namespace: argparse.Namespace) -> int:
     def say(sentence: str) -> None:
         console.print(sentence, markup=False, highlight=False, soft_wrap=True)
 
-    if runner_of(plan.scenario) is through_nodes:
+    together = together_of(plan.scenario) is not None
+    if not together and runner_of(plan.scenario) is through_nodes:
         say(f"system {plan.scenario.system} has no runs without a bus, or not with its faults: the nodes make them all")
     jobs = namespace.jobs or os.cpu_count() or 1
     name = "dask" if namespace.scheduler is not None else "batch" if jobs == 1 else "joblib"
-    with running(name, jobs, namespace.scheduler, say, work=run_task, kernel=None) as engine:
+    with running(
+        name, jobs, namespace.scheduler, say, work=run_task, kernel=kernel_of(plan.scenario) if together else None
+    ) as engine:
         folder, found, table = execute(plan, namespace.resume or namespace.out, console, engine, say)
     report = "" if namespace.no_report else _report(plan, found, table, folder)
     if namespace.json:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from railhil.common.choices import INDEXINGS
 from railhil.common.command_line import SEED_MAX, OneLineParser, whole_number
 from railhil.common.errors import InputError
 from railhil.common.output import add_json_argument
@@ -26,7 +27,7 @@ exit codes:
   4    TOOL ERROR: a defect, or the record could not be written (what is done is kept)
   130  stopped by Ctrl-C; 143 by SIGTERM, 129 by SIGHUP (what is done is kept, --resume continues)"""
 #: Options that define the work: None when not given, so that --resume takes them from the folder.
-_REQUEST = ("scenario", "runs", "sequences", "seed", "controller", "arithmetic", "parameters", "chunk")
+_REQUEST = ("scenario", "runs", "sequences", "seed", "controller", "arithmetic", "indexing", "parameters", "chunk")
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -54,10 +55,14 @@ def arguments() -> argparse.ArgumentParser:
     )
     parser.add_argument("--controller", metavar="LAW", help="a law with a memory (default: that of the system)")
     parser.add_argument("--arithmetic", choices=arithmetics(), help=f"(default {usual.arithmetic})")
+    parser.add_argument("--indexing", choices=INDEXINGS, help=f"set-point indexing (default {usual.indexing})")
     parser.add_argument("--parameters", metavar="FILE", help="parameters of the law (default: its own)")
     parser.add_argument("--nominal", action="store_true", help="draw nothing but the noise of the sensors")
     parser.add_argument(
-        "--chunk", type=whole_number(1, CHUNK_MAX), metavar="N", help=f"sequences per part (default {usual.chunk})"
+        "--chunk",
+        type=whole_number(1, CHUNK_MAX),
+        metavar="N",
+        help="sequences per part (default: as suits the system)",
     )
     parser.add_argument(
         "--jobs", type=whole_number(1, _JOBS_MAX), metavar="N", help="processes (default: one per core)"

@@ -41,6 +41,7 @@ class _Request(BaseModel):
     faults: list[str]
     controller: str
     arithmetic: str
+    indexing: str
     parameters: str | None
     nominal: bool
     runs: int = Field(ge=1, le=RUNS_MAX)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,7 @@ class OneRun:
     :param missed: why it says nothing about the controller; empty: it does.
     :param digest: of its commands, or of its frames where the system has no digest.
     :param kept: what the law keeps.
+    :param trace: its telegrams; None of a run that was made together with others.
     """
 
     scenario: AnyScenario
@@ -46,7 +47,7 @@ class OneRun:
     missed: str
     digest: str
     kept: Kept | None
-    trace: Trace = field(repr=False, compare=False)
+    trace: Trace | None = field(default=None, repr=False, compare=False)
 
     @property
     def began(self) -> Memory:
@@ -70,6 +71,39 @@ class OneRun:
         if self.record is None or self.kept is None:
             return self.began
         return self.began.after(self.record, self.kept.used, self.kept.refused)
+
+
+def together_of(scenario: AnyScenario) -> Callable[..., Any] | None:
+    """The function that makes runs of one scenario and law together that differ in seed, number and memory (part
+    ``together`` of the system); None if there is none, or a fault of the scenario needs the nodes."""
+    system = system_named(scenario.system)
+    return system.part("together") if "together" in system.own and not needs_nodes(scenario) else None
+
+
+def sequences(scenario: AnyScenario, wanted: Sequence[list[RunSpec]]) -> Iterator[tuple[int, int, OneRun]]:
+    """The runs of several sequences in any order: place of the sequence, number of the run from 1, the run.
+
+    :param wanted: runs of each sequence, equally many.
+    :raises InputError: as :func:`sequence`.
+    """
+    together = together_of(scenario)
+    if together is None:
+        runner = runner_of(scenario)
+        for place, specs in enumerate(wanted):
+            for number, run in enumerate(sequence(scenario, specs, runner), 1):
+                yield place, number, run
+        return
+    memories = [no_memory(specs[0].law.controller, Path("memory")) for specs in wanted]
+    for number in range(len(wanted[0])):
+        specs = [
+            replace(sequence[number], law=replace(sequence[number].law, memory=memory))
+            for sequence, memory in zip(wanted, memories, strict=True)
+        ]
+        for place, (spec, one) in enumerate(zip(specs, together(scenario, specs), strict=True)):
+            kept = None if one.kept is None else kept_of(one.kept)
+            run = OneRun(scenario, spec, one.score, dict(one.counts), "", one.digest, kept)
+            memories[place] = run.left
+            yield place, number + 1, run
 
 
 def runner_of(scenario: AnyScenario) -> Runner:

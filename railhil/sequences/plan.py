@@ -16,7 +16,7 @@ from railhil.common.command_line import SEED_MAX
 from railhil.common.errors import InputError, Words
 from railhil.controller_node.law_controller import maker_of
 from railhil.controller_node.laws import find
-from railhil.controller_node.laws.memory import memory_key
+from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.load import load_any
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
@@ -24,9 +24,12 @@ from railhil.scenarios.run_document import USUAL_SCENARIO
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
+from railhil.sequences.one import together_of
 from railhil.supervisor.judging import Judging, judging_of
 
 RUNS_MAX, SEQUENCES_MAX, CHUNK_MAX = 10_000, 1_000_000, 1_000
+#: Sequences per part: where runs are made one by one, and where they are made together.
+_CHUNK, _CHUNK_TOGETHER = 5, 25
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,12 +41,14 @@ class Request:
     faults: tuple[str, ...] = ()
     controller: str = ""
     arithmetic: str = "float64"
+    indexing: str = "time"
     parameters: str | None = None
     nominal: bool = False
     runs: int = 15
     sequences: int = 150
     seed: int = 1000
-    chunk: int = 5
+    #: 0: as many as suits the system.
+    chunk: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,16 +171,36 @@ def make_plan(request: Request) -> Plan:
     system = system_named(scenario.system)
     name = request.controller or system.law
     system.check_law(name, "command line", "--controller")
-    kind = find(name, system.laws)
-    if not memory_key(kind, scenario):
-        raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
+    require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     parameters = None if request.parameters is None else load_parameters(Path(request.parameters))
-    law = LawSpec(name, request.arithmetic, parameters=parameters)
+    law = LawSpec(name, request.arithmetic, request.indexing, parameters)
+    if not request.chunk:
+        request = replace(request, chunk=_CHUNK if together_of(scenario) is None else _CHUNK_TOGETHER)
     plan = Plan(request, scenario, law)
     last = plan.specs(plan.seeds[-1])[-1].seed
     if last > SEED_MAX:
         raise InputError("command line", "--seed", Words(f"last seed {last}"), f"at most {SEED_MAX}")
+    _check_unseen(plan, last)
     plan.base.load()
     maker_of(system, scenario)
     system.part("controller")(scenario, law)
     return plan
+
+
+def _check_unseen(plan: Plan, last: int) -> None:
+    """Refuse seeds on which the law's parameters were tuned or chosen: what is learned there is no evaluation.
+
+    :param last: seed of the last run.
+    :raises InputError: there is such a seed.
+    """
+    seeds = range(plan.seeds.start, last + 1)
+    given = plan.law.parameters
+    if given is not None and (tuned := given.seen(seeds)):
+        found = Words(f"seed {tuned[0]}, on which these parameters were tuned")
+        raise InputError(given.source, "training.seeds", found, "parameters tuned on other seeds, or another --seed")
+    law = find(plan.law.controller, system_named(plan.scenario.system).laws)
+    chosen = law.design_seeds.get(plan.scenario.name, range(0))
+    seen = [seed for seed in chosen if seed in seeds] if plan.perturbed else []
+    if seen:
+        found = Words(f"seed {seen[0]}, on which {plan.law.controller}'s own parameters were chosen")
+        raise InputError("command line", "--seed", found, f"other seeds than {chosen.start} to {chosen[-1]}")

@@ -89,6 +89,7 @@ def _example(plan: Plan, table: pa.Table, number: int, values: Mapping[str, Any]
         memory = Memory(law, (Stored(slot if slot in (SLOT_A, SLOT_B) else SLOT_A, record),), Path("memory"))
     spec = plan.specs(plan.seeds[0])[number - 1]
     run = through_nodes(plan.scenario, replace(spec, law=replace(spec.law, memory=memory)))
+    assert run.trace is not None
     label = f"run {number}"
     return RecordedRun(label, plan.scenario, run.trace, run.score, run.score.verdict, "", {"controller": label}, {})
 

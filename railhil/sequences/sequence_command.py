@@ -20,7 +20,7 @@ from railhil.common.errors import InputError
 from railhil.common.exit_codes import FAIL, PASS, guarded
 from railhil.common.output import Output, accept_any_text, add_json_argument, flush_output, print_json
 from railhil.controller_node.laws import find
-from railhil.controller_node.laws.memory import memory_key
+from railhil.controller_node.laws.memory import require_memory
 from railhil.scenarios.memory_store import memory_at
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.parameters import load_parameters
@@ -68,8 +68,7 @@ def _run(namespace: argparse.Namespace) -> int:
     given = None if namespace.parameters is None else load_parameters(namespace.parameters.resolve())
     first = run_spec(namespace, name, given)
     scenario = first.load()
-    if not memory_key(find(name, system.laws), scenario):
-        raise InputError("command line", "--controller", name, "a law that keeps a memory from run to run")
+    require_memory(name, {law: find(law, system.laws) for law in system.law_names()}, scenario)
     if first.run_number != 1:
         raise InputError("command line", "--run-number", first.run_number, "1: a sequence begins with its first run")
     if namespace.memory_from is not None:

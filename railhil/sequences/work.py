@@ -12,7 +12,7 @@ from railhil.campaign.results_table import file_bytes
 from railhil.campaign.work import OtherCode
 from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
-from railhil.sequences.one import runner_of, sequence
+from railhil.sequences.one import sequences
 from railhil.sequences.plan import Chunk, Plan, learning_sha256, run_specs
 from railhil.sequences.table import row
 from railhil.supervisor.judging import judging_of
@@ -58,12 +58,10 @@ def run_task(task: Task) -> tuple[str, bytes]:
     scenario, chunk = task.scenario, task.chunk
     if _code(task.base.law.controller, scenario.system) != task.code:
         raise OtherCode(f"worker on {platform.node()} has other code than this machine: install the same railhil there")
-    judging, runner = judging_of(scenario), runner_of(scenario)
-    rows = [
-        row(seed, number, run, judging)
-        for seed in chunk.sequences
-        for number, run in enumerate(
-            sequence(scenario, run_specs(task.base, scenario, seed, chunk.runs_each), runner), 1
-        )
-    ]
-    return chunk.name, file_bytes(pa.concat_tables(rows), task.origin)
+    judging = judging_of(scenario)
+    wanted = [run_specs(task.base, scenario, seed, chunk.runs_each) for seed in chunk.sequences]
+    rows = {
+        (place, number): row(chunk.sequences[place], number, run, judging)
+        for place, number, run in sequences(scenario, wanted)
+    }
+    return chunk.name, file_bytes(pa.concat_tables([rows[key] for key in sorted(rows)]), task.origin)

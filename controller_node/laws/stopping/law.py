@@ -16,7 +16,7 @@ from pydantic import Field
 from railhil.bus.stopping import MM, START_PER_S, VARIANCE_PER_M2, BrakeLevel, Stage
 from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
-from railhil.controller_node.laws.stopping.distance import Stop, StoppingDistance
+from railhil.controller_node.laws.stopping.distance import StoppingDistance
 from railhil.controller_node.laws.stopping.interface import COMMAND_Q, NOTE_Q, START_Q
 from railhil.controller_node.laws.stopping.learning import Learned, Learning, stored_records
 from railhil.controller_node.laws.stopping.model import Grades
@@ -47,6 +47,9 @@ class StopParameters:
     first_offset_m: Annotated[float, Field(ge=-12, le=12)] = 0.0
     #: Width of the innovation test in standard deviations of the last stops; 0: no test.
     innovation_sigmas: Annotated[float, Field(ge=0, le=10)] = 3.0
+    #: Scatter of a stop and its measurement that does not repeat; the gain is less where there is nothing else. 0: it
+    #: stays.
+    report_sigma_m: Annotated[float, Field(ge=0, le=10)] = 0.0
     #: Gain with which the approach holds its speed, 1/s.
     hold_per_s: Annotated[float, Field(ge=0, le=2)] = 0.2
 
@@ -101,6 +104,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
             memory.values,
             gamma=given.gamma,
             sigmas=given.innovation_sigmas,
+            report_sigma_m=given.report_sigma_m,
             active=self.learns,
             first_offset_m=given.first_offset_m,
         )
@@ -184,6 +188,14 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         """Distance by which the brake begins before the stopping distance of a sudden brake, m (Q ``DISTANCE_Q``)."""
         return self.numbers.hold("no_reserve", 0.0, DISTANCE_Q, "law")
 
+    def stopping(self, own: Any, measured: Measured[T], speed: T, planned: T) -> tuple[Any, T]:
+        """Stopping distance from ``speed`` (m/s) with the planned deceleration (m/s2), m (Q ``DISTANCE_Q``)."""
+        return own, self.distance(speed, planned).distance
+
+    def taught(self, own: Any, first: T, usable: T, measured: Measured[T]) -> Any:
+        """The law's own part after the brake began (``first`` is 1) or a stop was reported (``usable`` is 1)."""
+        return own
+
     # -- the vector law -------------------------------------------------------------------------------------------
 
     def start(self, readings: Sequence[T]) -> StopState[T]:
@@ -212,8 +224,8 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         speed = ar.note("v_hat", estimate.speed, SPEED_Q, "m/s")
         left = ar.note("left", estimate.left, DISTANCE_Q, "m")
         planned = ar.where(ar.gt(measured.wet, zero), self._plans[1], self._plans[0])
-        stop: Stop[T] = self.distance(speed, planned)
-        distance = ar.note("f", ar.add(stop.distance, self.reserve(speed, planned)), DISTANCE_Q, "m")
+        own, stopping = self.stopping(own, measured, speed, planned)
+        distance = ar.note("f", ar.add(stopping, self.reserve(speed, planned)), DISTANCE_Q, "m")
         offset = state.learned.before.offset
         margin = ar.note("margin_m", ar.sub(ar.sub(left, distance), offset), DISTANCE_Q, "m")
 
@@ -261,6 +273,9 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         by_itself = ar.where(ar.gt(measured.level, self._cut), one, zero)
         spoiled = ar.where(ar.gt(ready, zero), zero, ar.maximum(measured.slide, by_itself))
         learned = self.learning.step(state.learned, ready, spoiled, measured.run, measured.error, distance_used)
+
+        taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
+        own = self.taught(own, first, taught, measured)
 
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
         return new, self._answer(state, stage, accel, start, margin, distance, speed)

@@ -34,6 +34,8 @@ GAMMA_LEAST = 0.3
 LAST_ERRORS = 8
 #: Format of variances.
 _VARIANCE_Q = 24
+#: Format of the gain, which may be above 2.
+_GAMMA_Q = 28
 VERSION = 1
 
 
@@ -94,6 +96,8 @@ class Learning(Generic[T]):
 
     :param values: the memory, None before the first run. :param gamma: fixed gain, 0: max(1/j, 0.3).
     :param sigmas: width of the innovation test, 0: none. :param active: False: the record is used, and never changed.
+    :param report_sigma_m: scatter of a stop and its measurement that does not repeat: the gain is multiplied with the
+        share of the variance of the last errors that is beyond it, so that nothing is learned from noise. 0: it is not.
     :param first_offset_m: offset before the first run (a cold start should undershoot).
     """
 
@@ -104,6 +108,7 @@ class Learning(Generic[T]):
         *,
         gamma: float,
         sigmas: float = 0.0,
+        report_sigma_m: float = 0.0,
         active: bool = True,
         first_offset_m: float = 0.0,
     ) -> None:
@@ -111,6 +116,7 @@ class Learning(Generic[T]):
         self._stored = stored_records(values)
         self._fixed = gamma
         self._sigmas = sigmas
+        self._shrinks = report_sigma_m > 0.0
         self._active = active
         hold = numbers.hold
         memory = "memory"
@@ -127,10 +133,12 @@ class Learning(Generic[T]):
                 )
         self._edges = [hold(f"load_class_{n}", edge, 0, "law") for n, edge in enumerate(_EDGES_PERCENT, 1)]
         self._slots = [[hold(f"slot_{n}_{wet}", n + CLASSES * wet, 0, "law") for wet in (0, 1)] for n in range(CLASSES)]
-        self._gamma = hold("gamma", gamma, GAIN_Q, "parameters")
-        self._least = hold("gamma_least", GAMMA_LEAST, GAIN_Q, "law")
+        self._gamma = hold("gamma", gamma, _GAMMA_Q, "parameters")
+        self._least = hold("gamma_least", GAMMA_LEAST, _GAMMA_Q, "law")
         self._step = [hold(f"step_{sign}", sign * STEP_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
         self._most = [hold(f"offset_{sign}", sign * OFFSET_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
+        self._noise = hold("report_variance", report_sigma_m**2, _VARIANCE_Q, "parameters")
+        self._no_variance = hold("variance_0", 0.0, _VARIANCE_Q, "law")
         self._spread = [
             hold("variance_max", VARIANCE_MAX_M2, _VARIANCE_Q, "law"),
             hold("variance_min", VARIANCE_MIN_M2, _VARIANCE_Q, "law"),
@@ -163,28 +171,31 @@ class Learning(Generic[T]):
         """
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
         spoiled = ar.maximum(learned.spoiled, spoiled)
-        if not self._active:
-            return learned._replace(spoiled=spoiled)
         old = learned.before
         size = ar.abs(error)
         possible = ar.where(ar.gt(self._possible, size), ready, zero)
         new_run = ar.where(ar.gt(ar.abs(ar.sub(run, old.last_run)), zero), possible, zero)
         wanted = ar.where(ar.gt(run, zero), new_run, zero)
         wanted = ar.where(ar.gt(learned.learned, zero), zero, wanted)
+        if not self._active:
+            return learned._replace(spoiled=spoiled, learned=ar.maximum(learned.learned, wanted))
         usable = ar.where(ar.gt(spoiled, zero), zero, wanted)
         runs = ar.minimum(ar.add(old.runs, one), self._runs_max)
-        share = ar.maximum(ar.div(one, runs, GAIN_Q), self._least)
+        share = ar.maximum(ar.div(one, runs, _GAMMA_Q), self._least)
         gamma = share if not self._fixed else self._gamma
         limited = ar.clip(error, *self._five)
         surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, _VARIANCE_Q), old.variance)
-        variance = ar.clip(ar.add(old.variance, ar.mpy(surprise, share, GAIN_Q)), *self._spread)
+        variance = ar.clip(ar.add(old.variance, ar.mpy(surprise, share, _GAMMA_Q)), *self._spread)
+        if self._shrinks:
+            beyond = ar.maximum(ar.sub(variance, self._noise), self._no_variance)
+            gamma = ar.mpy(gamma, ar.div(beyond, variance, GAIN_Q), GAIN_Q)
         learns = usable
         if self._sigmas:
             spread = ar.convert(ar.sqrt(old.variance, _VARIANCE_Q), _VARIANCE_Q, DISTANCE_Q)
             width = ar.mpy(spread, self._squared, GAIN_Q - 8)
             limit = ar.minimum(width, ar.mpy(braking, self._share, GAIN_Q))
             learns = ar.where(ar.gt(size, limit), zero, usable)
-        move = ar.clip(ar.mpy(ar.clip(error, self._possible, ar.neg(self._possible)), gamma, GAIN_Q), *self._step)
+        move = ar.clip(ar.mpy(ar.clip(error, self._possible, ar.neg(self._possible)), gamma, _GAMMA_Q), *self._step)
         offset = ar.clip(ar.add(old.offset, move), *self._most)
         use, tell = ar.gt(learns, zero), ar.gt(usable, zero)
         after = Record(
@@ -236,6 +247,6 @@ class Learning(Generic[T]):
                 "runs": runs,
                 "last_run": last_run,
                 "last_errors_m": errors,
-                "gamma": number(learned.gamma, GAIN_Q),
+                "gamma": number(learned.gamma, _GAMMA_Q),
             }
         return {"version": VERSION, "records": [records[one] for one in sorted(records)]}

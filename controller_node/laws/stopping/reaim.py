@@ -46,6 +46,7 @@ class ReaimParameters(StopParameters):
     observer: bool = True
     balises: bool = True
     learning: bool = True
+    report_sigma_m: Annotated[float, Field(ge=0, le=10)] = 0.035
     #: Noise of a speed sample, and random walk of the disturbance, m/s2 in a second.
     noise_mps: Annotated[float, Field(gt=0, le=1)] = 0.01
     disturbance_walk: Annotated[float, Field(gt=0, le=1)] = 0.02

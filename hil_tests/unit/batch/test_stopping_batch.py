@@ -13,8 +13,9 @@ from railhil.batch.case import Case
 from railhil.batch.coupled import command_digest
 from railhil.batch.stopping.runs import Together, run_stops, run_together
 from railhil.controller_node.vector.controller import VectorController
-from railhil.scenarios.memory import Memory, no_memory
+from railhil.scenarios.memory import Memory, next_record, no_memory
 from railhil.scenarios.run_spec import LawSpec, RunSpec
+from railhil.supervisor.learned import kept_of
 from railhil.vector_bench import direct_run
 
 #: Everything that can be drawn or that the plant does is on.
@@ -69,11 +70,17 @@ def test_each_train_has_its_own_memory() -> None:
         ]
         found = run_together(scenario, specs)
         assert found == [alone(scenario, spec) for spec in specs]
-        kept = [one.kept or {} for one in found]
-        memories = [
-            memory.after(one["key"], one["values"], Path("memory")) for memory, one in zip(memories, kept, strict=True)
-        ]
-    assert len({str(one["values"]) for one in kept}) == 3
+        memories = [left(memory, one, number) for memory, one in zip(memories, found, strict=True)]
+    assert len({str((one.kept or {})["values"]) for one in found}) == 3
+
+
+def left(memory: Memory, run: Together, number: int) -> Memory:
+    """The memory after a run."""
+    assert run.kept is not None
+    kept = kept_of(run.kept)
+    record = next_record(memory.law, kept.key, kept.values, memory.at(kept.used), number)
+    assert record is not None
+    return memory.after(record, kept.used, kept.refused)
 
 
 def test_a_run_in_which_the_watch_acts_is_that_of_the_bench() -> None:

@@ -15,9 +15,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from hil_tests.support.dask_cluster import loopback_cluster
+from hil_tests.support.remembering import Learning
 from railhil.common.errors import InputError
 from railhil.common.exit_codes import PASS
+from railhil.scenarios.load import load_any
+from railhil.scenarios.run_spec import LawSpec, RunSpec
 from railhil.sequences.__main__ import main
+from railhil.sequences.one import runner_of, sequence, sequences, together_of
+from railhil.sequences.plan import Request, make_plan, run_specs
 
 pytestmark = pytest.mark.slow
 
@@ -101,6 +106,17 @@ def test_other_work_is_not_mixed_in(short: Path, tmp_path: Path) -> None:
         learn(short, tmp_path / "out", "--sequences", "1", "--runs", "2")
 
 
+def test_seeds_that_the_law_was_made_on_are_refused(short: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Learning, "design_seeds", {"benchmark_quick": range(9, 12)})
+    words = [str(short), "--controller", "learning", "--seed", "7", "--runs", "2", "--sequences"]
+    with pytest.raises(
+        InputError, match=r"--seed: found seed 9, on which learning's own.* allowed other seeds than 9 to"
+    ):
+        main([*words, "2"])
+    make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=1))
+    make_plan(Request(str(short), controller="learning", seed=7, runs=2, sequences=2, nominal=True))
+
+
 @pytest.mark.parametrize(
     ("words", "line"),
     [
@@ -121,3 +137,22 @@ def test_bad_input_is_one_line(words: tuple[str, ...], line: str, short: Path) -
     with pytest.raises(InputError, match=line) as refused:
         main([*scenario, *law, *words])
     assert len(str(refused.value).splitlines()) == 1
+
+
+def test_runs_made_together_are_those_made_one_by_one() -> None:
+    """System ``stop`` makes the same run of all sequences at once."""
+    scenario = load_any("yizhuang_stop")
+    base = RunSpec("yizhuang_stop", law=LawSpec("ilc_stop", "float64"), perturbed=True, bus="local")
+    wanted = [run_specs(base, scenario, seed, 2) for seed in (3, 4)]
+    assert together_of(scenario) is not None
+    found = {(place, number): run for place, number, run in sequences(scenario, wanted)}
+    assert [*found] == [(0, 1), (1, 1), (0, 2), (1, 2)]
+    for place, specs in enumerate(wanted):
+        for number, run in enumerate(sequence(scenario, specs, runner_of(scenario)), 1):
+            other = found[place, number]
+            assert (other.score, other.digest, other.record, other.left) == (
+                run.score,
+                run.digest,
+                run.record,
+                run.left,
+            )

@@ -34,6 +34,14 @@ class _Run(NamedTuple):
         rows = np.searchsorted(self.trace.times_s(port), self.approach.time_s + 1e-9, side="right")
         return np.asarray(values[rows], dtype=np.float64)
 
+    def error_mmps(self, port: str, signal: str) -> tuple[FloatArray, FloatArray]:
+        """A speed less the true one at the instants of its telegrams while the train moves: times (s), mm/s."""
+        time_s = self.trace.times_s(port)
+        rows = np.searchsorted(self.approach.time_s, time_s + 1e-9, side="right") - 1
+        true_mps = self.approach.speed_mps[rows]
+        moving = (true_mps > 0.0) & (rows >= 0)
+        return time_s[moving], ((self.trace.values(port, signal) - true_mps) * 1000.0)[moving]
+
 
 def pictures(scenario: Any, runs: Sequence[Any]) -> list[Picture]:
     """All figures, for all runs that can be drawn; empty if there is none."""
@@ -92,14 +100,9 @@ def _last(runs: Sequence[_Run]) -> Picture:
 
 def _speed(runs: Sequence[_Run]) -> Picture:
     def error(axes: Axes) -> None:
-        for number, run in enumerate(runs):
-            moving = run.approach.speed_mps > 0.0
-            time_s, true_mps = run.approach.time_s[moving], run.approach.speed_mps[moving]
-            if number == 0:
-                raw = (run.at(SpeedRaw.PORT, "Speed5")[moving] - true_mps) * 1000.0
-                line(axes, time_s, raw, color="0.8", linewidth=0.8, label="one sample")
-            told = (run.at(AtoState.PORT, "AtoSpeed")[moving] - true_mps) * 1000.0
-            line(axes, time_s, told, label=run.label, **run.style.line)
+        line(axes, *runs[0].error_mmps(SpeedRaw.PORT, "Speed5"), color="0.8", linewidth=0.8, label="one sample")
+        for run in runs:
+            line(axes, *run.error_mmps(AtoState.PORT, "AtoSpeed"), label=run.label, **run.style.line)
         axes.set(ylabel="speed error (mm/s)", xlabel="time (s)")
 
     caption = "Speed that the law estimates, and one raw sample, less the true speed."

@@ -131,3 +131,22 @@ def test_another_version_and_two_records_of_one_kind_are_refused():
         stored_records({**values, "version": 2})
     with pytest.raises(ValueError, match="each once"):
         stored_records({**values, "records": values["records"] * 2})
+
+
+def test_where_only_scatter_is_left_little_is_learned():
+    values = None
+    for run in range(1, 9):
+        values = ran(values, 0.03 * (-1) ** run, run=run, report_sigma_m=0.035)
+    settled = record(values)
+    assert settled["gamma"] == 0.0
+    # An error that comes again is beyond the scatter, and is learned.
+    for run in range(9, 12):
+        values = ran(values, 0.3, run=run, report_sigma_m=0.035)
+    assert record(values)["gamma"] > 0.45
+    assert record(values)["offset_m"] > settled["offset_m"] + 0.3
+
+
+def test_a_gain_that_cannot_converge_can_be_tried():
+    assert record(ran(error_m=1.0, gamma=2.0))["offset_m"] == 2.0
+    learning = Learning(Numbers(make("iq")), None, gamma=3.0)
+    assert learning.memory(learning.start(0, 0)) == {"version": 1, "records": []}
