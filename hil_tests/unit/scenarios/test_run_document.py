@@ -203,9 +203,9 @@ def test_the_table_of_the_documents_is_the_one_of_the_code() -> None:
 def test_a_run_with_a_store_has_the_next_number(tmp_path: Path) -> None:
     """Where runs have numbers; a number that is given is used, so that a run that was broken off can be made again."""
     store = MemoryStore(tmp_path / "store")
-    words = ("yizhuang_stop", "--memory", str(store.path))
+    words = ("yizhuang_stop", "--controller", "ilc_stop", "--memory", str(store.path))
     assert asked(*words).run_number == 1
-    store.write(Record("one_shot", "here", 3, 7, {}), store.read("one_shot"), "", {})
+    store.write(Record("ilc_stop", "here", 3, 7, {}), store.read("ilc_stop"), "", {})
     assert asked(*words).run_number == 8
     assert asked(*words, "--run-number", "7").run_number == 7
     assert asked("lvshun_tieshan", "--memory", str(tmp_path / "other")).run_number == 1
