@@ -70,16 +70,18 @@ def test_an_export_in_an_arithmetic_that_the_law_has_not_is_refused(tmp_path):
 
 @pytest.mark.slow
 def test_runs_of_the_bench_learn_from_each_other_and_not_twice_from_one(tmp_path):
-    memory = tmp_path / "memory.json"
+    store = tmp_path / "store"
     settings = [word for setting in (*SHORT, "task.start_m=2560") for word in ("--set", setting)]
     common = ("run", "yizhuang_stop", "--controller", "ilc_stop", *settings, "--bus", "local", "--no-report")
     errors, kept = [], []
     for place, number in enumerate((1, 2, 2)):
-        words = ("--run-number", number, "--memory", memory, "--out", tmp_path / str(place))
+        folder = tmp_path / str(place)
+        words = ("--run-number", number, "--memory", store, "--out", folder)
         assert railhil(*common, *words).exit_code in (0, 1)
-        score = json.loads((tmp_path / str(place) / "score.json").read_text(encoding="utf-8"))
+        score = json.loads((folder / "score.json").read_text(encoding="utf-8"))
         errors.append(abs(score["signed"]["stop_error_m"]))
-        kept.append(json.loads(memory.read_text(encoding="utf-8"))["values"]["records"])
+        after = folder / "memory.json"
+        kept.append(json.loads(after.read_text(encoding="utf-8"))["values"]["records"] if after.exists() else [])
     assert errors[1] < 0.8 * errors[0]
-    assert [[one["last_run"] for one in records] for records in kept] == [[1], [2], [2]]
-    assert kept[1] == kept[2]
+    # The second run again leaves nothing: it has been learned.
+    assert [[one["last_run"] for one in records] for records in kept] == [[1], [2], []]
