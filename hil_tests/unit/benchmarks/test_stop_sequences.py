@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.stopping import DEFAULT, Sequences, changed, converged
+from benchmarks.stop_sequences import DEFAULT, Sequences, changed, converged
 from hil_tests.support.stops import EXACT, FLAT, SHORT, stop_scenario
 from railhil.controller_node.laws.stopping.ilc_stop import IlcStop, IlcStopParameters
 from railhil.controller_node.laws.stopping.reaim import Reaim, ReaimParameters
