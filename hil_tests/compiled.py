@@ -15,7 +15,7 @@ from hil_tests.support.paths import ROOT
 from railhil.library import campaign
 
 #: A short scenario of each system with compiled loops, and a law that is quickly made.
-BATCHES = {"yizhuang_05": "ipfc", "hst_short": "pid"}
+BATCHES = {"yizhuang_05": "ipfc", "hst_short": "pid", "yizhuang_stop": "ilc_stop"}
 _COLLECT = [sys.executable, "-m", "pytest", "--collect-only", "-qq"]
 
 
