@@ -195,17 +195,20 @@ for number in range(1, 6):
     run(number)
     took_s = min(took_s, time.perf_counter() - begun)
 number, kills, ended = 6, 0, 0
-while kills < 200:
+# How long a child lives is found while it runs, so that on any machine about half of them come to their end.
+span_s = 2 * took_s
+while kills < 200 or number <= 20:
     child = os.fork()
     if child == 0:
         run(number)
         os._exit(0)
-    time.sleep(random.uniform(0, 2 * took_s))
+    time.sleep(random.uniform(0, span_s))
     os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
     killed = os.WIFSIGNALED(status)
     kills += killed
     ended += not killed
+    span_s *= 1.05 if killed else 0.95
     found = store.read("mylaw")
     assert not any(one.fault for one in found.stored), found
     newest = found.newest
@@ -224,9 +227,9 @@ def test_killed_200_times_while_writing_there_is_always_a_slot_and_nothing_is_le
         [sys.executable, "-c", _KILLED, str(store)], capture_output=True, text=True, check=False, timeout=120
     )
     assert done.returncode == 0, done.stderr
-    kills, _, number = map(int, done.stdout.split())
-    assert kills == 200
-    assert number > 20, "some writes came to their end"
+    kills, ended, number = map(int, done.stdout.split())
+    assert kills >= 200
+    assert ended
     # What is left of killed writes goes with the next one.
     found = MemoryStore(store).read("mylaw")
     newest = found.stored[0]
