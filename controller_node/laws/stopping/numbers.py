@@ -26,17 +26,21 @@ class Numbers(Generic[T]):
     def __init__(self, arithmetic: Arithmetic[T]) -> None:
         self.ar = arithmetic
         self.constants: list[Constant] = []
+        self._operands: dict[tuple[str, float, int], T] = {}
         self.zero = self.hold("zero", 0.0, 0, "law")
         self.one = self.hold("one", 1.0, 0, "law")
         self.fastest = self.hold("fastest", FASTEST_MPS, SPEED_Q, "law")
         self.slowest = self.hold("minus_fastest", -FASTEST_MPS, SPEED_Q, "law")
 
     def hold(self, name: str, value: float, q: int, origin: str) -> T:
-        """A constant as an operand."""
+        """A constant as an operand; the same one for the same name, value and format."""
+        key = (name, float(value), q)
+        if (known := self._operands.get(key)) is not None:
+            return known
         constant = Constant(name, float(value), q, origin)
-        if constant not in self.constants:
-            self.constants.append(constant)
-        return self.ar.const(constant)
+        self.constants.append(constant)
+        self._operands[key] = operand = self.ar.const(constant)
+        return operand
 
     def hold_all(self, name: str, values: Sequence[float], q: int, origin: str) -> tuple[T, ...]:
         """Several constants: ``name[0]``, ``name[1]``, ..."""

@@ -93,9 +93,11 @@ def up(folder: Path, *overrides: str, volumes: bool = False, **variables: str) -
     done = compose(folder, *files, "up", "--no-color", "--exit-code-from", "supervisor", **variables)
     names = containers()
     found = json.loads(docker("inspect", *names)) if names else []
+    # What `up` shows of a short container may lack lines; the engine has them all.
+    said = compose(folder, *files, "logs", "--no-color").stdout if names else done.stdout
     down = compose(folder, *files, "down", *([] if volumes else ["--volumes"]))
     assert down.returncode == 0, down.stderr
-    return Up.of(folder / "runs", done.returncode, done.stdout + done.stderr, found)
+    return Up.of(folder / "runs", done.returncode, said + done.stderr, found)
 
 
 def traces_on_host() -> set[str]:
