@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from railhil.bus.hub.modelled import sentence
+from railhil.bus.select import HUB_INTERFACE, PIPES
 
 LIMITS = {
     "local": "no bus at all: one process, no latency, nothing is lost or late, no node dies alone; lockstep only",
+    "railhil pipes": "no bus between the processes: no bit rate, no arbitration, no bit errors, no other client; "
+    "lockstep only",
     "railhil": sentence(),
     "socketcan vcan": "no bit rate, no arbitration delay, no bit errors, no bus-off; a small buffer can drop frames",
     "socketcan can": "real bus: errors, bus-off and ENOBUFS happen; timing is the adapter's and the kernel's",
@@ -20,6 +23,8 @@ _SERIAL = ("slcan", "serial", "robotell")
 def limits_of(transport: str) -> str:
     """The sentence for a transport ``interface:channel``."""
     interface, _, channel = transport.partition(":")
+    if (interface, channel) == (HUB_INTERFACE, PIPES):
+        return LIMITS["railhil pipes"]
     if interface == "socketcan":
         return LIMITS["socketcan vcan" if channel.startswith("vcan") else "socketcan can"]
     return LIMITS["slcan, serial adapters"] if interface in _SERIAL else LIMITS.get(interface, _OTHER)

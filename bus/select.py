@@ -20,6 +20,8 @@ from railhil.common.errors import InputError, Words
 #: Name of the hub's python-can interface.
 HUB_INTERFACE = "railhil"
 _DEFAULT_VCAN = "vcan0"
+#: Channel of this interface between the nodes of one run: pipes, no hub.
+PIPES = "pipes"
 #: Used instead of an interface: all nodes run in one process, nothing is opened.
 LOCAL = "local"
 
@@ -27,12 +29,18 @@ LOCAL = "local"
 @dataclass(frozen=True, slots=True)
 class BusChoice:
     """``config``: keyword arguments of ``can.Bus``; ``reason``: one clause; ``needs_hub``: the caller must start the
-    hub."""
+    hub; ``needs_pipes``: it must make the pipes between the nodes."""
 
     config: dict[str, Any]
     reason: str
     needs_hub: bool = False
     arguments: list[str] = field(default_factory=list)
+    needs_pipes: bool = False
+
+    @property
+    def is_private(self) -> bool:
+        """True for a bus that exists for this run alone: nobody else is on it, and nothing is lost there."""
+        return self.needs_hub or self.needs_pipes
 
     @property
     def transport(self) -> str:
@@ -128,6 +136,12 @@ def no_bus(namespace: argparse.Namespace, pace: str) -> BusChoice:
     if pace != "lockstep":
         raise InputError("command line", "--bus local", pace, "--pace lockstep beside it")
     return BusChoice({"interface": LOCAL}, "all nodes in this process, as asked for")
+
+
+def own_pipes() -> BusChoice:
+    """The choice for a run in lockstep whose nodes are all started by the caller, with nobody else on the bus."""
+    config = {"interface": HUB_INTERFACE, "channel": PIPES}
+    return BusChoice(config, "lockstep on this machine, nobody else on the bus: no hub needed", needs_pipes=True)
 
 
 def _configured(given: dict[str, Any]) -> dict[str, Any]:

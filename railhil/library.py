@@ -192,7 +192,7 @@ def run(
     spec, loaded = checked_spec(spec)
     if no_controller and spec.is_local:
         raise InputError("railhil.run", "no_controller", Words("a run in this process"), "a bus beside it")
-    with chosen_bus(namespace, spec, no_controller) as choice:
+    with chosen_bus(namespace, spec, loaded, no_controller) as choice:
         folder, made = run_folder(None if out is None else str(out), loaded.name, spec.law.controller)
         spec = placed(spec, folder)
         how = StartUp(foreign=no_controller)

@@ -12,7 +12,7 @@ from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.wire import ROLES
 from railhil.bus.link.base import Link
 from railhil.bus.link.outage import TIMEOUTS, Timeouts
-from railhil.bus.select import HUB_INTERFACE
+from railhil.bus.select import HUB_INTERFACE, PIPES
 from railhil.common.plain_text import plain
 
 
@@ -36,6 +36,10 @@ def open_link(config: dict[str, Any], name: str = "bus", *, timeouts: Timeouts =
             print(plain(f"{name}: {line}"), file=sys.stderr, flush=True)
 
     # Import only what the interface needs, so that nodes start quickly.
+    if own and str(config.get("channel", "")).startswith(f"{PIPES}:"):
+        from railhil.bus.link.pipes import Ends, PipeLink
+
+        return PipeLink(Ends.parse(config["channel"]), name, say)
     try:
         bus = reopen()
         if hasattr(bus, "send_frames"):

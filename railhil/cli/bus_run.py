@@ -13,7 +13,7 @@ import can
 from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
-from railhil.bus.select import BusChoice, choose_bus, no_bus
+from railhil.bus.select import BusChoice, choose_bus, no_bus, own_pipes
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
 from railhil.common.errors import InputError, Words
@@ -124,9 +124,11 @@ def require_interface(choice: BusChoice) -> None:
 
 
 @contextmanager
-def chosen_bus(namespace: argparse.Namespace, spec: RunSpec, attach: bool = False) -> Iterator[BusChoice]:
+def chosen_bus(
+    namespace: argparse.Namespace, spec: RunSpec, scenario: AnyScenario, attach: bool = False
+) -> Iterator[BusChoice]:
     """The bus of one run, from python-can's options if given; the socket of the run's own hub is in a temporary
-    folder.
+    folder. A run in lockstep that would get a hub unasked, and injects nothing, needs none: its nodes get pipes.
 
     :raises InputError: the chosen bus cannot carry a run.
     """
@@ -140,6 +142,8 @@ def chosen_bus(namespace: argparse.Namespace, spec: RunSpec, attach: bool = Fals
         if interface == "virtual":
             allowed = "an interface that other processes can open"
             raise InputError("command line", "--interface", interface, allowed)
+        if choice.needs_hub and "interface" not in namespace and not spec.is_realtime and not scenario.faults:
+            choice = own_pipes()
         yield choice
 
 
@@ -185,7 +189,7 @@ def recorded(
             raise NeverBegan(result.line or "no frame came", result.exit_code)
         complete(scenario, result, run.trace)
         if keep:
-            arguments = [] if choice.needs_hub else choice.arguments
+            arguments = [] if choice.is_private else choice.arguments
             write_results(folder, scenario, spec, start_up, result, run.trace, arguments)
     if run.stop.number:
         run.stopped_exit_code = 128 + run.stop.number

@@ -148,7 +148,7 @@ def work(namespace: argparse.Namespace) -> int:
     codes: list[int] = []
     try:
         for spec in plan:
-            with chosen_bus(namespace, spec) as choice:
+            with chosen_bus(namespace, spec, scenario) as choice:
                 if folder is None:
                     folder, made = run_folder(namespace.out, scenario.name, "compare")
                     console.say(f"bus: {choice.transport} ({choice.reason})")

@@ -42,7 +42,7 @@ def run_into(
     :raises SystemExit: a signal has ended the run.
     """
     scenario = spec.load()
-    with chosen_bus(namespace, spec) as choice:
+    with chosen_bus(namespace, spec, scenario) as choice:
         folder.mkdir(parents=True, exist_ok=True)
         run, result = recorded(scenario, spec, how, choice, folder, False, _QUIET, True, keep=keep)
     if run.stopped_exit_code:

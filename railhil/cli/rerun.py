@@ -48,7 +48,7 @@ def work(namespace: argparse.Namespace) -> int:
     notes += [changed] if changed else []
     for note in notes:
         console.say(f"note: {note}")
-    with chosen_bus(namespace, spec) as choice:
+    with chosen_bus(namespace, spec, scenario) as choice:
         kept = namespace.out is not None
         place = namespace.out if kept else tempfile.mkdtemp(prefix="railhil-rerun-")
         folder, made = run_folder(place, scenario.name, spec.law.controller)

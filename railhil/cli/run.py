@@ -125,7 +125,7 @@ def work(namespace: argparse.Namespace) -> int:
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
     console = Output(stderr=namespace.json)
-    with chosen_bus(namespace, spec, how.attach or how.foreign) as choice:
+    with chosen_bus(namespace, spec, scenario, how.attach or how.foreign) as choice:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal

@@ -99,7 +99,7 @@ def _one(
 ) -> tuple[Made, RunResult]:
     """:raises Broken: the run is not trustworthy, or was stopped."""
     spec = replace(spec, law=replace(spec.law, memory=memory))
-    with chosen_bus(bus, spec) as choice:
+    with chosen_bus(bus, spec, scenario) as choice:
         run_folder(str(place), scenario.name, spec.law.controller)
         done, result = recorded(scenario, spec, how, choice, place, True, console, True)
     if done.stopped_exit_code or not result.trusted:

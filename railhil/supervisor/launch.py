@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from railhil.bus.select import BusChoice
+from railhil.bus.link.pipes import Pipes
+from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.common.scheduling import HUB_PRIORITY, NODE_PRIORITY
 from railhil.faults.parsed import parsed
 from railhil.scenarios.run_spec import RunSpec
@@ -42,10 +43,18 @@ def start_hub(nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, 
 
 
 def start_nodes(
-    nodes: Nodes, run: RunSpec, start_up: StartUp, choice: BusChoice, folder: Path, *, faulty: bool = False
+    nodes: Nodes,
+    run: RunSpec,
+    start_up: StartUp,
+    choice: BusChoice,
+    folder: Path,
+    *,
+    faulty: bool = False,
+    pipes: Pipes | None = None,
 ) -> None:
     """Start plant and controller; what they measure goes into the run folder.
 
+    :param pipes: between the nodes, instead of a bus.
     :param faulty: something is injected: the nodes log it, and the controller needs the seed.
     """
     patience = ["--patience", str(run.patience_s)]
@@ -60,14 +69,32 @@ def start_nodes(
         plant += ["--timing-file", str(folder / TIMING)]
     plant += ["--sent-file", str(sent_file(folder, "plant"))]
     ours = ["supervisor"] if start_up.foreign else ["supervisor", "controller"]
-    nodes.start("plant", "railhil.plant_sim", plant + logged + choice.arguments, watches=ours)
+    _start(nodes, "plant", "railhil.plant_sim", plant + logged, choice, pipes, ours)
     if start_up.foreign:
         return
     law = [*run.law.words, "--telemetry", str(folder / TELEMETRY), *patience]
     law += ["--sent-file", str(sent_file(folder, "controller"))]
     law += _scheduling(run, start_up, NODE_PRIORITY)
     law += [*logged, "--seed", str(run.seed)] if faulty else []
-    nodes.start("controller", "railhil.controller_node", [*run.scenario_words, *law, *choice.arguments])
+    _start(nodes, "controller", "railhil.controller_node", [*run.scenario_words, *law], choice, pipes)
+
+
+def _start(
+    nodes: Nodes,
+    role: str,
+    module: str,
+    words: list[str],
+    choice: BusChoice,
+    pipes: Pipes | None,
+    watches: Sequence[str] = (),
+) -> None:
+    if pipes is None:
+        nodes.start(role, module, [*words, *choice.arguments], watches)
+        return
+    ends = pipes.ends[role]
+    words += ["-i", HUB_INTERFACE, "-c", ends.channel]
+    nodes.start(role, module, words, watches, inherited=ends.descriptors)
+    pipes.handed_over(role)
 
 
 def longest_stop_s(texts: Iterable[str]) -> float:

@@ -11,6 +11,7 @@ from typing import Any
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link, open_link
+from railhil.bus.link.pipes import Pipes
 from railhil.bus.order import BusOrder
 from railhil.bus.select import HUB_INTERFACE, BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
@@ -163,6 +164,8 @@ class Run:
     def _join(self, nodes: Nodes) -> Link:
         """Start the nodes and open the bus; an existing bus is checked first."""
         lockstep = not self.spec.is_realtime
+        if self.choice.needs_pipes:
+            return self._join_by_pipes(nodes)
         if self.choice.needs_hub:
             start_hub(nodes, self.spec, self.start_up, self.choice, self.scenario.faults)
         elif not self.start_up.attach:
@@ -178,9 +181,23 @@ class Run:
         self._start(nodes)
         return open_recorder(self.choice, nodes, lockstep, self._open_bus)
 
-    def _start(self, nodes: Nodes) -> None:
+    def _join_by_pipes(self, nodes: Nodes) -> Link:
+        """Start the nodes with pipes between them."""
+        pipes = Pipes()
+        try:
+            self._start(nodes, pipes)
+            config = self.choice.config | {"channel": pipes.ends["supervisor"].channel}
+            link = self._open_bus(config, "supervisor")
+            pipes.own()
+        finally:
+            pipes.close()
+        link.lossless = True
+        return link
+
+    def _start(self, nodes: Nodes, pipes: Pipes | None = None) -> None:
         if not self.start_up.attach:
-            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=bool(self.scenario.faults))
+            faulty = bool(self.scenario.faults)
+            start_nodes(nodes, self.spec, self.start_up, self.choice, self.folder, faulty=faulty, pipes=pipes)
 
     def _verdict_line(self, nodes: Nodes, counters: dict[str, int]) -> tuple[str, bool]:
         """The line that explains a run without a score, and whether it was refused as bad input."""
@@ -212,7 +229,7 @@ class Run:
     ) -> RunResult:
         session = self.session
         # Whatever has ended the run, a frame that nobody sent is no evidence; missing ones have many reasons.
-        complete = self.choice.needs_hub and not self.spec.is_realtime and not line
+        complete = self.choice.is_private and not self.spec.is_realtime and not line
         # Between two lines a recorder may lose a frame, and a sender that errors take off the bus does not know it.
         complete = complete and not needs_orders(self.scenario.faults)
         senders = Senders(self.folder, self.trace.contract, complete=complete)

@@ -1,0 +1,203 @@
+"""The pipes between the processes of one run: order, ends of nodes, full inboxes, strangers."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import stat
+from collections.abc import Iterator
+
+import pytest
+
+from railhil.bus.errors import BusLost, BusUnavailable
+from railhil.bus.frame import Frame
+from railhil.bus.hub.wire import ROLES
+from railhil.bus.ident import Role
+from railhil.bus.limits import LIMITS, limits_of
+from railhil.bus.link import open_link
+from railhil.bus.link import pipes as module
+from railhil.bus.link.pipes import Ends, PipeLink, Pipes
+from railhil.bus.mvb import F_DEVICE_STATUS, master_frame
+from railhil.bus.select import own_pipes
+
+POLL = master_frame(1, 0x110)
+SUPERVISOR_POLL = master_frame(F_DEVICE_STATUS, Role.SUPERVISOR)
+ANSWER = Frame(0x110, b"\x01\x02")
+COMMAND = Frame(0x108, b"\x03")
+NODES = ("plant", "controller", "supervisor")
+
+
+def descriptors() -> set[str]:
+    return set(os.listdir("/proc/self/fd"))
+
+
+@pytest.fixture
+def links() -> Iterator[dict[str, PipeLink]]:
+    """One link for each node, with descriptors of its own as after a start."""
+    before = descriptors()
+    pipes = Pipes()
+    copies = {
+        role: Ends(os.dup(ends.inbox), {name: os.dup(end) for name, end in ends.others.items()}, os.dup(ends.bell))
+        for role, ends in pipes.ends.items()
+    }
+    pipes.close()
+    made = {role: PipeLink(ends, role) for role, ends in copies.items()}
+    yield made
+    for link in made.values():
+        link.close()
+    assert descriptors() == before
+
+
+def heard(links: dict[str, PipeLink]) -> dict[str, list[Frame]]:
+    return {role: links[role].receive(0.0) for role in NODES}
+
+
+def test_every_other_node_gets_each_frame_in_one_order(links: dict[str, PipeLink]) -> None:
+    links["plant"].send([COMMAND, POLL])
+    assert links["controller"].receive(0.0) == [COMMAND, POLL]
+    links["controller"].send([ANSWER])
+    links["supervisor"].send([COMMAND])
+    assert heard(links) == {
+        "plant": [ANSWER, COMMAND],
+        "controller": [COMMAND],
+        "supervisor": [COMMAND, POLL, ANSWER],
+    }
+    assert heard(links) == {role: [] for role in NODES}
+
+
+@pytest.mark.parametrize(
+    ("role", "frame", "order"),
+    [
+        ("plant", POLL, ["supervisor", "controller"]),
+        ("plant", SUPERVISOR_POLL, ["controller", "supervisor"]),
+        ("controller", ANSWER, ["supervisor", "plant"]),
+        ("supervisor", COMMAND, ["controller", "plant"]),
+    ],
+)
+def test_who_acts_on_a_frame_gets_it_last(
+    links: dict[str, PipeLink], monkeypatch: pytest.MonkeyPatch, role: str, frame: Frame, order: list[str]
+) -> None:
+    """Otherwise its answer could overtake the frame, in the record or at the third node."""
+    written: list[int] = []
+    monkeypatch.setattr(module.os, "write", lambda end, packet: written.append(end))
+    links[role].send([frame])
+    names = {end: name for name, end in links[role]._ends.others.items()}
+    assert [names[end] for end in written] == order
+
+
+def test_the_supervisor_sleeps_until_it_is_asked(links: dict[str, PipeLink]) -> None:
+    bell = links["supervisor"]._ends.bell
+    links["plant"].send([POLL])
+    links["controller"].send([ANSWER])
+    with pytest.raises(BlockingIOError):
+        os.eventfd_read(bell)
+    links["plant"].send([SUPERVISOR_POLL])
+    assert links["supervisor"].receive(10.0) == [POLL, ANSWER, SUPERVISOR_POLL]
+
+
+def test_what_a_node_sent_outlives_it(links: dict[str, PipeLink]) -> None:
+    links["controller"].send([ANSWER])
+    links["controller"].close()
+    assert not links["plant"].has_ended("controller"), "its answer is still to be read"
+    assert links["plant"].receive(0.0) == links["supervisor"].receive(0.0) == [ANSWER]
+    assert links["plant"].has_ended("controller")
+    assert links["supervisor"].has_ended("controller")
+    assert not links["supervisor"].has_ended("plant")
+    links["plant"].send([POLL])
+    assert links["supervisor"].receive(0.0) == [POLL], "the train goes on without its controller"
+
+
+@pytest.mark.parametrize("role", ["plant", "controller"])
+def test_a_node_that_is_left_alone_ends(links: dict[str, PipeLink], role: str) -> None:
+    for other in set(ROLES) - {role}:
+        links[other].close()
+    with pytest.raises(BusLost, match="pipes of this run: the other nodes have ended"):
+        links[role].receive(10.0)
+    with pytest.raises(BusLost, match="cannot send: the other nodes have ended"):
+        links[role].send([ANSWER])
+
+
+def test_the_supervisor_left_alone_only_hears_nothing(links: dict[str, PipeLink]) -> None:
+    links["plant"].close()
+    links["controller"].close()
+    links["supervisor"].send([COMMAND])
+    assert links["supervisor"].receive(0.0) == []
+
+
+def test_a_node_that_does_not_read_is_given_up(links: dict[str, PipeLink], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "PATIENCE_S", 0.01)
+    looks: list[int] = []
+    links["plant"].while_waiting = lambda: looks.append(1)
+
+    def fill() -> None:
+        for _ in range(10_000):
+            links["plant"].send([POLL] * 256)
+            links["supervisor"].receive(0.0)
+
+    with pytest.raises(BusLost, match="controller has not read for"):
+        fill()
+    assert looks
+
+
+def test_a_full_inbox_is_waited_for(links: dict[str, PipeLink]) -> None:
+    packets = 1
+
+    def read_on() -> None:
+        frames.extend(links["controller"].receive(0.0))
+
+    frames: list[Frame] = []
+    links["plant"].while_waiting = read_on
+    while not links["plant"].counters["send_retries"]:
+        links["plant"].send([POLL] * 256)
+        links["supervisor"].receive(0.0)
+        packets += 1
+    while more := links["controller"].receive(0.0):
+        frames += more
+    assert len(frames) == (packets - 1) * 256
+
+
+def test_bytes_of_a_stranger_end_the_run(links: dict[str, PipeLink]) -> None:
+    """Another process of the same user could open the pipe under /proc."""
+    os.write(links["plant"]._ends.others["controller"], b"stranger")
+    with pytest.raises(BusLost, match="8 bytes read, allowed: frames of 16"):
+        links["controller"].receive(0.0)
+
+
+def test_only_their_owner_may_open_the_pipes() -> None:
+    pipes = Pipes()
+    try:
+        for ends in pipes.ends.values():
+            assert stat.S_IMODE(os.fstat(ends.inbox).st_mode) == 0o600
+            assert not any(os.get_inheritable(end) for end in ends.descriptors)
+    finally:
+        pipes.close()
+
+
+def test_nothing_is_left_open_when_pipes_cannot_be_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = descriptors()
+
+    def refused(*_: int) -> int:
+        raise OSError(24, "too many open files")
+
+    monkeypatch.setattr(module.os, "eventfd", refused)
+    with pytest.raises(BusUnavailable, match="pipes between the nodes: too many open files"):
+        Pipes()
+    assert descriptors() == before
+
+
+@pytest.mark.parametrize("channel", ["pipes:", "pipes:1,plant", "pipes:x,plant=1,2", "pipes:9999,plant=9999,9999"])
+def test_a_channel_without_pipes_is_refused_in_one_line(channel: str) -> None:
+    with pytest.raises(BusUnavailable, match="found no pipes of this process; railhil run makes them"):
+        open_link({"interface": "railhil", "channel": channel}, "plant")
+
+
+def test_a_channel_names_the_ends() -> None:
+    pipes = Pipes()
+    with contextlib.closing(pipes):
+        for ends in pipes.ends.values():
+            assert Ends.parse(ends.channel) == ends
+
+
+def test_its_limits_are_told() -> None:
+    assert limits_of(own_pipes().transport) == LIMITS["railhil pipes"]
+    assert own_pipes().is_private
