@@ -49,6 +49,20 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--quick", action="store_true", help="few repetitions of an 8 s run: a check, not a measurement"
     )
+    parser.add_argument(
+        "--history",
+        type=Path,
+        metavar="FILE",
+        help="add the figures to FILE, and say which are worse than the last ones",
+    )
+    parser.add_argument(
+        "--counting",
+        type=int,
+        choices=range(65),
+        default=0,
+        metavar="N",
+        help="with N processes beside that only count",
+    )
     return parser
 
 
@@ -127,15 +141,30 @@ def work() -> int:
         console.print(
             "QUICK      few repetitions: a check that the benchmarks work, not a measurement", highlight=False
         )
+    if namespace.counting:
+        console.print(f"LOAD       {namespace.counting} processes beside that only count", highlight=False)
+    history = _module("history")
+    before = [] if namespace.history is None else history.read(namespace.history)
     results = {}
-    for name in names:
-        results[name] = run(name, namespace.quick)
-        if not namespace.json:
-            _print(console, results[name])
+    with _module("counting").counting(namespace.counting):
+        for name in names:
+            results[name] = run(name, namespace.quick)
+            if not namespace.json:
+                _print(console, results[name])
+    description = {
+        **asdict(machine),
+        "busy": machine.busy,
+        "warning": machine.warning,
+        "counting": namespace.counting,
+    }
+    document = {"machine": description, "quick": namespace.quick, "benchmarks": results}
     if namespace.json:
-        description = {**asdict(machine), "busy": machine.busy, "warning": machine.warning}
-        document = {"machine": description, "quick": namespace.quick, "benchmarks": results}
         print(json.dumps(document, indent=2, allow_nan=False))
+    if namespace.history is not None:
+        line = history.entry(document)
+        for loss in history.losses(before, line):
+            console.print(f"LOSS       {loss}", style="bold yellow", highlight=False, soft_wrap=True)
+        history.append(namespace.history, line)
     return 0
 
 

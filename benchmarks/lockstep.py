@@ -1,9 +1,11 @@
-"""A complete lockstep run: three processes over the hub, and the same run in one process without sockets."""
+"""A complete lockstep run: three processes over pipes and over the hub, and the same run in one process."""
 
 from __future__ import annotations
 
+import resource
 import time
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,18 +13,23 @@ from benchmarks.figures import Figure, MeasurementError, Setting, median
 from benchmarks.processes import RunCommand
 from railhil.bench import local_run
 from railhil.bus.frame import Frame
+from railhil.bus.select import HUB_INTERFACE
 from railhil.scenarios.model import Scenario
 from railhil.scenarios.run_spec import LawSpec, RunSpec
 
 TITLE = "lockstep run"
 METHOD = (
-    "`railhil run` (law ipfc, recording on) as plant, controller and supervisor over the hub on a Unix socket, three "
-    "runs. Speed factor: simulated seconds per wall second from the first to the last frame. One process: same nodes "
-    "and recorder, codec and stores included, frames handed over by function call; log hashes are checked to be equal. "
-    "Whole command: Python's start, the run, the score and all files of the run folder. "
-    "High-speed train (law pid, float64): three runs of the first two minutes of its journey, and one of all of it."
+    "`railhil run` (law ipfc, recording on) as plant, controller and supervisor over pipes (the default) and over the "
+    "hub on a Unix socket, in turns, three runs each. Processor time and context switches: of the whole command with "
+    "all its processes, start and files included; they say more than wall times on a shared machine. Speed factor: "
+    "simulated seconds per wall second from the first to the last frame. One process: same nodes and recorder, codec "
+    "and stores included, frames handed over by function call; log hashes are checked to be equal. Whole command: "
+    "Python's start, the run, the score and all files of the run folder. High-speed train (law pid, float64): three "
+    "runs of the first two minutes of its journey, and one of all of it."
 )
 _ARITHMETICS = ("iq", "float64")
+#: Ways between the three processes, and the options that select them; the last one is the default of the command.
+_BUSES: dict[str, list[str]] = {"hub": ["-i", HUB_INTERFACE], "pipes": []}
 #: Journey of a high-speed train: figure, scenario, number of runs.
 _JOURNEYS = (("first 120 s", "hst_short", 3), ("all of 3757 s", "jinan_xuzhou", 1))
 #: What such a journey is asked for.
@@ -41,6 +48,20 @@ duration_s = 8
 class _Timed:
     speed_factor: float
     frames_sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Cost:
+    """Of a command and its processes: processor time, context switches."""
+
+    cpu_s: float
+    switches: int
+
+    @classmethod
+    def until_now(cls) -> _Cost:
+        """Of all processes that this one has started and that have ended."""
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return cls(used.ru_utime + used.ru_stime, used.ru_nvcsw + used.ru_nivcsw)
 
 
 def _in_one_process(scenario: Scenario, arithmetic: str, folder: Path) -> _Timed:
@@ -69,9 +90,17 @@ def measure(setting: Setting) -> list[Figure]:
     for arithmetic in _ARITHMETICS[: setting.count(2, 1)]:
         found: defaultdict[str, list[float]] = defaultdict(list)
         for number in range(setting.count(3, 1)):
-            out = setting.folder / f"{arithmetic}{number}"
-            with RunCommand(setting, arithmetic, out) as running:
-                done = running.finish()
+            hashes = set()
+            for bus, words in _BUSES.items():
+                out = setting.folder / f"{arithmetic}{number}.{bus}"
+                before = _Cost.until_now()
+                with RunCommand(setting, arithmetic, out, words) as running:
+                    done = running.finish()
+                after = _Cost.until_now()
+                found[f"{bus} factor"].append(done.score["run"]["speed_factor"])
+                found[f"{bus} cpu"].append(after.cpu_s - before.cpu_s)
+                found[f"{bus} switches"].append(after.switches - before.switches)
+                hashes.add(done.frames_sha256)
             run = done.score["run"]
             found["first frame"].append(run["first_frame_s"])
             found["wall"].append(done.wall_s)
@@ -80,9 +109,10 @@ def measure(setting: Setting) -> list[Figure]:
             # Alternating, so that a busy period of the machine affects both.
             alone = _in_one_process(scenario, arithmetic, out.with_suffix(".local"))
             found["alone"].append(alone.speed_factor)
-            if alone.frames_sha256 != done.frames_sha256:
+            if hashes != {alone.frames_sha256}:
                 raise MeasurementError(f"{arithmetic}: the runs compared have different frame logs")
         factor, alone_factor = median(found["factor"]), median(found["alone"])
+        figures += _beside_the_hub(arithmetic, found)
         figures += [
             Figure(
                 f"{arithmetic}: speed factor, median",
@@ -98,6 +128,22 @@ def measure(setting: Setting) -> list[Figure]:
             Figure(f"{arithmetic}: whole command, median", median(found["wall"]), "s"),
         ]
     return figures + _journeys(setting)
+
+
+def _beside_the_hub(arithmetic: str, found: Mapping[str, list[float]]) -> list[Figure]:
+    """Speed, processor time and context switches over the hub and over pipes."""
+    kinds = (
+        ("factor", "speed factor", "sim s/s"),
+        ("cpu", "processor time", "s"),
+        ("switches", "context switches", "switches"),
+    )
+    figures = []
+    for key, what, unit in kinds:
+        values = {bus: median(found[f"{bus} {key}"]) for bus in _BUSES}
+        for bus, value in values.items():
+            compared = (None, "") if bus == "hub" else (value / values["hub"], "pipes to hub")
+            figures.append(Figure(f"{arithmetic}: {what} over {bus}, median", value, unit, *compared))
+    return figures
 
 
 def _journeys(setting: Setting) -> list[Figure]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import platform
+import sysconfig
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -22,7 +23,8 @@ _EMULATOR = "QEMU TCG"
 class Machine:
     """Description of the machine and its state before the first benchmark.
 
-    ``load_1min``: runnable processes, mean over a minute. ``cpu_used``: share of all cores in use, 0..1.
+    ``build``: how this CPython was compiled. ``load_1min``: runnable processes, mean over a minute. ``cpu_used``: share
+    of all cores in use, 0..1.
     """
 
     cpu: str
@@ -30,6 +32,7 @@ class Machine:
     memory_gb: float
     kernel: str
     python: str
+    build: str
     libraries: dict[str, str]
     load_1min: float
     cpu_used: float
@@ -61,7 +64,7 @@ class Machine:
             *(emulated if self.emulated else []),
             ("CPU", f"{self.cpu}, {self.cores} cores usable, {self.memory_gb:.1f} GB"),
             ("system", self.kernel),
-            ("Python", self.python),
+            ("Python", f"{self.python} ({self.build})"),
             ("libraries", ", ".join(f"{name} {number}" for name, number in self.libraries.items())),
             ("at start", f"load average {self.load_1min:.2f} (1 min), {self.cpu_used:.0%} of the CPU in use"),
         ]
@@ -77,6 +80,16 @@ def cpu_model(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
     return platform.processor() or platform.machine()
 
 
+def python_build(configured: str | None = None) -> str:
+    """How CPython was compiled, as far as it decides its speed: PGO (``--enable-optimizations``) and LTO.
+
+    :param configured: the arguments of its ``configure``; None: those of this interpreter.
+    """
+    words = str(sysconfig.get_config_var("CONFIG_ARGS") or "") if configured is None else configured
+    pgo = "PGO" if "--enable-optimizations" in words else "no PGO"
+    return f"{pgo}, {'LTO' if '--with-lto' in words else 'no LTO'}"
+
+
 def is_emulated() -> bool:
     """See :attr:`Machine.emulated`."""
     return _EMULATOR in cpu_model()
@@ -90,6 +103,7 @@ def this_machine() -> Machine:
         memory_gb=psutil.virtual_memory().total / 1e9,
         kernel=f"{platform.system()} {platform.release()} {platform.machine()}",
         python=f"{platform.python_implementation()} {platform.python_version()}",
+        build=python_build(),
         libraries={name: version(name) for name in _LIBRARIES},
         load_1min=os.getloadavg()[0],
         cpu_used=psutil.cpu_percent(interval=_LOOK_S) / 100,

@@ -42,7 +42,7 @@ def short(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def hub_run(short, tmp_path_factory) -> Path:
-    """Folder of one run over the hub, seed 1. (The whole published run is made by the installed wheel.)"""
+    """Folder of one run with the default bus, seed 1. (The whole published run is made by the installed wheel.)"""
     folder = tmp_path_factory.mktemp("hub") / "run"
     done = railhil("run", short, "--seed", "1", "--out", folder, "--quiet", "--no-report", anew=True)
     assert done.exit_code in (0, 1), done.err
@@ -95,6 +95,7 @@ def test_bench_health(hub_run):
 
 def test_processes_give_the_bytes_of_the_bench_in_one_process(hub_run, short_sha256):
     assert certificate(hub_run)["frames_sha256"] == short_sha256
+    assert certificate(hub_run)["transport"] in ("railhil:pipes", "socketcan:vcan0")
 
 
 @pytest.mark.slow
@@ -183,6 +184,25 @@ def test_killed_node_ends_the_run_and_leaves_a_readable_log(tmp_path, module, ro
     scored = railhil("score", folder)
     assert scored.exit_code == 3
     assert f"{role} lost at simulation time" in scored.out
+
+
+@pytest.mark.faults
+@pytest.mark.slow
+@pytest.mark.parametrize("module", ["railhil.plant_sim", "railhil.controller_node"])
+def test_killed_node_ends_a_run_without_hub(tmp_path, module):
+    folder = tmp_path / "run"
+    run = Started("run", "--seed", "1", "--out", folder, "--quiet", "--no-report")
+    log = folder / "frames.log"
+    wait_for(lambda: log.exists() and log.stat().st_size > 200_000)
+    others = psutil.Process(run.process.pid).children()
+    assert len(others) == 2, "plant and controller alone"
+    run.child(module).send_signal(signal.SIGKILL)
+    done, seconds = run.finish()
+    assert (done.exit_code, seconds < END_S) == (3, True)
+    assert "lost at simulation time" in done.out
+    assert "killed by SIGKILL" in done.out
+    assert not [child for child in others if child.is_running() and child.status() != psutil.STATUS_ZOMBIE]
+    assert json.loads((folder / "score.json").read_text(encoding="utf-8"))["run"]["transport"] == "railhil:pipes"
 
 
 @pytest.mark.faults
