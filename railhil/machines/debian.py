@@ -199,6 +199,20 @@ def install_browser() -> None:
         install_commands({"chromium": "chromium"}, "report")
 
 
+def mirrors() -> list[tuple[str, str, str]]:
+    """Debian's own package sources of the host: ``(uri, release, components)``, main archive first.
+
+    Raises:
+        MachineError: apt does not answer.
+    """
+    text = run_tool(
+        ["apt-get", "indextargets", "--format", "$(ORIGIN)|$(REPO_URI)|$(RELEASE)|$(COMPONENT)",
+         "Identifier: Packages"]
+    )  # fmt: skip
+    rows = [line.split("|") for line in text.splitlines() if line.startswith("Debian|")]
+    return sorted({(uri, release, part) for _, uri, release, part in rows}, key=lambda row: (len(row[1]), row))
+
+
 def download_package(package: str, folder: Path, purpose: str) -> Path:
     """Fetch a Debian package without installing it.
 
