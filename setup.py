@@ -1,9 +1,9 @@
-"""The compiled build, which nobody needs: ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below with mypyc.
+"""The compiled build, which nobody needs: ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc.
 
-Without that variable this file does nothing, and everything is described in pyproject.toml. Sources are installed in any
-case: ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
-(telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses,
-and functions that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
+Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any case:
+``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table (telegrams,
+identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses, and functions
+that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
 """
 
 import os
@@ -72,7 +72,7 @@ MODULES = [
     "railhil/supervisor/framelog.py",
     "railhil/supervisor/session.py",
 ]
-#: mypy finds no library in a build environment, and reads no configuration: what is compiled depends on the sources only.
+#: A build environment has no libraries, and no configuration is read: what is compiled depends on the sources only.
 OPTIONS = ["--config-file=", "--follow-imports=silent", "--ignore-missing-imports"]
 
 extensions = []
