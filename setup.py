@@ -1,9 +1,9 @@
 """The compiled build, which nobody needs: ``RAILHIL_COMPILED=1 pip install .`` compiles the modules below by mypyc.
 
-Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any case:
-``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table (telegrams,
-identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses, and functions
-that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
+Without that variable this file does nothing, and pyproject.toml describes everything. Sources are installed in any
+case: ``RAILHIL_PURE=1`` runs them. Not compiled, although each frame passes them: classes made from the port table
+(telegrams, identities), enumerations with a constructor, subclasses of built-in exceptions, what python-can subclasses,
+and functions that the batch has numba compile from their source (:mod:`railhil.common.compilable`).
 """
 
 import os

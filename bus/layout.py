@@ -45,7 +45,7 @@ class Telegram:
     def __init_subclass__(cls) -> None:
         codec = CODECS.get(codec_key(cls))
         if codec is not None:
-            cls.encode = _method(codec[0])  # type: ignore[method-assign]
+            cls.encode = _method(codec[0])  # type: ignore[assignment, method-assign]
             cls.decode = classmethod(codec[1])  # type: ignore[assignment, method-assign]
 
     @classmethod
