@@ -20,7 +20,7 @@ SIDE_BY_SIDE = $(BIN)/pytest -q -n $$(($$(nproc) + 1)) --dist loadfile --no-load
 # Files of tests that keep real time: collecting all the others takes as long as some of these tests.
 REAL_TIME    = $$(grep -rlw --include='test_*.py' wall_clock hil_tests)
 
-.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
+.PHONY: run test test-fast test-here test-vcan test-compose test-docker test-docker-vcan test-wheel test-arm64 test-compiled mutants lint lint-types lint-imports compiled bench dbc tables tuned $(TUNED_LAWS:%=tuned-%) install locks locked clean
 
 # A run that misses the limits of its scenario (exit code 1) is a result, not an error of make.
 run: $(VENV)/.installed
@@ -63,6 +63,10 @@ test-compose: test-docker test-docker-vcan
 # The wheel, installed beside other distributions and with every Python that is there (part of test-here).
 test-wheel: $(VENV)/.installed-dev
 	$(BIN)/pytest -q hil_tests/wheel
+
+# The hashes of every law with the compiled build and without it: ten minutes, and not part of `make test`.
+test-compiled: $(VENV)/.installed-dev
+	@$(BIN)/python -m hil_tests.compiled_build $(ARGS)
 
 # The hashes of every law on aarch64, emulated, and here; half an hour, and not part of `make test`.
 test-arm64: $(VENV)/.installed-dev

@@ -17,6 +17,7 @@ from railhil.bus.limits import LIMITS
 from railhil.bus.link import open_link
 from railhil.bus.select import BusChoice, choose_bus, config_from_namespace
 from railhil.cli.bus_run import require_interface
+from railhil.common.build import python_build, railhil_build
 from railhil.common.exit_codes import PASS, USAGE
 from railhil.common.output import Output, add_json_argument, print_json, table
 from railhil.dbc import wire_contract
@@ -40,8 +41,8 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def facts(choice: BusChoice) -> dict[str, str]:
     """Versions, and the bus that a command would choose."""
     return {
-        "railhil": version("railhil"),
-        "python": f"{platform.python_version()} ({sys.executable})",
+        "railhil": f"{version('railhil')}, {railhil_build()}",
+        "python": f"{platform.python_version()}, {python_build()} ({sys.executable})",
         "python-can": version("python-can"),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "bus": f"{choice.transport} ({choice.reason})",

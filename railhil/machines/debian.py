@@ -106,13 +106,18 @@ def guarded(name: str, action: Callable[[], int]) -> int:
         return EXIT_MACHINE_FAILED
 
 
-def run_tool(arguments: Sequence[str], cwd: Path | None = None, timeout_s: float = _APT_TIMEOUT_S) -> str:
-    """Standard output of a tool that must succeed.
+def run_tool(
+    arguments: Sequence[str],
+    cwd: Path | None = None,
+    timeout_s: float = _APT_TIMEOUT_S,
+    environment_too: Mapping[str, str] | None = None,
+) -> str:
+    """Standard output of a tool that must succeed, with ``environment_too`` in addition to this process's variables.
 
     Raises:
         MachineError: the tool failed or took longer than ``timeout_s``; the text has its last line.
     """
-    variables = {**environment(), "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C"}
+    variables = {**environment(), "DEBIAN_FRONTEND": "noninteractive", "LC_ALL": "C", **(environment_too or {})}
     try:
         done = subprocess.run(
             list(arguments), cwd=cwd, env=variables, stdin=subprocess.DEVNULL, timeout=timeout_s,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import platform
 import shlex
 import tempfile
 import time
@@ -15,6 +14,7 @@ from typing import Any
 
 import railhil
 from railhil.bus.ident import PROFILES
+from railhil.common.build import machine
 from railhil.common.errors import InputError
 from railhil.common.plain_text import plain
 from railhil.common.whole_file import whole_file, write_synced
@@ -210,7 +210,7 @@ def certificate(
         "line": result.line,
         "command": run_command(spec, start_up, bus_arguments),
         "command_needs": rerun_needs(start_up),
-        "machine": {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()},
+        "machine": machine(),
         "libraries": {name: version(name) for name in ("python-can", "cantools", "numpy", "scipy")},
         "assumptions": list(scenario.assumptions),
         # What was injected, with all draws: as texts of --fault they make the run again.
