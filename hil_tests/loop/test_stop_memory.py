@@ -8,11 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hil_tests.support.stops import SHORT
 from railhil.bus.stopping import BrakeCommand, IlcStatus
 from railhil.scenarios.load import load_any
 from railhil.scenarios.memory import FAULTS, Memory, Record, Stored
 from railhil.scenarios.run_spec import LawSpec, RunSpec
-from railhil.sequences.one import OneRun, runner_of, sequence
+from railhil.sequences.one import OneRun, runner_of, sequence, through_nodes
 from railhil.sequences.plan import run_specs
 
 pytestmark = [pytest.mark.loop, pytest.mark.slow, pytest.mark.faults]
@@ -83,3 +84,16 @@ def test_without_a_good_slot_it_learns_again_within_5_runs() -> None:
     assert errors[0] > 3.5
     assert abs(errors[5]) <= 0.5
     assert [None if run.record is None else run.record.runs for run in runs] == [1, 2, 3, 4, 5, 6]
+
+
+def test_the_report_of_another_run_teaches_nothing() -> None:
+    settings = (*SHORT, "task.start_m=2560")
+    learned = []
+    for faults in ((), ("STOP_REPORT.ReportRun raw 9 @0s",), ("STOP_REPORT.ReportRun raw 1 @0s",)):
+        scenario = load_any("yizhuang_stop", settings, faults)
+        spec = RunSpec("yizhuang_stop", settings, LawSpec("ilc_stop", "float64"), seed=3, faults=faults, run_number=2)
+        (run,) = sequence(scenario, [spec], through_nodes)
+        assert run.score.verdict in ("PASS", "FAIL")
+        assert run.kept is not None
+        learned.append([one["last_run"] for one in run.kept.values["records"]])
+    assert learned == [[2], [], []]

@@ -18,7 +18,7 @@ from railhil.controller_node.arithmetic.base import Arithmetic, Constant, T
 from railhil.controller_node.laws.memory import NOTHING, Remembered
 from railhil.controller_node.laws.stopping.distance import StoppingDistance
 from railhil.controller_node.laws.stopping.interface import COMMAND_Q, NOTE_Q, START_Q
-from railhil.controller_node.laws.stopping.learning import Learned, Learning, stored_records
+from railhil.controller_node.laws.stopping.learning import Learned, Learning, Report, stored_records
 from railhil.controller_node.laws.stopping.model import Grades
 from railhil.controller_node.laws.stopping.numbers import ACCEL_Q, DISTANCE_Q, GAIN_Q, SPEED_Q, TIME_Q, Numbers
 from railhil.controller_node.laws.stopping.readings import COUNT_MAX, Gap, Inputs, Measured
@@ -272,7 +272,9 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         ready = ar.where(ar.gt(stage, braking), one, zero)
         by_itself = ar.where(ar.gt(measured.level, self._cut), one, zero)
         spoiled = ar.where(ar.gt(ready, zero), zero, ar.maximum(measured.slide, by_itself))
-        learned = self.learning.step(state.learned, ready, spoiled, measured.run, measured.error, distance_used)
+        learned = self.learning.step(
+            state.learned, ready, spoiled, measured.run, Report(measured.report, measured.error), distance_used
+        )
 
         taught = ar.where(ar.gt(learned.learned, state.learned.learned), ar.sub(one, learned.spoiled), zero)
         own = self.taught(own, first, taught, measured)

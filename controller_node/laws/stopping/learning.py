@@ -4,8 +4,9 @@ The update is P-type terminal iterative learning on the offset b, by which the b
 
     b[j+1] = clip(b[j] + clip(gamma e[j], +-8 m), +-12 m)           e = s_stop - S, overshoot positive
 
-There is none if the wheels slid, the train braked by itself, the run has been learned already, the reported error is
-none that a stop can have, or it is far from what the last runs let expect (innovation test).
+There is none if the wheels slid, the train braked by itself, the report is of another run than this one, this run or a
+later one has been learned already, the reported error is none that a stop can have, or it is far from what the last
+runs let expect (innovation test).
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, Generic, NamedTuple
 
+from railhil.common.command_line import RUN_NUMBER_MAX
 from railhil.controller_node.arithmetic.base import T
 from railhil.controller_node.laws.stopping.numbers import DISTANCE_Q, GAIN_Q, Numbers
 
@@ -46,6 +48,13 @@ class Record(NamedTuple, Generic[T]):
     variance: T
     runs: T
     last_run: T
+
+
+class Report(NamedTuple, Generic[T]):
+    """What was measured of a stop: number of its run (Q0, 0: none) and error, m (Q ``DISTANCE_Q``)."""
+
+    run: T
+    error: T
 
 
 class Learned(NamedTuple, Generic[T]):
@@ -81,7 +90,7 @@ def stored_records(values: Mapping[str, Any] | None) -> dict[tuple[int, int], Ma
             "offset_m": (-OFFSET_MAX_M, OFFSET_MAX_M),
             "variance_m2": (VARIANCE_MIN_M2, VARIANCE_MAX_M2),
             "runs": (0, math.inf),
-            "last_run": (0, math.inf),
+            "last_run": (0, RUN_NUMBER_MAX),
         }
         for name, (low, high) in bounds.items():
             value = record[name]
@@ -131,6 +140,9 @@ class Learning(Generic[T]):
                     hold(f"{name}_runs", min(stored["runs"], _RUNS_MAX), 0, memory),
                     hold(f"{name}_last_run", stored["last_run"], 0, memory),
                 )
+        # A train makes its runs one after another: one before the newest run of any record is over.
+        newest = max((record["last_run"] for record in self._stored.values()), default=0)
+        self._newest = hold("memory_last_run", newest, 0, memory)
         self._edges = [hold(f"load_class_{n}", edge, 0, "law") for n, edge in enumerate(_EDGES_PERCENT, 1)]
         self._slots = [[hold(f"slot_{n}_{wet}", n + CLASSES * wet, 0, "law") for wet in (0, 1)] for n in range(CLASSES)]
         self._gamma = hold("gamma", gamma, _GAMMA_Q, "parameters")
@@ -163,19 +175,21 @@ class Learning(Generic[T]):
         nothing = self._numbers.hold("nothing", 0.0, DISTANCE_Q, "law")
         return Learned(slot, record, record, zero, zero, nothing, self._gamma)
 
-    def step(self, learned: Learned[T], ready: T, spoiled: T, run: T, error: T, braking: T) -> Learned[T]:
+    def step(self, learned: Learned[T], ready: T, spoiled: T, run: T, report: Report[T], braking: T) -> Learned[T]:
         """Learn, if there is something to learn from.
 
         :param ready: 1 when the train stands. :param spoiled: 1 in a cycle in which the run became one not to learn
-            from. :param run: of the report. :param error: measured, m. :param braking: braking distance of the run, m.
+            from. :param run: number of this run, 0 if it is not known. :param braking: braking distance of the run, m.
         """
         ar, zero, one = self._numbers.ar, self._numbers.zero, self._numbers.one
+        error = report.error
         spoiled = ar.maximum(learned.spoiled, spoiled)
         old = learned.before
         size = ar.abs(error)
         possible = ar.where(ar.gt(self._possible, size), ready, zero)
-        new_run = ar.where(ar.gt(ar.abs(ar.sub(run, old.last_run)), zero), possible, zero)
-        wanted = ar.where(ar.gt(run, zero), new_run, zero)
+        # Only of the run that the train has just made; without a number of its own it cannot tell.
+        own = ar.where(ar.gt(ar.abs(ar.sub(report.run, run)), zero), zero, possible)
+        wanted = ar.where(ar.gt(run, self._newest), own, zero)
         wanted = ar.where(ar.gt(learned.learned, zero), zero, wanted)
         if not self._active:
             return learned._replace(spoiled=spoiled, learned=ar.maximum(learned.learned, wanted))

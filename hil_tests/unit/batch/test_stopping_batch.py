@@ -72,6 +72,11 @@ def test_each_train_has_its_own_memory() -> None:
         assert found == [alone(scenario, spec) for spec in specs]
         memories = [left(memory, one, number) for memory, one in zip(memories, found, strict=True)]
     assert len({str((one.kept or {})["values"]) for one in found}) == 3
+    # A run that is made again is not learned again, as on the bench.
+    again = [replace(spec, law=replace(law, memory=memory)) for spec, memory in zip(specs, memories, strict=True)]
+    kept = [one.kept for one in run_together(scenario, again)]
+    assert kept == [alone(scenario, spec).kept for spec in again]
+    assert [one["values"] for one in kept if one] == [one.kept["values"] for one in found if one.kept]
 
 
 def left(memory: Memory, run: Together, number: int) -> Memory:

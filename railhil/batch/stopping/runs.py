@@ -211,6 +211,7 @@ class _Runs:
             self._load,
             self._wet,
             *self._state,
+            self._numbers,
             *self._report,
             zero,
         ]
