@@ -130,6 +130,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         self.at_once = hold("at_once", 0.0, TIME_Q, "law")
         self._told = [hold("told_max", _TOLD_M, DISTANCE_Q, "law"), hold("told_min", -_TOLD_M, DISTANCE_Q, "law")]
         self._mm = hold("mm", MM, _SCALE_Q, "port table")
+        self._unit = hold("unit", 1.0 / MM, GAIN_Q, "port table")
         self._units = hold("start_units", START_PER_S, _SCALE_Q, "port table")
         self._variance = hold("variance_units", VARIANCE_PER_M2, _SCALE_Q, "port table")
         self._source = hold("memory_source", memory.source, 0, "memory")
@@ -265,6 +266,9 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         own, order = self.brake(own, estimate, margin, state.accel, offset, planned, missed, first)
         accel = ar.clip(ar.where(on, order.accel, pulled), self.most, self.least)
         accel = ar.note("accel", accel, ACCEL_Q, "m/s2")
+        # From here on the command is what the train is told, so that no model has another one.
+        told = ar.quantise(ar.mpy_iqx(accel, ACCEL_Q, self._mm, _SCALE_Q, COMMAND_Q), COMMAND_Q, 0)
+        accel = self._of_told(told)
         start = ar.where(ar.gt(first, zero), order.start, self.at_once)
 
         # The braking distance of the run, for the innovation test.
@@ -280,9 +284,14 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         own = self.taught(own, first, taught, measured)
 
         new = StopState(gap, stage, cruise, warm, accel, distance_used, learned, own)
-        return new, self._answer(state, stage, accel, start, margin, distance, speed)
+        return new, self._answer(state, stage, told, start, margin, distance, speed)
 
-    def _answer(self, state: Any, stage: T, accel: T, start: T, margin: T, distance: T, speed: T) -> Answer[T]:
+    def _of_told(self, told: T) -> T:
+        """A command in m/s2, of that on the bus (mm/s2, Q0)."""
+        accel = self.ar.mpy_iqx(told, 0, self._unit, GAIN_Q, ACCEL_Q)
+        return self.ar.clip(accel, self.most, self.least)
+
+    def _answer(self, state: Any, stage: T, told: T, start: T, margin: T, distance: T, speed: T) -> Answer[T]:
         ar, one = self.ar, self.numbers.one
         record = state.learned.before
 
@@ -292,7 +301,7 @@ class StopLaw(VectorLaw[T, StopState[T]]):
             return ar.mpy_iqx(value, q, self._mm, _SCALE_Q, NOTE_Q)
 
         commands = (
-            ar.mpy_iqx(accel, ACCEL_Q, self._mm, _SCALE_Q, COMMAND_Q),
+            ar.convert(told, 0, COMMAND_Q),
             ar.mpy_iqx(start, TIME_Q, self._units, _SCALE_Q, START_Q),
             one,
         )
@@ -311,9 +320,13 @@ class StopLaw(VectorLaw[T, StopState[T]]):
         return Answer(commands, notes)
 
     def with_sent(self, state: Any, commands: Sequence[T]) -> Any:
-        """Nothing: the safe command is not valid, so the train does not take it; it is known that the run is lost."""
-        learned = state.learned._replace(spoiled=self.numbers.one)
-        return state._replace(learned=learned)
+        """The train does not take a command that is not valid, and such a run is not one to learn from."""
+        ar, zero = self.ar, self.numbers.zero
+        told, _, valid = commands
+        lost = ar.where(ar.gt(valid, zero), zero, self.numbers.one)
+        accel = ar.where(ar.gt(valid, zero), self._of_told(told), state.accel)
+        learned = state.learned._replace(spoiled=ar.maximum(state.learned.spoiled, lost))
+        return state._replace(accel=accel, learned=learned)
 
     # -- memory ---------------------------------------------------------------------------------------------------
 

@@ -11,6 +11,8 @@ import pytest
 
 from hil_tests.support.cli import railhil
 from hil_tests.support.stops import SHORT, stop_scenario
+from railhil.audit.shadow import compare_codes, errors, shadow_run
+from railhil.controller_node.arithmetic import make
 from railhil.controller_node.laws.stopping.filters import FILTERS
 from railhil.controller_node.laws.stopping.learning import GAMMA_LEAST
 from railhil.controller_node.vector.controller import VectorController
@@ -46,6 +48,18 @@ def test_all_arithmetics_stop_at_the_same_place(law):
     }
     assert stops["float32"] == pytest.approx(stops["float64"], abs=0.005)
     assert stops["iq"] == pytest.approx(stops["float64"], abs=0.005)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["ilc_stop", "reaim"])
+def test_fixed_point_commands_what_float64_commands_from_the_same_readings(law):
+    shadow = shadow_run(CLOSED, LawSpec(law, "iq"), make("iq"), seed=5)
+    for codes in compare_codes(shadow.twin, shadow.reference):
+        assert (codes.equal_share >= 0.99, codes.largest <= 1) == (True, True), codes
+    found = {one.name: one for one in errors(shadow.quantities, shadow.twin, shadow.reference)}
+    if law == "reaim":
+        # A sum over all cycles would add up what a conversion floors.
+        assert abs(found["disturbance"].bias) < 1e-5
 
 
 @pytest.mark.slow

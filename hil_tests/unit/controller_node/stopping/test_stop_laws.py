@@ -202,6 +202,22 @@ def test_the_report_of_another_run_is_not_learned(own, report, learning):
     assert driven.law.memory(driven.state) != before
 
 
+@pytest.mark.parametrize(("law", "parameters"), [(IlcStop, IlcStopParameters()), (Reaim, ReaimParameters())])
+def test_the_command_that_a_law_goes_on_from_is_the_one_on_the_bus(law, parameters):
+    driven = Driven(law, parameters)
+    driven.until(Stage.BRAKE)
+    for _ in range(60):
+        found = driven.step()
+        assert found["u"] == int(found["u"])
+        assert driven.state.accel == pytest.approx(found["u"] / 1e3, abs=1e-12)
+    driven.state = driven.law.with_sent(driven.state, [-700.0, 0.0, 1.0])
+    assert driven.state.accel == pytest.approx(-0.7, abs=1e-12)
+    assert driven.state.learned.spoiled == 0.0
+    driven.state = driven.law.with_sent(driven.state, [0.0, 0.0, 0.0])
+    assert driven.state.accel == pytest.approx(-0.7, abs=1e-12)
+    assert driven.state.learned.spoiled == 1.0
+
+
 def test_from_standstill_the_train_starts_when_its_doors_are_closed():
     driven = Driven(IlcStop, IlcStopParameters(), start_kmh=0.0)
     still = {f"speed{n}": 0.0 for n in range(1, 6)}
