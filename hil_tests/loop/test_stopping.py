@@ -14,6 +14,7 @@ import pytest
 from hil_tests.support.cli import railhil
 from hil_tests.support.foreign import PORTABLE_INTERFACE, CNode
 from hil_tests.support.stops import SHORT, stop_scenario
+from railhil import library
 from railhil.bench import BenchRun, local_run
 from railhil.bus.codes import Event
 from railhil.bus.frame import Frame
@@ -127,7 +128,7 @@ def test_a_number_is_refused_where_runs_have_none() -> None:
 )
 def test_the_train_reacts_as_the_catalogue_says(entry: Entry, tmp_path: Path) -> None:
     """The rest of the catalogue: ``railhil faults yizhuang_stop_closed``."""
-    words = ["faults", "yizhuang_stop_closed", "--arithmetic", "float64", "--set", "task.stop_error_max_m=30"]
+    words = ["faults", "yizhuang_stop_closed", "--set", "task.stop_error_max_m=30"]
     given = parser("faults").parse_args(words)
     row = entry_run(given, StartUp(), run_spec(given, "one_shot", None), tmp_path, entry)
     assert row.failures == []
@@ -137,6 +138,13 @@ def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
     system = system_named("stop")
     for entry in catalogue_of(system):
         fault_texts(entry.faults, system, lambda row: Path("catalogue"))
+
+
+def test_every_command_runs_it_in_the_arithmetic_of_the_system(tmp_path: Path) -> None:
+    for command in ("faults", "compare"):
+        given = parser(command).parse_args([command, "yizhuang_stop"])
+        assert run_spec(given, None, None).law == LawSpec("ilc_stop", "float64")
+    assert library.run("yizhuang_stop", settings=SHORT, out=tmp_path / "run").spec.law.arithmetic == "float64"
 
 
 def test_another_base_tick_is_refused() -> None:
