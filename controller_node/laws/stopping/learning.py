@@ -35,7 +35,7 @@ _RUNS_MAX = 4000.0
 GAMMA_LEAST = 0.3
 LAST_ERRORS = 8
 #: Format of variances.
-_VARIANCE_Q = 24
+VARIANCE_Q = 24
 #: Format of the gain, which may be above 2.
 _GAMMA_Q = 28
 VERSION = 1
@@ -136,7 +136,7 @@ class Learning(Generic[T]):
                 stored, name = self._stored.get((load_class, wet), first), f"memory_{load_class}_{wet}"
                 self._records[load_class, wet] = Record(
                     hold(f"{name}_offset", stored["offset_m"], DISTANCE_Q, memory),
-                    hold(f"{name}_variance", stored["variance_m2"], _VARIANCE_Q, memory),
+                    hold(f"{name}_variance", stored["variance_m2"], VARIANCE_Q, memory),
                     hold(f"{name}_runs", min(stored["runs"], _RUNS_MAX), 0, memory),
                     hold(f"{name}_last_run", stored["last_run"], 0, memory),
                 )
@@ -149,11 +149,11 @@ class Learning(Generic[T]):
         self._least = hold("gamma_least", GAMMA_LEAST, _GAMMA_Q, "law")
         self._step = [hold(f"step_{sign}", sign * STEP_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
         self._most = [hold(f"offset_{sign}", sign * OFFSET_MAX_M, DISTANCE_Q, "law") for sign in (1, -1)]
-        self._noise = hold("report_variance", report_sigma_m**2, _VARIANCE_Q, "parameters")
-        self._no_variance = hold("variance_0", 0.0, _VARIANCE_Q, "law")
+        self._noise = hold("report_variance", report_sigma_m**2, VARIANCE_Q, "parameters")
+        self._no_variance = hold("variance_0", 0.0, VARIANCE_Q, "law")
         self._spread = [
-            hold("variance_max", VARIANCE_MAX_M2, _VARIANCE_Q, "law"),
-            hold("variance_min", VARIANCE_MIN_M2, _VARIANCE_Q, "law"),
+            hold("variance_max", VARIANCE_MAX_M2, VARIANCE_Q, "law"),
+            hold("variance_min", VARIANCE_MIN_M2, VARIANCE_Q, "law"),
         ]
         self._five = [hold(f"five_{sign}", 5.0 * sign, DISTANCE_Q, "root of the largest variance") for sign in (1, -1)]
         self._possible = hold("error_max", ERROR_MAX_M, DISTANCE_Q, "law")
@@ -198,14 +198,14 @@ class Learning(Generic[T]):
         share = ar.maximum(ar.div(one, runs, _GAMMA_Q), self._least)
         gamma = share if not self._fixed else self._gamma
         limited = ar.clip(error, *self._five)
-        surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, _VARIANCE_Q), old.variance)
+        surprise = ar.sub(ar.mpy_iqx(limited, DISTANCE_Q, limited, DISTANCE_Q, VARIANCE_Q), old.variance)
         variance = ar.clip(ar.add(old.variance, ar.mpy(surprise, share, _GAMMA_Q)), *self._spread)
         if self._shrinks:
             beyond = ar.maximum(ar.sub(variance, self._noise), self._no_variance)
             gamma = ar.mpy(gamma, ar.div(beyond, variance, GAIN_Q), GAIN_Q)
         learns = usable
         if self._sigmas:
-            spread = ar.convert(ar.sqrt(old.variance, _VARIANCE_Q), _VARIANCE_Q, DISTANCE_Q)
+            spread = ar.convert(ar.sqrt(old.variance, VARIANCE_Q), VARIANCE_Q, DISTANCE_Q)
             width = ar.mpy(spread, self._squared, GAIN_Q - 8)
             limit = ar.minimum(width, ar.mpy(braking, self._share, GAIN_Q))
             learns = ar.where(ar.gt(size, limit), zero, usable)
@@ -243,11 +243,11 @@ class Learning(Generic[T]):
         records = dict(self._stored)
         before, after = learned.before, learned.after
         runs, last_run = int(number(after.runs, 0)), int(number(after.last_run, 0))
-        variance_m2 = number(after.variance, _VARIANCE_Q)
+        variance_m2 = number(after.variance, VARIANCE_Q)
         if (runs, last_run, variance_m2) != (
             int(number(before.runs, 0)),
             int(number(before.last_run, 0)),
-            number(before.variance, _VARIANCE_Q),
+            number(before.variance, VARIANCE_Q),
         ):
             old = self._stored.get(key, {})
             errors = list(old.get("last_errors_m", []))
