@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
 from hil_tests.support.cli import railhil
@@ -140,6 +141,40 @@ def test_the_catalogue_of_the_system_is_in_the_fault_language() -> None:
         fault_texts(entry.faults, system, lambda row: Path("catalogue"))
 
 
+@pytest.mark.slow
+def test_from_standstill_the_train_starts_accelerates_and_stops(tmp_path: Path) -> None:
+    settings = ("task.start_m=2531", "task.approach_kmh=18", "task.after_stop_s=2")
+    scenario = stop_scenario(*settings, name="yizhuang_stop_from_standstill")
+    run = local_run(scenario, tmp_path, RunSpec(law=LawSpec("reaim", "float64"), seed=3))
+    assert run.score.failures == ()
+    assert run.refused == {}
+    stages = run.trace.raw("ATO_STATE", "AtoStage")
+    changes = [Stage(int(stage)) for stage in stages[np.diff(stages, prepend=-1) != 0]]
+    # The way is so short that the brake is armed before the speed of the approach is reached.
+    assert changes[changes.index(Stage.START) :] == [
+        Stage.START, Stage.ACCELERATE, Stage.ARMED, Stage.BRAKE, Stage.STANDSTILL, Stage.LEARN,
+    ]  # fmt: skip
+    assert 4.0 < max(run.trace.values("TRUTH", "TrueSpeed")) < 5.0
+
+
+@pytest.mark.slow
+def test_announced_low_adhesion_chooses_the_planned_rate() -> None:
+    settings = (*SHORT, "task.start_m=2580", "task.rail.slide_share=1", "task.rail.adhesion_mps2=[0.58, 0.58]")
+    spec = RunSpec(law=LawSpec("reaim", "float64"), seed=3)
+    errors_m, rates_mps2 = [], []
+    for announced in (0, 1):
+        share = f"task.rail.announced_share={announced}"
+        scenario = stop_scenario(*settings, share, name="yizhuang_stop_low_adhesion")
+        run = direct_run(scenario, spec)
+        errors_m.append(run.score.signed["stop_error_m"] or 0.0)
+        rates_mps2.append(-min(run.trace.values("BRAKE_CMD", "CmdAccel")))
+    assert errors_m[0] > 1.0
+    assert abs(errors_m[1]) < 0.2
+    assert rates_mps2[0] > 0.7
+    assert rates_mps2[1] < 0.65
+
+
+@pytest.mark.slow
 def test_every_command_runs_it_in_the_arithmetic_of_the_system(tmp_path: Path) -> None:
     for command in ("faults", "compare"):
         given = parser(command).parse_args([command, "yizhuang_stop"])

@@ -43,8 +43,10 @@ class Stages(Generic[T]):
         after = ar.where(moves, tracking, ar.where(ar.gt(measured.doors, zero), idle, begun))
         after = self._at(stage, begun, ar.where(moves, rising, begun), after)
         close = ar.gt(speed, ar.sub(cruise, self._reached))
-        after = self._at(stage, rising, ar.where(close, tracking, rising), after)
-        near = ar.where(ar.gt(self._armed_m, margin), armed, tracking)
+        due = ar.gt(self._armed_m, margin)
+        # A short run brakes before it has reached the speed of the approach.
+        after = self._at(stage, rising, ar.where(close, tracking, ar.where(due, tracking, rising)), after)
+        near = ar.where(due, armed, tracking)
         after = self._at(stage, tracking, ar.where(ar.gt(refused, zero), tracking, near), after)
         brakes = ar.where(ar.gt(begins, zero), braking, armed)
         after = self._at(stage, armed, ar.where(ar.gt(refused, zero), tracking, brakes), after)
