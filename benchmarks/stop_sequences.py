@@ -20,6 +20,7 @@ from railhil.bus.stopping import SAMPLE_S, SAMPLES
 from railhil.controller_node.arithmetic.float64 import Float64Batch
 from railhil.controller_node.laws.memory import NOTHING
 from railhil.controller_node.laws.stopping.ilc_stop import IlcStop, IlcStopParameters
+from railhil.controller_node.laws.stopping.interface import STOP
 from railhil.controller_node.laws.stopping.reaim import Reaim, ReaimParameters
 from railhil.scenarios.stopping.task import StopTask
 
@@ -95,7 +96,7 @@ class Sequences:
             task.map_error_sigma_permil * normal((count, len(task.grade))),
         )
         #: Records by slot, each field (slots, N).
-        first = self.law.start([np.zeros(count)] * 18).learned.before
+        first = self.law.start([np.zeros(count)] * len(STOP.readings)).learned.before
         self.records = [np.tile(np.broadcast_to(value, count), (6, 1)) for value in first]
         self.last: dict[str, Floats] = {}
 
@@ -117,7 +118,7 @@ class Sequences:
         speed = task.start_kmh / 3.6 + task.cruise_sigma_mps * normal(count)
         speed = speed + task.start_spread_kmh / 3.6 * (2.0 * random.random(count) - 1.0)
         train = _Train(task, self.trains, gain, delay, speed, limit, random)
-        readings = [np.zeros(count) for _ in range(18)]
+        readings = [np.zeros(count) for _ in STOP.readings]
         state: Any = None
         stopped_ticks = 0
         mark = task.sensors.mark_sigma_m * normal(count)
@@ -126,10 +127,11 @@ class Sequences:
             readings[:5] = [np.clip(np.round(s * 1e3), 0, 65535) for s in train.samples]
             readings[5:8] = [np.full(count, tick & 0xFFFF), np.ones(count), train.sliding & seen]
             readings[8:11] = [np.floor(train.odometer() * 1e3), train.balise, np.floor(train.at_balise * 1e3)]
-            readings[11:15] = [load, wet, train.stands, train.stands & False]
+            own = np.full(count, float(number))
+            readings[11:16] = [load, wet, train.stands, train.stands & False, own]
             if stopped_ticks:
-                readings[15:17] = [
-                    np.full(count, float(number)),
+                readings[16:18] = [
+                    own,
                     np.round((error + mark) * 1e3),
                 ]
             if state is None:

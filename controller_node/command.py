@@ -78,7 +78,7 @@ def main(words: Sequence[str] | None = None) -> int:
     system = system_named(scenario.system)
     parameters = None if namespace.parameters is None else load_parameters(namespace.parameters)
     memory = None if namespace.memory_from is None else memory_at(namespace.memory_from)
-    law = LawSpec.from_namespace(namespace, namespace.controller or system.law, parameters, memory)
+    law = LawSpec.from_namespace(namespace, system, namespace.controller, parameters, memory)
     if namespace.check:
         # First load the law, then check whether it can be made as requested.
         print(json.dumps(law_document(law.controller, find(law.controller, system.laws))), flush=True)

@@ -24,7 +24,7 @@ from railhil.scenarios.parameters import ParameterSet, parameters_from_json
 from railhil.scenarios.perturb import require_perturbations
 from railhil.scenarios.run_document import USUAL_LAW, USUAL_SCENARIO, Layer, RunDocument, file_layer, merged
 from railhil.scenarios.settings import fault_words, set_words
-from railhil.scenarios.system import system_named
+from railhil.scenarios.system import System, system_named
 from railhil.scenarios.validation import validated
 
 
@@ -51,12 +51,18 @@ class LawSpec:
     def from_namespace(
         cls,
         namespace: argparse.Namespace,
-        controller: str,
+        system: System,
+        controller: str | None,
         parameters: ParameterSet | None,
         memory: Memory | None = None,
     ) -> LawSpec:
-        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`."""
-        return cls(controller, namespace.arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
+        """A law from the options of :func:`railhil.common.command_line.add_law_arguments`.
+
+        :param system: of the scenario: its law and its arithmetic are those that are not asked for.
+        """
+        arithmetic = namespace.arithmetic or system.arithmetic
+        law = controller or system.law
+        return cls(law, arithmetic, namespace.indexing, parameters, namespace.task_period_ms, memory)
 
     @property
     def label(self) -> str:

@@ -41,7 +41,8 @@ class System:
     :class:`railhil.supervisor.judging.Judging`. ``pictures``: makes the figures of its report from (scenario, recorded
     runs). ``own``: parts used by some modules only: ``task``, ``interface``, ``batch``
     (:func:`railhil.batch.run_batch`) with ``digest`` and, if it has compiled loops, ``kernel``, the name of their
-    module, and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
+    module, and ``one_by_one`` (why its batch makes each run of a scenario by itself; empty: it makes many at once),
+    and ``direct`` (:func:`railhil.bench.direct_run`; without them campaign and audit run the nodes),
     ``together`` (makes runs of one scenario and law together that differ in seed, number and memory:
     :func:`railhil.batch.stopping.runs.run_together`; for sequences of runs), ``audit``
     (:data:`railhil.audit.bars.OwnLook`), ``export`` (:class:`railhil.controller_node.export.control.Control`; without

@@ -96,12 +96,13 @@ def run_system(namespace: argparse.Namespace) -> System:
     return system_named(load_any(namespace.scenario, namespace.set, namespace.fault).system)
 
 
-def run_spec(namespace: argparse.Namespace, controller: str, parameters: ParameterSet | None) -> RunSpec:
-    """The run of one law as described by the command line.
+def run_spec(namespace: argparse.Namespace, controller: str | None, parameters: ParameterSet | None) -> RunSpec:
+    """The run of one law as described by the command line; None: the usual one of the scenario's system.
 
     :raises InputError: there is no such scenario.
     """
-    return RunSpec.from_namespace(namespace, LawSpec.from_namespace(namespace, controller, parameters))
+    law = LawSpec.from_namespace(namespace, run_system(namespace), controller, parameters)
+    return RunSpec.from_namespace(namespace, law)
 
 
 def start_up(namespace: argparse.Namespace) -> StartUp:

@@ -21,7 +21,7 @@ from railhil.testing.settings import Settings
 
 _USUAL: Mapping[str, Any] = {
     "controller": None,
-    "arithmetic": "iq",
+    "arithmetic": None,
     "indexing": "time",
     "parameters": None,
     "settings": (),
