@@ -8,8 +8,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.injector.processes import kill_this_process, stop_this_process
 from railhil.bus.link import open_link
 from railhil.bus.select import choose_bus

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from railhil.bus.select import HUB_INTERFACE
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.common.choices import BUSES
 from railhil.common.errors import InputError
 from railhil.scenarios.load import load_any, stable_name

@@ -9,10 +9,9 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import can
-from can.cli import add_bus_arguments
 from rich.progress import BarColumn, Progress, ProgressColumn, TextColumn
 
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import BusChoice, choose_bus, no_bus
 from railhil.common.choices import BUSES
 from railhil.common.command_line import add_law_arguments, add_run_arguments
@@ -117,6 +116,8 @@ def require_interface(choice: BusChoice) -> None:
     """
     if choice.config.get("interface") is not None:
         return
+    import can
+
     try:
         can.util.load_config(config=dict(choice.config))
     except can.CanInterfaceNotImplementedError:

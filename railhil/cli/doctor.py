@@ -9,8 +9,8 @@ from dataclasses import asdict
 from importlib.metadata import version
 
 import can
-from can.cli import add_bus_arguments
 
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.errors import BusUnavailable
 from railhil.bus.hub.modelled import HUB
 from railhil.bus.limits import LIMITS

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from can.cli import add_bus_arguments
-
+from railhil.bus.can_settings import add_bus_arguments
 from railhil.bus.select import LOCAL, config_from_namespace
 from railhil.cli.bus_run import add_arguments, run_spec, run_system, start_up
 from railhil.common.choices import BUSES

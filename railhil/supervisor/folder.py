@@ -23,12 +23,12 @@ from railhil.scenarios.model import AnyScenario
 from railhil.scenarios.run_spec import RunSpec
 from railhil.scenarios.stored import any_judged_sha256
 from railhil.scenarios.system import system_named
+from railhil.supervisor.blf_writer import write_blf
 from railhil.supervisor.criteria import limited
 from railhil.supervisor.documents import CERTIFICATE, SCORE
 from railhil.supervisor.errors import RecordFailed, not_written
 from railhil.supervisor.events.event import EVENTS, FAULT, LOST, MISSED_POLL, REFUSED, write_events
 from railhil.supervisor.events.summary import counts_said, explained, reactions, summary, why
-from railhil.supervisor.framelog import write_blf
 from railhil.supervisor.json_file import write_json
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.learned import NOTHING_LEARNED

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from railhil.bus.can_settings import HUB_INTERFACE
 from railhil.bus.codes import Event
 from railhil.bus.errors import BusLost
 from railhil.bus.link import Link, open_link
 from railhil.bus.order import BusOrder
-from railhil.bus.select import HUB_INTERFACE, BusChoice
+from railhil.bus.select import BusChoice
 from railhil.common.exit_codes import FAIL, INVALID, PASS, TOOL_ERROR, USAGE
 from railhil.common.scheduling import said_in
 from railhil.faults.parsed import parsed
