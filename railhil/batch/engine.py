@@ -101,7 +101,7 @@ class Engine:
         """Score of each run, from the sums computed in the compiled loop."""
         scenario, times, records = self._case.scenario, self.times, fleet.records
         stand_to_the_end(self.common, fleet.tables, records)
-        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh, self.grid.counts, self.grid.period_s)
+        itae = measures.itae_kmh_s2(fleet.tables.error_sums_kmh.T, self.grid.counts, self.grid.period_s)
         stopped = records["stop_tick"] >= 0
         last_s = times.truth_s[records["samples"] - 1]
         stop_s = records["stop_01ms"] * _LSB
