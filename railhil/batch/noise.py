@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from railhil.batch.ziggurat import numbers_at
 from railhil.scenarios import streams
 
 #: Number of runs whose noise is cached, 3 kB each: searches and comparisons repeat the same seeds.
@@ -25,7 +26,7 @@ def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np
         key = (seed, ticks.size, hash(ticks.tobytes()))
         numbers = _kept.pop(key, None)
         if numbers is None:
-            numbers = streams.generator(seed, streams.SPEED_NOISE).standard_normal(int(ticks[-1]) + 1)[ticks]
+            numbers = numbers_at(streams.generator(seed, streams.SPEED_NOISE), ticks)
         _kept[key] = numbers
         found[:, column] = numbers
     while len(_kept) > _KEPT:
