@@ -57,6 +57,14 @@ class Straight:
         return given, after, outputs, first[2] + noted
 
 
+def is_shipped(law: Any) -> bool:
+    """True for a law of this distribution, whose program may replace it.
+
+    What a law of somebody else does besides its operations, such as to raise, is not in its program.
+    """
+    return type(law).__module__.startswith(f"{laws.__name__}.")
+
+
 def straight(program: LawProgram, law: Any, arithmetic: Arithmetic[Any], ranges: LawRanges | None) -> Straight | None:
     """The written-out functions of a law, None if there are none for it.
 
@@ -64,8 +72,7 @@ def straight(program: LawProgram, law: Any, arithmetic: Arithmetic[Any], ranges:
     :param ranges: of this program, for fixed point: nothing in it may wrap. None: not analysed.
     """
     family = _FAMILIES.get(type(arithmetic))
-    # What a law of somebody else does besides its operations, such as to raise, is not in its program.
-    if family is None or not type(law).__module__.startswith(f"{laws.__name__}."):
+    if family is None or not is_shipped(law):
         return None
     if family == FIXED and (ranges is None or ranges.may_wrap):
         return None
