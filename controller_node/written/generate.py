@@ -7,6 +7,7 @@ writes it, and ``index.py``, which finds a function by the shape of a recorded p
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from pathlib import Path
 
 from railhil.controller_node.laws import load as load_law
@@ -17,28 +18,29 @@ from railhil.scenarios.run_spec import LawSpec
 
 #: The shipped laws of the system ``ato``.
 LAWS = ("ipfc", "tpfc1", "tpfc2", "tdmc", "fuzzy_pid", "ipfc_plus", "ipfc_plus_stop")
-#: A line for which the programs are recorded; those of other lines have the same shapes.
-_SCENARIO = "lvshun_tieshan"
+#: Lines for which the programs are recorded: those of the other shipped lines have the same shapes. The formats of some
+#: laws depend on the length of a run.
+_SCENARIOS = ("lvshun_tieshan", "yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan")
 _FAMILIES = {FIXED: "fixed point", FLOAT64: "double precision"}
 _WRITER = "Written by ``make tables`` from the recorded program; do not edit."
 
 
 def texts() -> Iterator[tuple[str, str]]:
     """Name and text of every generated module."""
-    scenario = load(_SCENARIO)
+    scenarios = [load(name) for name in _SCENARIOS]
     functions: dict[str, str] = {}
     for law in LAWS:
         for family, title in _FAMILIES.items():
             module = f"{law}_{family}"
-            parts: list[str] = []
-            for indexing in load_law(law).indexings:
+            parts: dict[str, str] = {}
+            for indexing, scenario in product(load_law(law).indexings, scenarios):
                 program = record(scenario, LawSpec(law, indexing=indexing), wide=family == FLOAT64)
-                for part, name in ((program.inputs, f"inputs_by_{indexing}"), (program.step, "step")):
+                for part, wanted in ((program.inputs, f"inputs_by_{indexing}"), (program.step, "step")):
+                    name = wanted if wanted not in parts else f"{wanted}_{len(parts)}"
                     digest, text = written(part, family, name)
                     if digest not in functions:
-                        functions[digest] = f"{module}:{name}"
-                        parts.append(text)
-            yield f"{module}.py", _module(f"Law {law} in {title}. {_WRITER}", parts)
+                        functions[digest], parts[name] = f"{module}:{name}", text
+            yield f"{module}.py", _module(f"Law {law} in {title}. {_WRITER}", list(parts.values()))
     rows = "".join(f'    "{digest}": "{place}",\n' for digest, place in functions.items())
     text = (
         f'"""Functions by the digest of a program\'s shape. {_WRITER}"""\n\n'

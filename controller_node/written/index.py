@@ -28,8 +28,10 @@ FUNCTIONS: dict[str, str] = {
     "b5d825a35420a6e4": "fuzzy_pid_float64:inputs_by_distance",
     "85aa1451a80de760": "ipfc_plus_fixed:inputs_by_time",
     "eb3275fe85e98626": "ipfc_plus_fixed:step",
+    "3783437f639e8f50": "ipfc_plus_fixed:step_2",
     "a40bf83cd2ef1b1a": "ipfc_plus_float64:inputs_by_time",
     "c8d5f95c83f4e3d0": "ipfc_plus_float64:step",
     "34bb450c07b1c271": "ipfc_plus_stop_fixed:step",
+    "73b1cd8c78f6b6a6": "ipfc_plus_stop_fixed:step_1",
     "e488d4e6c79704ba": "ipfc_plus_stop_float64:step",
 }

@@ -97,9 +97,10 @@ def test_a_step_with_an_event_is_computed_by_the_law(arithmetic: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
-def test_a_law_keeps_its_function_on_other_lines_in_double_precision(law: str) -> None:
-    scenario = load("yizhuang_05_yizhuang_qiao_yizhuang_wenhuayuan")
-    assert Controller(scenario, LawSpec(law, "float64"))._loop.straight is not None
+@pytest.mark.parametrize("arithmetic", ["iq", "float64"])
+def test_a_law_has_its_function_on_other_lines(law: str, arithmetic: str) -> None:
+    for name in ("yizhuang_01_songjiazhuang_xiaocun", "yizhuang_11_jinghai_lu_ciqu_nan", "lvshun_tieshan_worn_wheels"):
+        assert Controller(load(name), LawSpec(law, arithmetic))._loop.straight is not None, name
 
 
 class Careful(Ipfc[Any]):
