@@ -57,12 +57,12 @@ class Straight:
         return given, after, outputs, first[2] + noted
 
 
-def is_shipped(law: Any) -> bool:
-    """True for a law of this distribution, whose program may replace it.
+def is_shipped(law: type[Any]) -> bool:
+    """True for the class of a law of this distribution, whose program may replace it.
 
     What a law of somebody else does besides its operations, such as to raise, is not in its program.
     """
-    return type(law).__module__.startswith(f"{laws.__name__}.")
+    return law.__module__.startswith(f"{laws.__name__}.")
 
 
 def straight(program: LawProgram, law: Any, arithmetic: Arithmetic[Any], ranges: LawRanges | None) -> Straight | None:
@@ -72,7 +72,7 @@ def straight(program: LawProgram, law: Any, arithmetic: Arithmetic[Any], ranges:
     :param ranges: of this program, for fixed point: nothing in it may wrap. None: not analysed.
     """
     family = _FAMILIES.get(type(arithmetic))
-    if family is None or not is_shipped(law):
+    if family is None or not is_shipped(type(law)):
         return None
     if family == FIXED and (ranges is None or ranges.may_wrap):
         return None

@@ -21,14 +21,15 @@ def standard_noise(seeds: Sequence[int], ticks: NDArray[np.int64]) -> NDArray[np
 
     :param ticks: rising from 0, shape (ticks,).
     """
-    found = np.empty((ticks.size, len(seeds)))
-    for column, seed in enumerate(seeds):
-        key = (seed, ticks.size, hash(ticks.tobytes()))
+    found = np.empty((len(seeds), ticks.size))
+    which = hash(ticks.tobytes())
+    for row, seed in enumerate(seeds):
+        key = (seed, ticks.size, which)
         numbers = _kept.pop(key, None)
         if numbers is None:
             numbers = numbers_at(streams.generator(seed, streams.SPEED_NOISE), ticks)
         _kept[key] = numbers
-        found[:, column] = numbers
+        found[row] = numbers
     while len(_kept) > _KEPT:
         _kept.popitem(last=False)
-    return found
+    return np.ascontiguousarray(found.T)

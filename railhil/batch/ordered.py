@@ -7,6 +7,7 @@ somebody else or with an operation that has no order, the law itself is computed
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +19,9 @@ from railhil.batch.lanes import LANES
 from railhil.batch.orders import Assembly, NotInOrdersError, Orders
 from railhil.controller_node.arithmetic import make
 from railhil.controller_node.arithmetic.base import DIVISION_BY_ZERO, SATURATION, WRAP
+from railhil.controller_node.laws import load
 from railhil.controller_node.laws.base import BaliseReading
 from railhil.controller_node.loop import NO_BALISE, ControlLoop
-from railhil.controller_node.program.model import LawProgram
 from railhil.controller_node.program.record import record
 from railhil.controller_node.straight import is_shipped
 from railhil.scenarios.model import Scenario
@@ -43,12 +44,12 @@ class OrderedLoop:
 
     ``arithmetic``: on arrays, for its conversions and the counts of events. ``state``: set to None it begins anew.
 
-    :raises NotInOrdersError: an operation of the law has no order.
+    :param assembly: made for this arithmetic.
     """
 
-    def __init__(self, program: LawProgram, arithmetic: str) -> None:
+    def __init__(self, assembly: Assembly, arithmetic: str) -> None:
         self.arithmetic: Any = make(arithmetic, batch=True)
-        self._assembly = one = Assembly(program, make(arithmetic))
+        self._assembly = one = assembly
         self._dtype: Any = np.float64 if self.arithmetic.wide else np.int64
         self._given = np.array(one.given, dtype=np.int64) * LANES
         self._terms = np.array(one.terms, dtype=np.int64).reshape(-1, 3)
@@ -58,7 +59,6 @@ class OrderedLoop:
             id(orders): [(orders.array[begin:end], pause) for begin, end, pause in _stretches(orders)]
             for orders in (one.inputs, one.start, one.step)
         }
-        self._track = program.track
         self._scratch: NDArray[Any] = np.zeros((0, 0))
         self.state: Any = None
 
@@ -67,7 +67,7 @@ class OrderedLoop:
     ) -> tuple[None, Notches]:
         """One control period of all trains."""
         trains = np.size(speed_01mmps)
-        values = [k, speed_01mmps, position_01mm, *(balise if self._track else ())]
+        values = [k, speed_01mmps, position_01mm, *(balise if self._assembly.track else ())]
         blocks = -(-trains // LANES)
         wire = np.empty((len(values), blocks * LANES), dtype=self._dtype)
         for row, value in zip(wire, values, strict=True):
@@ -129,15 +129,33 @@ def _stretches(orders: Orders) -> list[tuple[int, int, Any]]:
     return [*found, (begin, len(orders.rows), None)]
 
 
+#: The laws assembled last: a campaign makes a loop for each of its chunks.
+_KEPT = 8
+_kept: list[tuple[Scenario, LawSpec, Assembly | None]] = []
+
+
+def _assembly(scenario: Scenario, law: LawSpec) -> Assembly | None:
+    """The orders of a law, None if it must be computed itself."""
+    for known in _kept:
+        if known[1] == law and known[0] == scenario:
+            return known[2]
+    found = None
+    if law.arithmetic in _ARITHMETICS and is_shipped(load(law.controller)):
+        number = make(law.arithmetic)
+        # Otherwise it has an operation that is none of the arithmetic's own.
+        with suppress(NotInOrdersError):
+            found = Assembly(record(scenario, law, wide=number.wide), number)
+    _kept.insert(0, (scenario, law, found))
+    del _kept[_KEPT:]
+    return found
+
+
 def loop_of(scenario: Scenario, law: LawSpec) -> Any:
     """The loop of a law on arrays: as orders where that is possible.
 
     :raises InputError: as :class:`ControlLoop`.
     """
-    loop: ControlLoop[Any] = ControlLoop(scenario, law, make(law.arithmetic, batch=True))
-    if law.arithmetic not in _ARITHMETICS or not is_shipped(loop.law):
-        return loop
-    try:
-        return OrderedLoop(record(scenario, law, wide=loop.arithmetic.wide), law.arithmetic)
-    except NotInOrdersError:
-        return loop
+    assembly = _assembly(scenario, law)
+    if assembly is None:
+        return ControlLoop(scenario, law, make(law.arithmetic, batch=True))
+    return OrderedLoop(assembly, law.arithmetic)

@@ -91,13 +91,15 @@ class Assembly:
     """The orders of a law: its inputs, its start and its step, on common rows.
 
     ``terms``: (coefficient is a row or a constant, its row or its place in ``loose``, row of the factor) of all sums of
-    products; ``pool``: entries of all tables; ``fixed``: numbers of the rows that are constants, by row.
+    products; ``pool``: entries of all tables; ``fixed``: numbers of the rows that are constants, by row; ``track``:
+    whether the last balise is an input.
 
     :raises NotInOrdersError: an operation of the law has no order.
     """
 
     def __init__(self, program: LawProgram, arithmetic: Arithmetic[Any]) -> None:
         self._ar, self._fixed_point = arithmetic, not arithmetic.wide
+        self.track = program.track
         self.terms: list[tuple[int, int, int]] = []
         self.loose: list[Any] = []
         self.pool: list[Any] = []

@@ -126,7 +126,7 @@ def test_each_operation_at_the_ends_of_its_range(arithmetic: str, output: int) -
     pairs += [tuple(pair) for pair in random.integers(INT32_MIN, 2**31, (47, 2)).tolist()]
     raws = np.array(pairs, dtype=np.int64).T
     one = make(arithmetic)
-    loop = OrderedLoop(_law(output, one.wide), arithmetic)
+    loop = OrderedLoop(Assembly(_law(output, one.wide), one), arithmetic)
     loop.arithmetic.per_train = {kind: np.zeros(len(pairs), dtype=np.int64) for kind in KINDS}
     x, y = (loop.arithmetic.from_raw(row, 20) for row in raws)
     found = _carried_out(loop, x, y)
