@@ -88,10 +88,12 @@ def value_name(fault: str, figure: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class MemoryFaults:
-    """``count`` sequences for each fault: eight runs, the fault, and ten more. ``first``: seed of the first one."""
+    """``count`` sequences for each fault. ``first``: seed of the first one; ``before``, ``after``: runs of each."""
 
     first: int
     count: int
+    before: int = BEFORE
+    after: int = AFTER
 
     def words(self, spec: RunSpec) -> list[str]:
         return []
@@ -102,8 +104,10 @@ class MemoryFaults:
         from railhil.sequences.plan import run_specs
 
         scenario = spec.load()
-        specs = [run_specs(spec, scenario, self.first + place, BEFORE + AFTER) for place in range(self.count)]
-        last: dict[int, OneRun] = {place: run for place, _, run in sequences(scenario, [one[:BEFORE] for one in specs])}
+        specs = [run_specs(spec, scenario, self.first + place, self.before + self.after) for place in range(self.count)]
+        last: dict[int, OneRun] = {
+            place: run for place, _, run in sequences(scenario, [one[: self.before] for one in specs])
+        }
         memories = [last[place].left for place in range(self.count)]
         found: dict[str, float | None] = {}
         every: list[list[OneRun]] = []
@@ -112,7 +116,7 @@ class MemoryFaults:
             random = np.random.default_rng(self.first)
             begun = [change(memory, random) for memory in memories]
             rows: list[list[Any]] = [[] for _ in memories]
-            for place, _, run in sequences(scenario, [one[BEFORE:] for one in specs], begun):
+            for place, _, run in sequences(scenario, [one[self.before :] for one in specs], begun):
                 rows[place].append(run)
             every += rows
             found |= {value_name(fault, name): value for name, value in _figures(rows).items()}

@@ -41,7 +41,7 @@ PROTOCOL = (
     "float64. What differs is in the command beside each entry and in its parameter file, which stands beside this "
     "page.",
     "Converged: the first of three runs in a row within 0.3 m. After learning: the last 5 of 15 runs.",
-    "No parameter of a law was chosen on the seeds.",
+    "The seeds are those that `railhil learn` takes by default.",
 )
 
 

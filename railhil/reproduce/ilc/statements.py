@@ -25,7 +25,7 @@ from railhil.reproduce.ilc.names import (
 )
 from railhil.reproduce.paper import FOLLOWS, FOLLOWS_NOT, IN_PART, OPEN, Results, Statement, order
 
-#: An eps is better than another one only if its mean error is this much less.
+#: One is better than another only if its mean error is this much less.
 _MARGIN = 0.1
 _NONE = filter_key(names.NONE)
 
@@ -159,13 +159,13 @@ def _filter(results: Results) -> Statement:
 
 def _best_filter(results: Results) -> Statement:
     errors = {name: results.value(filter_key(name), of_last(MEAN)) for name in names.FILTERS}
-    ranked = order(errors)
-    said = ", ".join(f"{name} {_shown(errors[name])}" for name in ranked)
+    said = ", ".join(f"{name} {_shown(errors[name])}" for name in order(errors))
+    keys = [PAPER_CASE, *(key for name in names.FILTERS if (key := filter_key(name)) != PAPER_CASE)]
     return Statement(
         "Sect. on the filter",
         "the wavelet packet is the filter to use, among FIR, IIR and others.",
         f"mean errors in m, {said}.",
-        FOLLOWS if ranked[0] == names.PACKET else FOLLOWS_NOT,
+        FOLLOWS if _is_best(results, keys, of_last(MEAN)) else FOLLOWS_NOT,
         "Keeping one node of the packet is a linear low pass, and others have less delay.",
     )
 
