@@ -42,6 +42,11 @@ class Planned:
         words = self.how.words(self.spec)
         return shlex.join(["railhil", *words]) if words else ""
 
+    @property
+    def identity(self) -> list[str]:
+        """What its figures depend on besides the code: way, law with its parameters, run."""
+        return [repr(self.how), self.spec.law.label, *self.spec.words]
+
 
 @dataclass(frozen=True, slots=True)
 class Measured:

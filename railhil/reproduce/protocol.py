@@ -85,7 +85,7 @@ def _measured(
 
 def _stored(found: Measured, planned: Planned) -> dict[str, Any]:
     return {
-        "again": planned.how.words(planned.spec),
+        "entry": planned.identity,
         "railhil": version("railhil"),
         "verdict": found.verdict,
         "reasons": list(found.reasons),
@@ -103,7 +103,7 @@ def _read(file: Path, planned: Planned) -> Measured:
         found = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise InputError(file, "file", str(error), "figures of a run, as --measured writes them") from None
-    for key, allowed in (("again", planned.how.words(planned.spec)), ("railhil", version("railhil"))):
+    for key, allowed in (("entry", planned.identity), ("railhil", version("railhil"))):
         if found.get(key) != allowed:
             raise InputError(file, key, str(found.get(key)), f"{allowed}, or no such file: the run is then made")
     return Measured(planned.key, found["verdict"], tuple(found["reasons"]), found["sha256"], found["measured"])

@@ -220,5 +220,5 @@ def test_stored_figures_are_read_again_and_only_those_of_the_same_run(tmp_path: 
     assert [run.verdict for run in again.runs.values()] == ["FAIL", "PASS"]
     assert again.runs["first"].values == first.runs["first"].values
     stored.write_text(stored.read_text().replace("hst_short", "emu3_short"))
-    with pytest.raises(InputError, match=r"first.json: again: found "):
+    with pytest.raises(InputError, match=r"first.json: entry: found "):
         results(paper, (1,), measured=tmp_path)

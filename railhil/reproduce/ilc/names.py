@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from railhil.reproduce.paper import Results
-
 #: Runs of a sequence, and where nothing is learned.
 RUNS, FEW = 15, 3
 #: Filters of table 3: that of the paper, none, and others.
@@ -88,9 +86,3 @@ def of_all(figure: str) -> str:
 
 #: The same without the runs in which the wheels slid.
 LAST_RMS_HELD = of_last("rms_without_slide")
-
-
-def share(results: Results, key: str, other: str, name: str) -> float | None:
-    """A figure of an entry divided by that of another one; None if one of them is not there."""
-    value, by = results.value(key, name), results.value(other, name)
-    return None if value is None or not by else value / by

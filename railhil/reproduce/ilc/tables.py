@@ -74,10 +74,11 @@ def tables(results: Results) -> list[Table]:
         _memory(results),
         _bands(
             results, "acceptance", "Acceptance list of railhil's specification (section 8)", ACCEPTANCE,
-            "What is no figure of sequences is tested: golden cases of the filters and the packet as approximation of "
-            "the wavelet transform (item 1, `hil_tests/unit/controller_node/stopping`), stopping distance, time, "
-            "trigger and stop position (item 2, the same and `hil_tests/unit/plant_sim/stopping`), telegrams and kills "
-            "during a write (item 7, `hil_tests/loop/test_stop_memory.py`, `hil_tests/unit/scenarios`).",
+            "What is no figure of sequences is tested: item 1 with golden cases and the packet as approximation of "
+            "the wavelet transform (`hil_tests/unit/controller_node/stopping/test_filters.py`), item 2 "
+            "(`test_distance.py`, `test_stop_laws.py` there, and `hil_tests/unit/plant_sim/stopping/test_train.py`), "
+            "item 7 on the bus and with kills during a write (`hil_tests/loop/test_stop_memory.py`, "
+            "`hil_tests/unit/scenarios/test_memory_store.py`).",
         ),
     ]  # fmt: skip
 
@@ -135,7 +136,7 @@ def _table_2(results: Results) -> Table:
         "whatever eps adds to the place where the brake begins; where nothing is learned and the law's model is exact, "
         "the best eps is half the way of a control cycle (0.13 m in 16 ms, 0.40 m in 48 ms, arithmetic). In a table of "
         "single sequences 0.4 m is the best of four values with probability 1/4. A third reading, eps as a dead zone "
-        "of the learning, is not made: the law has none."
+        "of the learning, is not made: the law has none. In cycles of 48 ms the law reads every third telegram."
     )
     return Table("table_2", "Table 2: tolerance eps", columns, tuple(lines), note, with_ratio=False)
 
