@@ -67,6 +67,8 @@ class Message:
         #: Length of a payload in bytes.
         self.size = len(_CDR_HEADER) + place
         self._pack = Struct(layout).pack
+        #: Payload of a message of zeros.
+        self.blank = _CDR_HEADER + bytes(place)
 
     @property
     def schema(self) -> str:

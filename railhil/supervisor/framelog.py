@@ -195,9 +195,12 @@ def _parsed(line: str) -> tuple[int, Frame]:
     return time_ns, Frame(can_id, bytes.fromhex(payload), flags)
 
 
-def write_blf(log: Path, out: Path) -> None:
-    """Write the frames of a candump log as BLF, with python-can's writer."""
+def write_blf(log: Path, out: Path, start_s: float = 0.0) -> None:
+    """Write the frames of a candump log as BLF, with python-can's writer.
+
+    :param start_s: added to every time stamp; the file then begins at that instant since 1970.
+    """
     writer = BLFWriter(out)
     for time_ns, frame in read_log(log):
-        writer.on_message_received(to_message(frame, time_ns / 1e9))
+        writer.on_message_received(to_message(frame, start_s + time_ns / 1e9))
     writer.stop()
