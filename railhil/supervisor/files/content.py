@@ -19,6 +19,8 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 #: What BLF (no years before 1990 in python-can) and 64-bit nanoseconds can say.
 _START_MIN, _START_MAX = datetime(1990, 1, 2, tzinfo=UTC), datetime(2262, 1, 1, tzinfo=UTC)
 _ALLOWED = "date and time with its zone, 1990 to 2262, like 2026-11-22T18:42:55Z"
+#: Time 0 of a run without a start in files that must have one.
+NO_START = datetime(2000, 1, 1, tzinfo=UTC)
 #: Column of the tables with the absolute time, if the run has a start.
 TIME_UTC = "time_utc"
 #: Name of the writing program inside the files.

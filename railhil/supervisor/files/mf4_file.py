@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import struct
-from datetime import UTC, datetime
 from hashlib import md5
 from pathlib import Path
 from typing import Any
@@ -16,11 +15,9 @@ from asammdf.blocks.source_utils import Source
 from railhil.bus.frame import BRS, ERROR, EXTENDED, FD, REMOTE, Frame
 from railhil.dbc import DBC
 from railhil.dbc import Signal as Entry
-from railhil.supervisor.files.content import Content
+from railhil.supervisor.files.content import NO_START, Content
 from railhil.supervisor.framelog import CHANNEL, read_log
 
-#: Time 0 of a run without a start: MF4 has no files without one.
-NO_START = datetime(2000, 1, 1, tzinfo=UTC)
 #: Name of the group with the columns of ``signals.csv``.
 SIGNALS = "signals"
 _BUS_CHANNEL = 1
@@ -46,9 +43,10 @@ def write_mf4(content: Content, path: Path) -> None:
             for name, column in zip(header[1:], table.T[1:], strict=True)
         ]
         file.append(columns, acq_name=SIGNALS, comment="signals.csv")
+    start_ns = file.header.abs_time
     file.save(path, overwrite=True, compression=2)
     file.close()
-    _overwrite_history(path, start)
+    _overwrite_history(path, start_ns)
 
 
 def _append_frames(file: MDF, content: Content) -> None:
@@ -126,7 +124,7 @@ def _words(entry: Entry) -> dict[str, Any] | None:
     return table
 
 
-def _overwrite_history(path: Path, start: datetime) -> None:
+def _overwrite_history(path: Path, start_ns: int) -> None:
     """Set the times of the file's history to the start of the run: else two exports of a run would differ."""
     with path.open("r+b") as stream:
         stream.seek(_FIRST_HISTORY)
@@ -136,6 +134,6 @@ def _overwrite_history(path: Path, start: datetime) -> None:
             (following,) = struct.unpack("<Q", stream.read(8))
             stream.seek(at + _HISTORY_TIME)
             stream.write(
-                struct.pack("<QhhB", int(start.timestamp()) * 1_000_000_000, 0, 0, v4.FLAG_HD_TIME_OFFSET_VALID)
+                struct.pack("<QhhB", start_ns, 0, 0, v4.FLAG_HD_TIME_OFFSET_VALID)
             )
             at = following
