@@ -15,6 +15,7 @@ from railhil.scenarios.system import system_named
 from railhil.supervisor.judging import judging_of
 from railhil.supervisor.report import jitter_panel as timing
 from railhil.supervisor.report.events_panel import event_rows, has_unusual
+from railhil.supervisor.report.explore import explored, scripts, styles_text
 from railhil.supervisor.report.facts import facts, without_paths
 from railhil.supervisor.report.figures import Panel, pictures
 from railhil.supervisor.report.recorded import RecordedRun, told_apart
@@ -64,6 +65,9 @@ def page(runs: Sequence[RecordedRun], notes: Sequence[str] = (), panels: Sequenc
         timing=timing.table(runs),
         timing_headings=timing.HEADINGS,
         pictures=system.part("pictures")(scenario, runs) if panels is None else pictures(scenario, runs, panels),
+        explored=explored(runs),
+        chart_scripts=scripts(),
+        chart_styles=styles_text(),
         source=source,
         deviations=deviating,
     )
