@@ -8,6 +8,7 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,12 @@ import pytest
 
 from hil_tests.support.browser import browser
 from hil_tests.support.recordings import recorded_folder
+from hil_tests.support.scores import with_values
 from railhil.scenarios.load import load, load_any
+from railhil.supervisor.ato import JUDGING
 from railhil.supervisor.events.event import FAULT, LEVEL, LOST, RecordedEvent
+from railhil.supervisor.report import page as report_page
+from railhil.supervisor.report.distribution import shares, worst_first
 from railhil.supervisor.report.explore import explored
 from railhil.supervisor.report.page import write_report
 from railhil.supervisor.report.recorded import RecordedRun
@@ -118,6 +123,45 @@ def test_columns_have_names_units_and_words(run: RecordedRun) -> None:
         "true_speed_mps", "target_mps", "position_m", "command_mps2",
     )  # fmt: skip
     assert sum(column.kind == "level" for column in high.columns) == 3
+
+
+def test_above_twenty_runs_the_page_shows_distributions_and_links_the_worst(
+    run: RecordedRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The limits are lowered: drawing is what takes long."""
+    monkeypatch.setattr(report_page, "RUNS_MAX", 3)
+    monkeypatch.setattr(report_page, "_WORST", 1)
+    runs = [
+        replace(
+            run, certificate={**run.certificate, "seed": seed}, score=with_values(run.score, stop_error_m=error),
+            verdict="FAIL" if error is None or error > 0.3 else "PASS",
+        )
+        for seed, error in enumerate((0.1, 0.9, None, 0.2))
+    ]  # fmt: skip
+    folders = [tmp_path / f"run {seed}" for seed in range(4)]
+    folders[2].mkdir()
+    (folders[2] / "report.html").touch()
+    write_report(runs, tmp_path / "report.html", (), folders)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r'id="distribution-data">(.*?)</script>', text)[1])
+    stop = next(spread for spread in data["spreads"] if spread["title"] == "stop error")
+    assert (stop["allowed"], stop["limits"]) == ("-0.3 to 0.3", [-0.3, 0.3])
+    # The run that did not stop is at or below no value.
+    (law,) = stop["laws"]
+    assert law["y"][-1] == 75.0
+    assert re.findall(r'<a href="([^"]*)">ipfc seed 2</a>', text) == ["run%202/report.html"]
+    explored_runs = json.loads(re.search(r'id="explore-data">(.*?)</script>', text)[1])["runs"]
+    assert [found["label"] for found in explored_runs] == ["ipfc seed 2"]
+    assert worst_first(run.scenario, JUDGING.criteria, runs) == [2, 1, 3, 0]
+
+
+def test_shares_of_runs() -> None:
+    at, below = shares(np.array([3.0, 1.0, np.nan, 1.0]))
+    assert (at.tolist(), below.tolist()) == ([1.0, 3.0], [50.0, 75.0])
+    at, below = shares(np.arange(10_000.0), 300)
+    assert len(at) <= 300
+    assert (at[0], at[-1], below[-1]) == (0.0, 9_999.0, 100.0)
+    assert shares(np.array([np.nan]))[0].size == 0
 
 
 @pytest.fixture(scope="module")

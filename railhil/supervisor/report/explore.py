@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
-from railhil.charts import SCRIPTS, STYLES, static_text
 from railhil.common.plain_text import plain
 from railhil.supervisor.events.event import LEVEL, START, RecordedEvent
+from railhil.supervisor.report.assets import as_json
 from railhil.supervisor.report.events_panel import event_rows
 from railhil.supervisor.report.recorded import RecordedRun
 from railhil.supervisor.report.styles import Style, styles
@@ -31,17 +29,6 @@ _EVENTS_MAX = 200
 ERROR = "tracking_error"
 #: Charts that are open at first.
 _CHARTS_FIRST = 5
-
-
-def scripts() -> str:
-    """The program of the page, without the end of a script element."""
-    own = files(__package__).joinpath("explore.js").read_text(encoding="utf-8")
-    return "\n".join([*(static_text(name) for name in SCRIPTS), own])
-
-
-def styles_text() -> str:
-    """The style sheets of the charts."""
-    return "\n".join(static_text(name) for name in STYLES)
 
 
 def explored(runs: Sequence[RecordedRun]) -> str:
@@ -73,13 +60,7 @@ def explored(runs: Sequence[RecordedRun]) -> str:
             first = _first(columns)
             roles = {"speed": columns.speed, "target": columns.target}
     document = {"runs": found, "columns": list(shown.values()), "over": over, "first": first, "error": ERROR, **roles}
-    return _json(document)
-
-
-def _json(document: Any) -> str:
-    """JSON that cannot end a script element or be anything but data."""
-    found = json.dumps(document, ensure_ascii=True, separators=(",", ":"), allow_nan=False)
-    return found.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+    return as_json(document)
 
 
 def _column(column: Any) -> dict[str, Any]:
