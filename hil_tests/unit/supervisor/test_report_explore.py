@@ -99,6 +99,7 @@ def test_the_page_has_the_values_of_signals_csv(run: RecordedRun, table: dict[st
         np.testing.assert_allclose(values, expected[rows], rtol=1e-6, atol=1e-8)
     assert document["over"] == ["true_position_m"]
     assert document["first"][:4] == ["true_speed_mps", "target_speed_mps", "tracking_error", "notch_command"]
+    assert "grade_permil" in document["first"]
     # Events that differ only in their instants are one mark.
     marks = [mark for mark in found["events"] if "gap" in mark[2]]
     assert [(mark[0], mark[1]) for mark in marks] == [(20.0, 24.9)]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import re
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from typing import Any
 
@@ -27,6 +28,8 @@ _FINE = 1e-6
 _EVENTS_MAX = 200
 #: Target less speed, in a chart of its own.
 ERROR = "tracking_error"
+#: What columns of several units differ in.
+_NUMBER = re.compile(r"\d+")
 #: Charts that are open at first.
 _CHARTS_FIRST = 5
 
@@ -51,13 +54,14 @@ def explored(runs: Sequence[RecordedRun]) -> str:
     roles: dict[str, str] = {}
     for run, style in drawn:
         columns = _with_error(shown_columns(run.scenario, run.trace.contract, run.certificate.get("notes")))
-        document, steady = _run(run, style, columns, stretches)
+        document, steady, constant = _run(run, style, columns, stretches)
         found.append(document)
         over = steady if over is None else [name for name in over if name in steady]
         for column in columns.columns:
             shown.setdefault(column.name, _column(column))
         if not roles:
-            first = _first(columns)
+            moving = document["signals"].keys() - constant
+            first = _first(columns, moving)
             roles = {"speed": columns.speed, "target": columns.target}
     document = {"runs": found, "columns": list(shown.values()), "over": over, "first": first, "error": ERROR, **roles}
     return as_json(document)
@@ -79,27 +83,36 @@ def _with_error(shown: Shown) -> Shown:
     speed = shown.named(shown.speed)
     if speed is None or not shown.target:
         return shown
-    return replace(shown, columns=(*shown.columns, replace(speed, name=ERROR, label="tracking error")))
+    return replace(shown, columns=(*shown.columns, replace(speed, name=ERROR, label="target less speed")))
 
 
-def _first(columns: Shown) -> list[str]:
-    """The columns that are drawn at first: speed and target, the command, and one of each further unit."""
+def _first(columns: Shown, moving: Set[str]) -> list[str]:
+    """The columns that are drawn at first: speed and target, the command, and of each further unit the first one, with
+    those that differ from it only in a number (of a unit of the train).
+
+    :param moving: columns that are not constant; others are left out.
+    """
     error = ERROR if columns.named(ERROR) else ""
     found = [name for name in (columns.speed, columns.target, error, columns.command) if name]
-    units = [one.unit for name in found if (one := columns.named(name))]
+    # The position is what others are drawn over.
+    units = {one.unit for name in (*found, columns.position) if (one := columns.named(name))}
     for column in columns.columns:
-        if column.name == columns.position:
+        if column.kind != SIGNAL or column.unit in {*units, ""} or column.name not in moving:
             continue
-        if len(set(units)) < _CHARTS_FIRST and column.kind == SIGNAL and column.unit not in units:
-            found.append(column.name)
-            units.append(column.unit)
+        if len(units) <= _CHARTS_FIRST:
+            alike = [one.name for one in columns.columns if _NUMBER.sub("", one.name) == _NUMBER.sub("", column.name)]
+            found += alike
+            units.add(column.unit)
     return found
 
 
-def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[dict[str, Any], list[str]]:
-    """One run for the page, and its position if it never decreases: others can be drawn over it."""
+def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[dict[str, Any], list[str], set[str]]:
+    """One run for the page; its position if it never decreases, over which others can be drawn; and the columns that
+    never change."""
     header, table = signal_table(run.scenario, run.trace, run.certificate.get("notes"))
-    signals, steady = {}, []
+    signals: dict[str, dict[str, Any]] = {}
+    steady: list[str] = []
+    constant: set[str] = set()
     reacted = {f"{event.source}_level" for event in run.events if event.kind == LEVEL}
     for column in shown.columns:
         if column.name == ERROR:
@@ -115,6 +128,8 @@ def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[
         else:
             rows = seen_rows(values, stretches)
         signals[column.name] = packed(rows, values)
+        if np.ptp(values[finite]) == 0:
+            constant.add(column.name)
         if column.name in reacted:
             signals[column.name]["used"] = True
     document = {
@@ -126,7 +141,7 @@ def _run(run: RecordedRun, style: Style, shown: Shown, stretches: int) -> tuple[
         "signals": signals,
         "events": _events(run.events),
     }
-    return document, steady
+    return document, steady, constant
 
 
 def _times(time_s: FloatArray) -> dict[str, Any]:
