@@ -107,7 +107,7 @@
         const seen = new Set();
         for (const run of runs) {
           if (!(column.name in run.signals)) continue;
-          // Runs that followed the same target share one line.
+          // A target that several runs followed is one line.
           const same = run.signals[column.name].v;
           if (column.name === data.target && seen.has(same)) continue;
           seen.add(same);
