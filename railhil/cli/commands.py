@@ -22,6 +22,7 @@ _MODULES = (
     "report",
     "plot",
     "export",
+    "watch",
     "memory",
     "scenarios",
     "ports",
