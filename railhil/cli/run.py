@@ -19,6 +19,7 @@ from railhil.cli.bus_run import (
     start_up,
 )
 from railhil.cli.dbcfile import check_foreign_dbc
+from railhil.cli.panel import add_panel_arguments, check_panel, panel_beside
 from railhil.cli.show import print_result
 from railhil.common.errors import Faults, InputError, Words
 from railhil.common.output import Output, add_json_argument, print_json
@@ -59,6 +60,7 @@ def add_parser(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     )
     parser.add_argument("--no-controller", action="store_true", help="the controller is a board or another program")
     parser.add_argument("--dbc", metavar="FILE", help="refuse to run unless this DBC describes the telegrams")
+    add_panel_arguments(parser)
     add_json_argument(parser)
     for action in parser._actions:
         # Only options given here override environment and file.
@@ -121,6 +123,7 @@ def made_again(path: Path, spec: RunSpec, result: RunResult) -> str:
 def work(namespace: argparse.Namespace) -> int:
     """Run, write the run folder, print; the exit code is the verdict."""
     spec, how = _asked(namespace)
+    check_panel(namespace, spec)
     scenario = spec.load()
     if namespace.dbc is not None:
         check_foreign_dbc(namespace.dbc, system_named(scenario.system).contract)
@@ -129,7 +132,8 @@ def work(namespace: argparse.Namespace) -> int:
         folder, made = run_folder(namespace.out, scenario.name, spec.law.controller)
         console.say(f"bus: {choice.transport} ({choice.reason})")
         quiet = namespace.quiet or namespace.json or not console.is_terminal
-        run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
+        with panel_beside(namespace, spec, choice, console):
+            run, result = recorded(scenario, spec, how, choice, folder, made, console, quiet)
     found = as_recorded(folder, run, result)
     report = "" if namespace.no_report else report_line([found], folder)
     again = "" if namespace.spec is None else made_again(namespace.spec, spec, result)

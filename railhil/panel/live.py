@@ -1,0 +1,133 @@
+"""A run while it is made, as messages for the pages."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from railhil.panel.declared import Layout, layout_of
+from railhil.panel.frame_list import FrameList
+from railhil.panel.history import History
+from railhil.panel.listener import WATCHED_FRAMES, Listener
+from railhil.panel.live_events import LiveEvents
+from railhil.panel.receiver import Receiver
+from railhil.panel.values import rows_of
+from railhil.panel.wire import APPEND, REPLACE, batch
+from railhil.scenarios.model import AnyScenario
+from railhil.scenarios.system import system_named
+
+#: Wall time between two lists of frames, states of lamps and counters.
+SLOW_S = 0.1
+
+
+class LiveRun:
+    """Listens to a bus and says what is new.
+
+    :param notes: the law's declaration of its notes; None: not known.
+    """
+
+    def __init__(
+        self,
+        scenario: AnyScenario,
+        receiver: Receiver,
+        title: str,
+        notes: Sequence[Mapping[str, Any]] | None = None,
+    ) -> None:
+        system = system_named(scenario.system)
+        self._scenario = scenario
+        self._notes = notes
+        self.receiver = receiver
+        self.layout: Layout = layout_of(scenario, system, system.contract, notes)
+        self.listener = Listener(scenario, system.contract)
+        self._list = FrameList(system.contract)
+        self._events = LiveEvents(scenario, system, self.layout)
+        self._history = History(2 + len(self.layout.columns) - 1)
+        self._run = self.listener.run
+        self._last_s = -1.0
+        self._slow_s = 0.0
+        self._title = title
+
+    def header(self) -> dict[str, Any]:
+        """What a page is told first."""
+        return {
+            "kind": "live",
+            "runs": [
+                {"name": self._title, "facts": {"scenario": self._scenario.name, "system": self._scenario.system}}
+            ],
+            "layout": self.layout.as_json(),
+        }
+
+    def past(self) -> list[str | bytes]:
+        """Everything so far, for a page that has just come."""
+        messages: list[str | bytes] = [batch(REPLACE, 0, self._history.rows)]
+        messages.append(json.dumps({"events": self._events.all, "replace": True}))
+        messages.append(json.dumps(self._slow()))
+        return messages
+
+    def look(self) -> list[str | bytes]:
+        """What is new on the bus."""
+        frames = self.receiver.look()
+        messages: list[str | bytes] = []
+        if frames:
+            self.listener.take(frames)
+            messages += self._fast()
+        now_s = time.monotonic()
+        if now_s - self._slow_s >= SLOW_S:
+            self._slow_s = now_s
+            messages.append(json.dumps(self._slow()))
+        return messages
+
+    def command(self, command: dict[str, Any]) -> str:
+        """No commands without a supervisor."""
+        return "no supervisor takes commands here: start the run with railhil run --panel"
+
+    def watch(self, can_ids: set[int]) -> None:
+        """Keep raw frames of these identifiers."""
+        kept = self.listener.watched
+        self.listener.watched = {one: kept.get(one, deque(maxlen=WATCHED_FRAMES)) for one in can_ids}
+
+    def _fast(self) -> list[str | bytes]:
+        listener, messages = self.listener, list[str | bytes]()
+        if listener.run != self._run:
+            self._run, self._last_s = listener.run, -1.0
+            self._history.clear()
+            self._events.restart()
+            messages.append(batch(REPLACE, 0, self._history.rows))
+            messages.append(json.dumps({"events": [], "replace": True}))
+        trace = listener.next_trace()
+        if not listener.knows_time:
+            return messages
+        rows = rows_of(self._scenario, self.layout, trace, self._notes, self._last_s)
+        if len(rows):
+            self._last_s = float(rows[-1, 0])
+            self._history.add(rows)
+            messages.append(batch(APPEND, 0, rows))
+        if found := self._events.of(trace):
+            messages.append(json.dumps({"events": found}))
+        return messages
+
+    def _slow(self) -> dict[str, Any]:
+        listener = self.listener
+        return {
+            "state": {
+                "time_s": listener.now_s,
+                "bus": self.receiver.trouble,
+                "load": listener.load,
+                "frames": listener.frame_count,
+                "polls": listener.polls,
+                "missed": sum(listener.missed.values()),
+                "dropped": self.receiver.dropped,
+                "rate": listener.clock.rate,
+                "lamps": [self._lamp(one.port, one.signal) for one in self.layout.lamps],
+                "other_scenario": listener.told_scenario not in (None, int(self._scenario.sha256[:8], 16)),
+            },
+            "frames": self._list.rows(listener),
+            "raw": self._list.watched(listener),
+        }
+
+    def _lamp(self, port: str, signal: str) -> int | None:
+        data = self.listener.store.raw(port)
+        return self._list.raw(port, signal, data) if data else None

@@ -1,0 +1,29 @@
+"""Rows of the page's columns from telegrams: while they come, and of a whole record."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from railhil.panel.declared import ERROR, Layout
+from railhil.scenarios.model import AnyScenario
+from railhil.supervisor.signals import signal_table
+from railhil.supervisor.trace import FloatArray, Trace
+
+
+def rows_of(
+    scenario: AnyScenario, layout: Layout, trace: Trace, notes: Any = None, after_s: float = -1.0
+) -> FloatArray:
+    """One row for each telegram of the truth later than ``after_s``: time in s, then the columns in their shown units.
+
+    :returns: shape (n, 1 + columns); unknown values are NaN.
+    """
+    _, table = signal_table(scenario, trace, notes)
+    table = table[table[:, 0] > after_s]
+    factors = [1.0, *(column.factor for column in layout.columns if column.name != ERROR)]
+    table = table * np.array(factors)
+    if layout.columns and layout.columns[-1].name == ERROR:
+        error = table[:, 1 + layout.target] - table[:, 1 + layout.speed]
+        table = np.column_stack([table, error])
+    return table
